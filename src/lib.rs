@@ -1,0 +1,8 @@
+//! Meshes into verified shadows.
+
+pub mod geom;
+pub mod mesh;
+pub mod scene;
+pub mod read;
+pub mod write;
+pub mod topology;

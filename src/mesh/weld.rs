@@ -1,0 +1,7 @@
+//! Welding.
+/// x
+pub struct Weld;
+/// x
+pub struct Welded;
+/// x
+pub fn weld() {}

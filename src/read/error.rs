@@ -1,0 +1,82 @@
+//! What went wrong while reading: which file, where in it, what was found, what to do about it.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use super::Format;
+
+/// Why a file could not be read. Prints as one line: file, place, problem, remedy.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReadError {
+    /// Which file.
+    pub file: PathBuf,
+    /// What the file was taken for, where that was settled.
+    pub format: Option<Format>,
+    /// Where in the file.
+    pub place: Place,
+    /// What was found, and what was wanted.
+    pub problem: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
+/// Where in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A line of a text file, counted from 1.
+    Line(u64),
+    /// A byte of a binary file, counted from 0.
+    Byte(u64),
+    /// A named thing of the file: "accessor 3", "element face, item 12".
+    Item(String),
+}
+
+impl ReadError {
+    /// An error at `place`; [`ReadError::in_file`] adds the file's name.
+    pub fn new(format: impl Into<Option<Format>>, place: Place, problem: impl Into<String>) -> Self {
+        Self {
+            file: PathBuf::new(),
+            format: format.into(),
+            place,
+            problem: problem.into(),
+            remedy: "export the file again".to_owned(),
+        }
+    }
+
+    /// The same error with advice that fits better than exporting the file again.
+    #[must_use]
+    pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
+        self.remedy = remedy.into();
+        self
+    }
+
+    /// The same error, naming the file it came from.
+    #[must_use]
+    pub fn in_file(mut self, file: impl Into<PathBuf>) -> Self {
+        self.file = file.into();
+        self
+    }
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // A name or a token from the file may hold line breaks; the message stays on one line.
+        let one_line = |text: &str| text.replace(char::is_control, "\u{fffd}");
+        write!(f, "{}", one_line(&self.file.to_string_lossy()))?;
+        match &self.place {
+            Place::File => {}
+            Place::Line(line) => write!(f, ", line {line}")?,
+            Place::Byte(byte) => write!(f, ", byte {byte}")?,
+            Place::Item(item) => write!(f, ", {}", one_line(item))?,
+        }
+        if let Some(format) = self.format {
+            write!(f, " ({format})")?;
+        }
+        write!(f, ": {}; {}", one_line(&self.problem), one_line(&self.remedy))
+    }
+}
+
+impl std::error::Error for ReadError {}

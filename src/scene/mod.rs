@@ -1,0 +1,151 @@
+//! A scene: meshes, where their instances stand, lights and a camera; baked once into world space.
+
+mod camera;
+mod light;
+
+use glam::Mat4;
+
+pub use camera::Camera;
+pub use light::{SceneLight, SpotCone};
+
+use crate::mesh::{Mesh, MeshError, Part};
+use crate::read::Format;
+
+/// What a file holds.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// What the file was read as; `None` for a generated scene.
+    pub format: Option<Format>,
+    /// The meshes, each once, in their own space.
+    pub meshes: Vec<Mesh>,
+    /// Where meshes stand in the world.
+    pub instances: Vec<Instance>,
+    /// The file's own lights, in world space.
+    pub lights: Vec<SceneLight>,
+    /// The file's own camera, in world space.
+    pub camera: Option<Camera>,
+    /// What the reader did that a person should know of: n-gons cut into fans, lines ignored.
+    pub notes: Vec<String>,
+}
+
+/// One standing of a mesh in the world.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// Index into [`Scene::meshes`].
+    pub mesh: usize,
+    /// What the file calls the node; may be empty.
+    pub name: String,
+    /// Column-major, column vectors; may mirror and scale unevenly.
+    pub world_from_mesh: Mat4,
+}
+
+/// How far welding and counting reach.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scope {
+    /// Every part (primitive, group) of a mesh for itself.
+    Primitive,
+    /// Every mesh instance for itself.
+    #[default]
+    Mesh,
+    /// The whole file as one mesh.
+    Scene,
+}
+
+impl Scene {
+    /// A scene of one mesh where it is.
+    #[must_use]
+    pub fn of(mesh: Mesh) -> Self {
+        let instance = Instance { mesh: 0, name: String::new(), world_from_mesh: Mat4::IDENTITY };
+        Self { meshes: vec![mesh], instances: vec![instance], ..Self::default() }
+    }
+
+    /// The meshes in world space, one for each `scope`. From here on everything is exact with respect to
+    /// these positions. A mirrored instance has its winding turned, so that its front stays its front.
+    ///
+    /// A mesh whose only instance stands at the identity is moved, not copied.
+    ///
+    /// # Errors
+    ///
+    /// [`MeshError`] if a transform carries a position beyond `f32`, or a scene-wide mesh has too many
+    /// vertices or triangles.
+    pub fn bake(mut self, scope: Scope) -> Result<Vec<Mesh>, MeshError> {
+        let mut uses = vec![0_usize; self.meshes.len()];
+        for instance in &self.instances {
+            uses[instance.mesh] += 1;
+        }
+        let mut baked = Vec::with_capacity(self.instances.len());
+        for instance in &self.instances {
+            uses[instance.mesh] -= 1;
+            let mesh = if uses[instance.mesh] == 0 {
+                std::mem::take(&mut self.meshes[instance.mesh])
+            } else {
+                self.meshes[instance.mesh].clone()
+            };
+            baked.push(place(mesh, instance)?);
+        }
+        match scope {
+            Scope::Mesh => Ok(baked),
+            Scope::Primitive => baked.into_iter().map(split).try_fold(Vec::new(), |mut all, parts| {
+                all.extend(parts?);
+                Ok(all)
+            }),
+            Scope::Scene if baked.len() <= 1 => Ok(baked),
+            Scope::Scene => Ok(vec![Mesh::concat(&baked)?.with_name("scene")]),
+        }
+    }
+}
+
+/// `mesh` where `instance` stands, named after the node (and the mesh, where the two differ).
+fn place(mesh: Mesh, instance: &Instance) -> Result<Mesh, MeshError> {
+    let name = match (instance.name.as_str(), mesh.name.as_str()) {
+        ("", name) | (name, "") => name.to_owned(),
+        (node, mesh) if node == mesh => node.to_owned(),
+        (node, mesh) => format!("{node} / {mesh}"),
+    };
+    if instance.world_from_mesh == Mat4::IDENTITY {
+        return Ok(mesh.with_name(name));
+    }
+    let (mut positions, mut triangles, parts, mut frames) = mesh.into_parts();
+    for position in frames.iter_mut().flatten().chain(&mut positions) {
+        *position = instance.world_from_mesh.transform_point3((*position).into()).into();
+    }
+    if instance.world_from_mesh.as_dmat4().determinant() < 0.0 {
+        triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+    }
+    Mesh::new(positions, triangles)?.with_name(name).with_parts(parts).with_frames(frames)
+}
+
+/// Each part of `mesh` as a mesh of its own, with only the vertices that it uses.
+fn split(mesh: Mesh) -> Result<Vec<Mesh>, MeshError> {
+    if mesh.parts().len() <= 1 {
+        return Ok(vec![mesh]);
+    }
+    let mut new_of_old = vec![u32::MAX; mesh.vertex_count()];
+    let mut pieces = Vec::with_capacity(mesh.parts().len());
+    for part in mesh.parts() {
+        let mut old_of_new: Vec<u32> = Vec::new();
+        let faces = &mesh.triangles()[part.faces.start as usize..part.faces.end as usize];
+        let triangles = faces
+            .iter()
+            .map(|corners| {
+                corners.map(|old| {
+                    let new = &mut new_of_old[old as usize];
+                    if *new == u32::MAX {
+                        *new = old_of_new.len() as u32; // at most three a face, and faces fit 32 bits
+                        old_of_new.push(old);
+                    }
+                    *new
+                })
+            })
+            .collect();
+        let pick = |from: &[[f32; 3]]| old_of_new.iter().map(|&old| from[old as usize]).collect::<Vec<_>>();
+        let name = [mesh.name.as_str(), part.name.as_str()].into_iter().filter(|name| !name.is_empty());
+        let piece = Mesh::new(pick(mesh.positions()), triangles)?
+            .with_name(name.collect::<Vec<_>>().join(" / "))
+            .with_parts(vec![Part { name: part.name.clone(), faces: 0..faces.len() as u32 }])
+            .with_frames(mesh.frames().iter().map(|frame| pick(frame)).collect())?;
+        old_of_new.iter().for_each(|&old| new_of_old[old as usize] = u32::MAX);
+        pieces.push(piece);
+    }
+    Ok(pieces)
+}

@@ -95,8 +95,10 @@ impl FromStr for Light {
     fn from_str(text: &str) -> Result<Self, LightError> {
         let syntax = || LightError::Syntax(text.to_owned());
         let (kind, coordinates) = text.split_once(':').ok_or_else(syntax)?;
-        let numbers: Vec<f32> =
-            coordinates.split(',').map(|x| x.trim().parse().map_err(|_| syntax())).collect::<Result<_, _>>()?;
+        let numbers: Vec<f32> = coordinates
+            .split(',')
+            .map(|x| x.trim().parse().map_err(|_| syntax()))
+            .collect::<Result<_, _>>()?;
         let xyz = numbers.try_into().map_err(|_| syntax())?;
         match kind.trim() {
             "point" => Self::point(xyz),

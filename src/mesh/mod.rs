@@ -79,8 +79,9 @@ pub enum MeshError {
     },
 }
 
-/// The most triangles a mesh may have: three half-edges each, and one id kept free as a mark.
-pub const MAX_TRIANGLES: usize = (u32::MAX as usize - 1) / 3;
+/// The most triangles a mesh may have, 715,827,882: three half-edges each, of which the edge table keeps a
+/// 31-bit id beside one bit of direction.
+pub const MAX_TRIANGLES: usize = (1 << 31) / 3;
 
 impl Mesh {
     /// Checks `positions` and `triangles` and takes them in. Linear time, no copy.
@@ -134,10 +135,17 @@ impl Mesh {
     pub fn with_parts(mut self, parts: Vec<Part>) -> Self {
         let mut end = 0;
         for part in &parts {
-            assert!(part.faces.start >= end && part.faces.end >= part.faces.start, "part out of order: {part:?}");
+            assert!(
+                part.faces.start >= end && part.faces.end >= part.faces.start,
+                "part out of order: {part:?}"
+            );
             end = part.faces.end;
         }
-        assert!(end as usize <= self.triangles.len(), "a part ends at face {end} of {}", self.triangles.len());
+        assert!(
+            end as usize <= self.triangles.len(),
+            "a part ends at face {end} of {}",
+            self.triangles.len()
+        );
         self.parts = parts;
         self
     }

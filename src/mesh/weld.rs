@@ -1,7 +1,170 @@
-//! Welding.
-/// x
-pub struct Weld;
-/// x
-pub struct Welded;
-/// x
-pub fn weld() {}
+//! Vertices at one place become one vertex, so that faces which touch in space are neighbours in topology.
+
+use hashbrown::{DefaultHashBuilder, HashMap, HashTable};
+use std::hash::BuildHasher;
+
+use super::{Mesh, VertexId};
+
+/// Which vertices are the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Weld {
+    /// Bit-equal positions, in every frame.
+    #[default]
+    Exact,
+    /// Only equal indices: the file's own topology.
+    None,
+    /// Positions at most this far apart (mesh units, in every frame). Going through the vertices in order,
+    /// each joins the lowest-numbered kept vertex within reach, or is kept itself: nothing moves farther than
+    /// the distance, and there are no chains.
+    Within(f32),
+}
+
+/// A welded mesh: no two vertices are the same, and every vertex belongs to a face.
+#[derive(Clone, Debug)]
+pub struct Welded {
+    /// Positions of the kept vertices, faces in the order of the original with welded indices.
+    pub mesh: Mesh,
+    /// For each vertex of the original the vertex it became; `None` where no face uses it.
+    pub vertex_of: Vec<Option<VertexId>>,
+}
+
+/// Merges vertices. Expected linear time; kept vertices stay in their order.
+///
+/// Vertices that no face references are left out.
+///
+/// ```
+/// use umbrage::mesh::{Weld, solid, weld};
+/// let soup = solid::soup(&solid::cube());
+/// assert_eq!((soup.vertex_count(), weld(&soup, Weld::Exact).mesh.vertex_count()), (36, 8));
+/// ```
+#[must_use]
+pub fn weld(mesh: &Mesh, how: Weld) -> Welded {
+    let mut referenced = vec![false; mesh.vertex_count()];
+    mesh.triangles().iter().flatten().for_each(|&vertex| referenced[vertex as usize] = true);
+    let (vertex_of, kept) = match how {
+        Weld::None => merge(&referenced, |_, _| None),
+        Weld::Exact => exact(mesh, &referenced),
+        Weld::Within(distance) if distance > 0.0 => within(mesh, &referenced, f64::from(distance)),
+        Weld::Within(_) => exact(mesh, &referenced),
+    };
+    drop(referenced);
+    let pick = |from: &[[f32; 3]]| kept.iter().map(|&vertex| from[vertex as usize]).collect::<Vec<_>>();
+    let triangles =
+        mesh.triangles().iter().map(|corners| corners.map(|vertex| vertex_of[vertex as usize])).collect();
+    let welded = Mesh {
+        name: mesh.name.clone(),
+        positions: pick(&mesh.positions),
+        triangles,
+        parts: mesh.parts.clone(),
+        frames: mesh.frames.iter().map(|frame| pick(frame)).collect(),
+    };
+    let vertex_of =
+        vertex_of.into_iter().map(|vertex| (vertex != UNUSED).then_some(VertexId(vertex))).collect();
+    Welded { mesh: welded, vertex_of }
+}
+
+/// A mark that no vertex id reaches, see [`Mesh::new`].
+const UNUSED: u32 = u32::MAX;
+
+/// Goes through the referenced vertices in order. `find(vertex, new)` tells the welded vertex that `vertex`
+/// joins, or `None` if it is kept as `new`. Gives each vertex's welded id, and each welded vertex's origin.
+fn merge(referenced: &[bool], mut find: impl FnMut(u32, u32) -> Option<u32>) -> (Vec<u32>, Vec<u32>) {
+    let mut vertex_of = vec![UNUSED; referenced.len()];
+    let mut kept = Vec::new();
+    for (vertex, _) in referenced.iter().enumerate().filter(|(_, used)| **used) {
+        let new = kept.len() as u32; // below the vertex count, which fits
+        vertex_of[vertex] = find(vertex as u32, new).unwrap_or_else(|| {
+            kept.push(vertex as u32);
+            new
+        });
+    }
+    (vertex_of, kept)
+}
+
+fn exact(mesh: &Mesh, referenced: &[bool]) -> (Vec<u32>, Vec<u32>) {
+    // Seeded by chance, so that no file can be made to collide; ids do not depend on it.
+    let hasher = DefaultHashBuilder::default();
+    let mut table: HashTable<Entry> = HashTable::new();
+    let bits = |vertex: u32| mesh.positions[vertex as usize].map(f32::to_bits);
+    let same = |a: u32, b: u32| {
+        mesh.frames
+            .iter()
+            .all(|frame| frame[a as usize].map(f32::to_bits) == frame[b as usize].map(f32::to_bits))
+    };
+    let hash = |key: [u32; 3], vertex: u32| {
+        let first = hasher.hash_one((u64::from(key[0]) << 32 | u64::from(key[1]), key[2]));
+        mesh.frames
+            .iter()
+            .fold(first, |hash, frame| hasher.hash_one((hash, frame[vertex as usize].map(f32::to_bits))))
+    };
+    merge(referenced, |vertex, new| {
+        let key = bits(vertex);
+        let entry = table.entry(
+            hash(key, vertex),
+            |entry| entry.key == key && same(entry.vertex, vertex),
+            |entry| hash(entry.key, entry.vertex),
+        );
+        match entry {
+            hashbrown::hash_table::Entry::Occupied(found) => Some(found.get().welded),
+            hashbrown::hash_table::Entry::Vacant(place) => {
+                place.insert(Entry { key, vertex, welded: new });
+                None
+            }
+        }
+    })
+}
+
+struct Entry {
+    key: [u32; 3],
+    vertex: u32,
+    welded: u32,
+}
+
+/// Kept vertices lie more than `distance` apart (in some frame), so a cell of that size holds few of them and
+/// those in reach lie in the 27 cells around.
+fn within(mesh: &Mesh, referenced: &[bool], distance: f64) -> (Vec<u32>, Vec<u32>) {
+    let frames: Vec<&[[f32; 3]]> =
+        std::iter::once(mesh.positions()).chain(mesh.frames.iter().map(Vec::as_slice)).collect();
+    let near = |a: u32, b: u32| {
+        frames.iter().all(|frame| {
+            let square =
+                |i: usize| (f64::from(frame[a as usize][i]) - f64::from(frame[b as usize][i])).powi(2);
+            square(0) + square(1) + square(2) <= distance * distance
+        })
+    };
+    // Cell numbers stay f64: where they pass 2^53 the f32 grid itself is coarser than the cells.
+    let cell = |vertex: u32| mesh.positions[vertex as usize].map(|x| (f64::from(x) / distance).floor());
+    let mut cells: HashMap<[u64; 3], Vec<(u32, u32)>> = HashMap::new();
+    merge(referenced, |vertex, new| {
+        let home = cell(vertex);
+        let mut found: Option<u32> = None;
+        for_each_neighbour(home, |key| {
+            let Some(residents) = cells.get(&key) else { return };
+            for &(other, welded) in residents {
+                if found.is_none_or(|best| welded < best) && near(vertex, other) {
+                    found = Some(welded);
+                }
+            }
+        });
+        if found.is_none() {
+            cells.entry(home.map(cell_bits)).or_default().push((vertex, new));
+        }
+        found
+    })
+}
+
+fn cell_bits(cell: f64) -> u64 {
+    (cell + 0.0).to_bits()
+}
+
+fn for_each_neighbour(home: [f64; 3], mut visit: impl FnMut([u64; 3])) {
+    // Beyond 2^53 adding one changes nothing, and a cell must not be visited twice.
+    let axis = |x: f64| [Some(x), Some(x - 1.0).filter(|y| *y != x), Some(x + 1.0).filter(|y| *y != x)];
+    for x in axis(home[0]).into_iter().flatten() {
+        for y in axis(home[1]).into_iter().flatten() {
+            for z in axis(home[2]).into_iter().flatten() {
+                visit([x, y, z].map(cell_bits));
+            }
+        }
+    }
+}

@@ -1,4 +1,6 @@
-use std::io::{BufRead, Seek};
 use super::{ReadError, Source};
 use crate::scene::Scene;
-pub(super) fn read<R: BufRead + Seek>(_source: Source<R>) -> Result<Scene, ReadError> { unimplemented!() }
+use std::io::{BufRead, Seek};
+pub(super) fn read<R: BufRead + Seek>(_source: Source<R>) -> Result<Scene, ReadError> {
+    unimplemented!()
+}

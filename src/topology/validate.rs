@@ -1,0 +1,42 @@
+//! Every invariant of the edge table, checked from the outside.
+
+use super::Topology;
+
+impl Topology {
+    /// Checks every invariant: each half-edge of a face that has not collapsed stands in the table once, at
+    /// the edge of its two vertices, with its direction; edges ascend and none is empty. Debug builds run it
+    /// after every build. Linear time.
+    ///
+    /// # Panics
+    ///
+    /// Panics with the values where an invariant does not hold.
+    pub fn validate(&self) {
+        let mut seen = vec![false; 3 * self.face_count()];
+        let mut before = None;
+        assert_eq!(self.offsets.first(), Some(&0));
+        assert_eq!(self.offsets.last().map(|&end| end as usize), Some(self.entries.len()));
+        for edge in self.edges() {
+            let entries = self.entries(edge);
+            assert!(!entries.is_empty(), "{edge:?} has no half-edge");
+            assert!(entries.is_sorted_by_key(|entry| entry.0), "half-edges of {edge:?} are out of order");
+            let [a, b] = self.vertices(edge);
+            assert!(a < b && b.index() < self.vertex_count, "{edge:?} runs from {a:?} to {b:?}");
+            assert!(before < Some((a, b)), "{edge:?} is out of order");
+            before = Some((a, b));
+            for entry in entries {
+                let half_edge = entry.half_edge();
+                let ends = (self.tail(half_edge), self.head(half_edge));
+                let expected = if entry.direction() == 1 { (a, b) } else { (b, a) };
+                assert_eq!(ends, expected, "{half_edge:?} of {edge:?}");
+                assert!(
+                    !self.is_collapsed(self.face(half_edge)),
+                    "{half_edge:?} belongs to a collapsed face"
+                );
+                assert!(!std::mem::replace(&mut seen[half_edge.index()], true), "{half_edge:?} stands twice");
+            }
+        }
+        let collapsed = self.faces().filter(|&face| self.is_collapsed(face)).count();
+        assert_eq!(collapsed, self.collapsed_faces);
+        assert_eq!(seen.iter().filter(|&&seen| seen).count(), 3 * (self.face_count() - collapsed));
+    }
+}

@@ -159,6 +159,14 @@ pub fn orient3d_homogeneous(points: [Homogeneous; 4]) -> Sign {
     if k % 2 == 1 { sign } else { -sign }
 }
 
+/// The sign of the determinant of three homogeneous points taken as directions, `w` left out: for points at
+/// infinity, that of [`orient3d_homogeneous`] with any finite fourth point.
+#[inline]
+#[must_use]
+pub(crate) fn directions_turn(points: [Homogeneous; 3]) -> Sign {
+    sign_of_det(points.map(|point| Row(point.plus, point.minus)))
+}
+
 /// Which side of a face the light is on: positive in front (where the corners run counter-clockwise), negative
 /// behind, zero exactly edge-on. The sign of `(b−a)×(c−a) · (L − a·w)`.
 #[inline]

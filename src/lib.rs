@@ -6,3 +6,4 @@ pub mod scene;
 pub mod read;
 pub mod write;
 pub mod topology;
+pub mod silhouette;

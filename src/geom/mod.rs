@@ -1,6 +1,11 @@
 //! Geometry whose signs are exact: predicates, lights, boxes.
 
+mod aabb;
+pub mod bvh;
 mod light;
 pub mod predicate;
+mod segment;
 
+pub use aabb::Aabb;
 pub use light::{Light, LightError};
+pub use segment::Segment;

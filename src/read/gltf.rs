@@ -1,5 +1,0 @@
-use std::io::{BufRead, Seek};
-use std::path::Path;
-use super::{Format, ReadError, Source};
-use crate::scene::Scene;
-pub(super) fn read<R: BufRead + Seek>(_source: Source<R>, _format: Format, _folder: Option<&Path>) -> Result<Scene, ReadError> { unimplemented!() }

@@ -8,3 +8,4 @@ pub mod write;
 pub mod topology;
 pub mod silhouette;
 pub mod volume;
+pub mod oracle;

@@ -1,11 +1,13 @@
 //! Files to scenes: one format a file, sniffed from the content, then from the extension.
 
 mod error;
+mod fan;
 mod gltf;
 mod md2;
 mod obj;
 mod ply;
 mod stl;
+mod text;
 
 use std::fmt;
 use std::fs::File;
@@ -14,6 +16,7 @@ use std::path::Path;
 
 pub use error::{Place, ReadError};
 
+use crate::mesh::MeshError;
 use crate::scene::Scene;
 
 /// A file format that can be read.
@@ -121,8 +124,7 @@ fn read_source<R: BufRead + Seek>(
     name: &Path,
     folder: Option<&Path>,
 ) -> Result<Scene, ReadError> {
-    let unreadable =
-        |error: io::Error| ReadError::new(None, Place::File, format!("cannot be read: {error}"));
+    let unreadable = |error: io::Error| ReadError::new(None, Place::File, format!("cannot be read: {error}"));
     let mut head = Vec::new();
     source.reader.by_ref().take(512).read_to_end(&mut head).map_err(unreadable)?;
     source.reader.seek(SeekFrom::Start(0)).map_err(unreadable)?;
@@ -144,13 +146,18 @@ fn read_source<R: BufRead + Seek>(
     Ok(scene)
 }
 
+/// What [`Mesh::new`](crate::mesh::Mesh::new) refuses although the reader let it pass: a mesh too large.
+fn refused(format: Format, error: &MeshError) -> ReadError {
+    ReadError::new(format, Place::File, error.to_string()).remedy("split the file")
+}
+
 /// The format that the first bytes of a file show, or else its extension.
 fn sniff(head: &[u8], len: u64, name: &Path) -> Option<Format> {
     let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
     // A binary STL may begin with "solid" too; its length is the stronger sign: 80 + 4 + 50 bytes a triangle.
-    let binary_stl = head
-        .get(80..84)
-        .is_some_and(|count| len == 84 + 50 * u64::from(u32::from_le_bytes(count.try_into().expect("four bytes"))));
+    let binary_stl = head.get(80..84).is_some_and(|count| {
+        len == 84 + 50 * u64::from(u32::from_le_bytes(count.try_into().expect("four bytes")))
+    });
     match text {
         _ if head.starts_with(b"glTF") => Some(Format::Glb),
         _ if head.starts_with(b"IDP2") => Some(Format::Md2),

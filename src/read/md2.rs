@@ -75,7 +75,10 @@ pub(super) fn read<R: BufRead + Seek>(source: Source<R>) -> Result<Scene, ReadEr
         let [a, b, c] = [0, 2, 4].map(|corner| u32::from(u16::from_le_bytes(array(&bytes, at + corner))));
         if let Some(bad) = [a, b, c].into_iter().find(|&vertex| u64::from(vertex) >= vertex_count) {
             let (face, vertices) = (triangles.len(), counted(vertex_count, "vertex"));
-            return Err(error(at, format!("triangle {face} names vertex {bad}, but there are {vertices}")));
+            return Err(error(
+                at,
+                format!("triangle {face} names vertex {bad}, but the file has {vertices}"),
+            ));
         }
         triangles.push([a, c, b]);
     }

@@ -164,7 +164,7 @@ fn sniff(head: &[u8], len: u64, name: &Path) -> Option<Format> {
         _ if head.starts_with(b"ply\n") || head.starts_with(b"ply\r") => Some(Format::Ply),
         _ if binary_stl => Some(Format::Stl),
         _ if text.starts_with(b"{") => Some(Format::Gltf),
-        _ if text.starts_with(b"solid") => Some(Format::Stl),
+        _ if text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) => Some(Format::Stl),
         _ => Format::from_extension(name),
     }
 }

@@ -23,9 +23,9 @@ pub(super) fn read<R: BufRead + Seek>(source: Source<R>) -> Result<Scene, ReadEr
             Some(b"v") => obj.vertex(line)?,
             Some(b"f") => obj.face(line)?,
             Some(b"vt" | b"vn" | b"vp" | b"s" | b"mtllib") => {}
-            Some(b"o") => obj.names[0] = line.name(),
-            Some(b"g") => obj.names[1] = line.name(),
-            Some(b"usemtl") => obj.names[2] = line.name(),
+            Some(b"o") => obj.rename(0, line),
+            Some(b"g") => obj.rename(1, line),
+            Some(b"usemtl") => obj.rename(2, line),
             Some([b'#', ..]) => {}
             Some(keyword) => {
                 obj.ignored += 1;
@@ -45,6 +45,8 @@ struct Obj {
     names: [String; 3],
     /// The names of the last part, to tell whether a face continues it.
     part_names: [String; 3],
+    /// Whether a name came since the last face.
+    renamed: bool,
     n_gons: u64,
     /// The highest index (from 1) named by a face, and the first line that names it.
     highest: (u64, u64),
@@ -81,7 +83,7 @@ impl Obj {
             3 => {}
             _ => self.n_gons += 1,
         }
-        if self.parts.is_empty() || self.names != self.part_names {
+        if self.parts.is_empty() || self.renamed {
             self.begin_part(start);
         }
         Ok(())
@@ -103,7 +105,7 @@ impl Obj {
             let so_far = counted(count, "vertex");
             let problem = match index {
                 0 => "a face names vertex 0, but indices count from 1".to_owned(),
-                _ => format!("a face names vertex {index}, but there are {so_far} so far"),
+                _ => format!("a face names vertex {index}, but the file has {so_far} so far"),
             };
             return Err(line.error(problem));
         }
@@ -113,9 +115,17 @@ impl Obj {
         Ok((from_one - 1) as u32) // at most u32::MAX − 1, by the check above
     }
 
-    /// A new run of faces from `start` on. Runs cover all faces, the unnamed ones too.
-    #[cold]
+    fn rename(&mut self, which: usize, line: Line<'_>) {
+        self.names[which] = line.name();
+        self.renamed = true;
+    }
+
+    /// A new run of faces from `start` on, if its names differ. Runs cover all faces, the unnamed ones too.
     fn begin_part(&mut self, start: usize) {
+        self.renamed = false;
+        if !self.parts.is_empty() && self.names == self.part_names {
+            return;
+        }
         self.part_names.clone_from(&self.names);
         let mut name = String::new();
         for part in self.names.iter().filter(|part| !part.is_empty()) {
@@ -134,7 +144,7 @@ impl Obj {
         let (highest, line) = self.highest;
         if highest > count {
             let there_are = counted(count, "vertex");
-            return Err(error(line, format!("a face names vertex {highest}, but there are {there_are}")));
+            return Err(error(line, format!("a face names vertex {highest}, but the file has {there_are}")));
         }
         if let (0, Some((line, keyword))) = (count, &self.first_ignored) {
             let problem = format!("{keyword} is not a statement of a mesh, and the file holds no vertex");

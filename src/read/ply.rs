@@ -91,7 +91,7 @@ impl Ply {
                 let value = values.number(number)?;
                 if let Some(axis) = axes.iter().position(|&axis| axis == at) {
                     if !(value as f32).is_finite() {
-                        let problem = format!("the coordinate {value} is not a finite number of 32 bits");
+                        let problem = format!("the coordinate {value:e} is not a finite number of 32 bits");
                         return Err(values.error(problem));
                     }
                     position[axis] = value as f32;
@@ -164,7 +164,7 @@ impl Ply {
             return Ok(value as u32); // whole: the header is refused unless the list's type is
         }
         let vertices = counted(self.vertex_count, "vertex");
-        Err(values.error(format!("a face names vertex {value}, but there are {vertices}")))
+        Err(values.error(format!("a face names vertex {value}, but the file has {vertices}")))
     }
 }
 

@@ -136,6 +136,7 @@ fn read_text<R: BufRead>(reader: R) -> Result<Scene, ReadError> {
         return Err(lines.error_at_end(format!("the file ends where {} is wanted", wanted(inside))));
     }
     let mesh = soup(positions)?;
+    solids.retain(|solid| !solid.faces.is_empty());
     Ok(Scene::of(match solids.as_mut_slice() {
         [only] => mesh.with_name(std::mem::take(&mut only.name)),
         _ => mesh.with_parts(solids),

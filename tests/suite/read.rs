@@ -218,12 +218,20 @@ fn real_meshes_have_the_measured_counts() {
     let mut lines = facts.lines().map(fields);
     let head = lines.next().unwrap();
     let column = |name: &str| head.iter().position(|column| column == name).unwrap();
-    let columns =
-        ["name", "format", "vertices", "triangles", "unreferenced_vertices", "ngon_faces", "md2_frames"];
+    let columns = [
+        "name",
+        "format",
+        "vertices",
+        "triangles",
+        "unreferenced_vertices",
+        "ngon_faces",
+        "md2_frames",
+        "bbox",
+    ];
     let columns = columns.map(column);
     let mut checked = 0;
     for row in lines {
-        let [name, format, vertices, triangles, unreferenced, n_gons, frames] =
+        let [name, format, vertices, triangles, unreferenced, n_gons, frames, size] =
             columns.map(|at| row[at].as_str());
         if !["obj", "stl", "ply", "md2"].contains(&format) {
             continue;
@@ -238,6 +246,12 @@ fn real_meshes_have_the_measured_counts() {
         assert_eq!(unused.to_string(), unreferenced, "unreferenced vertices of {name}");
         let note = scene.notes.iter().find_map(|note| note.strip_suffix(" n-gons cut into fans"));
         assert_eq!(note.unwrap_or("0"), n_gons, "n-gons of {name}");
+        let [low, high] = mesh.bounds().unwrap();
+        for (axis, size) in size.split(" x ").enumerate() {
+            // The facts have six digits.
+            let (size, found): (f32, f32) = (size.parse().unwrap(), high[axis] - low[axis]);
+            assert!((size - found).abs() <= 1e-5 * size, "axis {axis} of {name}: {found}, not {size}");
+        }
         if !frames.is_empty() {
             assert_eq!((1 + mesh.frames().len()).to_string(), frames, "frames of {name}");
         }

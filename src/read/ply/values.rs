@@ -117,7 +117,8 @@ impl<R: BufRead, const BIG_ENDIAN: bool> Binary<R, BIG_ENDIAN> {
                 bytes.copy_from_slice(&buffer[..N]);
                 self.reader.consume(N);
             }
-            Ok(_) => self.reader.read_exact(&mut bytes).map_err(|error| match error.kind() {
+            // At the end of the buffer, or on an error, which comes again here.
+            _ => self.reader.read_exact(&mut bytes).map_err(|error| match error.kind() {
                 ErrorKind::UnexpectedEof => {
                     let problem =
                         format!("the file ends inside element {}, item {}", self.element, self.index);
@@ -125,7 +126,6 @@ impl<R: BufRead, const BIG_ENDIAN: bool> Binary<R, BIG_ENDIAN> {
                 }
                 _ => unreadable(Format::Ply, place(), &error),
             })?,
-            Err(error) => return Err(unreadable(Format::Ply, place(), &error)),
         }
         self.position += N as u64;
         if BIG_ENDIAN {

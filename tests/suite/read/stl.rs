@@ -1,5 +1,7 @@
 use std::io::Cursor;
 
+use umbrage::mesh::Mesh;
+
 use super::{expect_errors, mesh, parts, scene};
 
 pub(super) const SAMPLE: &[u8] = b"solid first part
@@ -61,7 +63,13 @@ fn stl_text_may_be_upper_case_and_unnamed() {
     let text = String::from_utf8(SAMPLE.to_vec()).unwrap().to_uppercase().replace("SECOND", "");
     let mesh = mesh(text.replace('\n', "\r\n"), "a.bin");
     assert_eq!(parts(&mesh), [("FIRST PART", 0..1), ("", 1..2)]);
-    assert_eq!(self::mesh("solid\nendsolid\n", "a.stl").face_count(), 0);
+}
+
+#[test]
+fn stl_solids_without_faces_are_no_parts() {
+    assert_eq!(mesh("solid\nendsolid\n", "a.stl"), Mesh::default());
+    let text = [b"solid empty\nendsolid empty\n", SAMPLE].concat();
+    assert_eq!(parts(&mesh(text, "a.stl")), [("first part", 0..1), ("second", 1..2)]);
 }
 
 #[test]

@@ -29,7 +29,11 @@ pub fn meet(p: [f32; 3], light: &Light, triangle: [[f32; 3]; 3]) -> Meeting {
     let here = side_of_point(triangle, p);
     let there = side_of_light(triangle, light);
     if here == there {
-        return if here.is_zero() && meets_in_plane(p, light, triangle) { Meeting::Touching } else { Meeting::None };
+        return if here.is_zero() && meets_in_plane(p, light, triangle) {
+            Meeting::Touching
+        } else {
+            Meeting::None
+        };
     }
     if here.is_zero() || there.is_zero() {
         return Meeting::None;
@@ -156,17 +160,17 @@ mod tests {
     #[test]
     fn meet_in_the_plane_touches_iff_they_overlap() {
         for (p, l, expected) in [
-            ([-1.0, 1.0, 0.0], [5.0, 1.0, 0.0], true),   // through
-            ([1.0, 1.0, 0.0], [1.5, 1.0, 0.0], true),    // within
+            ([-1.0, 1.0, 0.0], [5.0, 1.0, 0.0], true),    // through
+            ([1.0, 1.0, 0.0], [1.5, 1.0, 0.0], true),     // within
             ([-1.0, -1.0, 0.0], [9.0, -1.0, 0.0], false), // beside
-            ([-2.0, 0.0, 0.0], [-1.0, 0.0, 0.0], false), // on an edge's line, before it
-            ([-2.0, 0.0, 0.0], [0.0, 0.0, 0.0], false),  // ends at a corner
-            ([-2.0, 0.0, 0.0], [0.5, 0.0, 0.0], true),   // along an edge
-            ([-1.0, 1.0, 0.0], [1.0, -1.0, 0.0], true),  // through a corner
-            ([2.0, 0.0, 0.0], [2.0, -1.0, 0.0], false),  // leaves from an edge
-            ([0.0, 0.0, 0.0], [-1.0, -2.0, 0.0], false), // leaves from a corner
-            ([5.0, 0.0, 0.0], [0.0, 5.0, 0.0], false),   // parallel to the long edge
-            ([4.0, 0.0, 0.0], [0.0, 4.0, 0.0], true),    // on it
+            ([-2.0, 0.0, 0.0], [-1.0, 0.0, 0.0], false),  // on an edge's line, before it
+            ([-2.0, 0.0, 0.0], [0.0, 0.0, 0.0], false),   // ends at a corner
+            ([-2.0, 0.0, 0.0], [0.5, 0.0, 0.0], true),    // along an edge
+            ([-1.0, 1.0, 0.0], [1.0, -1.0, 0.0], true),   // through a corner
+            ([2.0, 0.0, 0.0], [2.0, -1.0, 0.0], false),   // leaves from an edge
+            ([0.0, 0.0, 0.0], [-1.0, -2.0, 0.0], false),  // leaves from a corner
+            ([5.0, 0.0, 0.0], [0.0, 5.0, 0.0], false),    // parallel to the long edge
+            ([4.0, 0.0, 0.0], [0.0, 4.0, 0.0], true),     // on it
         ] {
             let expected = if expected { Meeting::Touching } else { Meeting::None };
             assert_eq!(to(p, l), expected, "{p:?} to {l:?}");

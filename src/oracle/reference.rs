@@ -71,10 +71,12 @@ fn meeting(start: &Vector, step: &Vector, endless: bool, [a, b, c]: &[Vector; 3]
     // height(t) = above + t·climb
     let (above, climb) = (dot(&normal, &minus(start, a)), dot(&normal, step));
     if sign(&climb) == 0 {
-        return (sign(&above) == 0 && touches_in_plane(start, step, endless, [a, b, c], &normal)).then_some(0);
+        return (sign(&above) == 0 && touches_in_plane(start, step, endless, [a, b, c], &normal))
+            .then_some(0);
     }
     // t = −above / climb, made with a positive denominator.
-    let (numerator, denominator) = if sign(&climb) > 0 { (-above, climb.clone()) } else { (above, -climb.clone()) };
+    let (numerator, denominator) =
+        if sign(&climb) > 0 { (-above, climb.clone()) } else { (above, -climb.clone()) };
     if sign(&numerator) <= 0 || (!endless && numerator >= denominator) {
         return None;
     }
@@ -92,7 +94,13 @@ fn meeting(start: &Vector, step: &Vector, endless: bool, [a, b, c]: &[Vector; 3]
 }
 
 /// In the face's plane: the stretch of the way that each edge leaves over.
-fn touches_in_plane(start: &Vector, step: &Vector, endless: bool, [a, b, c]: [&Vector; 3], normal: &Vector) -> bool {
+fn touches_in_plane(
+    start: &Vector,
+    step: &Vector,
+    endless: bool,
+    [a, b, c]: [&Vector; 3],
+    normal: &Vector,
+) -> bool {
     // Stretches as fractions; `None` for no bound. The way's own bounds are open, the edges' closed.
     let mut from = (BigInt::from(0), BigInt::from(1));
     let mut to = (!endless).then(|| (BigInt::from(1), BigInt::from(1)));

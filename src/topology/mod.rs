@@ -299,4 +299,6 @@ fn has_collapsed([a, b, c]: [u32; 3]) -> bool {
 }
 
 /// TEMPORARY
-pub fn self_intersections(_m: &crate::mesh::Mesh, _t: &Topology) -> Vec<[FaceId; 2]> { Vec::new() }
+pub fn self_intersections(_m: &crate::mesh::Mesh, _t: &Topology) -> Vec<[FaceId; 2]> {
+    Vec::new()
+}

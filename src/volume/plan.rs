@@ -233,7 +233,9 @@ fn light_places(mesh: &Mesh, shells: &Shells, proofs: &[ShellProof], light: &Lig
         let mut tie = vec![false; shells.count];
         let mut on = vec![false; shells.count];
         for (face, shell) in shells.of_face.iter().enumerate() {
-            let Some(shell) = shell.map(|shell| shell as usize).filter(|&shell| open[shell]) else { continue };
+            let Some(shell) = shell.map(|shell| shell as usize).filter(|&shell| open[shell]) else {
+                continue;
+            };
             let corners = mesh.corners(FaceId::new(face)).map(Homogeneous::point);
             match crossing(corners, Homogeneous::light(light), Homogeneous::light(&target)) {
                 Crossing::Miss => {}

@@ -96,7 +96,9 @@ impl<'volume> WindingIndex<'volume> {
             let known = *known.get_or_init(|| winding_number(self.volume, *anchor));
             let known = known?;
             near.clear();
-            self.tree.for_each_along(&Segment::between(p, *anchor), |piece| near.push(self.pieces[piece as usize]));
+            self.tree.for_each_along(&Segment::between(p, *anchor), |piece| {
+                near.push(self.pieces[piece as usize])
+            });
             near.sort_unstable();
             near.dedup();
             let candidates = near.iter().map(|&index| self.triangles[index as usize]);
@@ -189,7 +191,12 @@ pub(super) fn crossing([a, b, c]: [Homogeneous; 3], p: Homogeneous, q: Homogeneo
 }
 
 /// From `p` along `direction` to infinity, and through the dark cap that lies there.
-fn to_infinity(volume: &ShadowVolume, triangles: &[([u32; 3], i32)], p: [f32; 3], direction: [f32; 3]) -> Path {
+fn to_infinity(
+    volume: &ShadowVolume,
+    triangles: &[([u32; 3], i32)],
+    p: [f32; 3],
+    direction: [f32; 3],
+) -> Path {
     let light = Light::directional(direction).expect("scattered directions are not zero");
     let target = Homogeneous::light(&light);
     let mut sum = match walk(volume, triangles.iter().copied(), p, target) {

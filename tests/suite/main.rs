@@ -1,3 +1,4 @@
-//! The integration tests, one file a stage.
+//! Every integration test, one file a stage, named as in `src`.
 
 mod gltf;
+mod read;

@@ -1,4 +1,7 @@
 //! Every integration test, one file a stage, named as in `src`.
 
 mod gltf;
+mod oracle;
 mod read;
+mod support;
+mod volume;

@@ -181,6 +181,15 @@ pub fn turn(a: [f32; 3], b: [f32; 3], c: [f32; 3], axis: usize) -> Sign {
 #[inline]
 #[must_use]
 pub fn collinear(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> bool {
+    // A minor of two products of single rounded differences errs by at most (3 + 16ε)ε times the sum of their
+    // magnitudes (Shewchuk 1997, section 4.3, bound A of two dimensions); one that is surely not zero decides.
+    let [u, v] = [b, c].map(|p| [0, 1, 2].map(|i| f64::from(p[i]) - f64::from(a[i])));
+    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+        let (p, q) = (u[i] * v[j], u[j] * v[i]);
+        if (p - q).abs() > (3.0 + 16.0 * EPSILON) * EPSILON * (p.abs() + q.abs()) {
+            return false;
+        }
+    }
     (0..3).all(|axis| turn(a, b, c, axis).is_zero())
 }
 

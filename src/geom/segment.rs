@@ -50,7 +50,6 @@ impl Segment {
         Self { origin, direction, inverse: direction.map(f64::recip), end }
     }
 
-
     /// Whether the closed segment may meet the closed box: no false "no".
     #[inline]
     #[must_use]

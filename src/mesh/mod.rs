@@ -7,6 +7,7 @@ mod weld;
 use std::ops::Range;
 
 pub use id::{EdgeId, FaceId, HalfEdgeId, VertexId};
+pub(crate) use weld::weld_points;
 pub use weld::{Weld, Welded, weld};
 
 /// A triangle mesh inside the declared domain.

@@ -81,7 +81,10 @@ impl Casters {
     /// The sign that each face casts with: one entry a face, −1, 0 or +1.
     #[must_use]
     pub fn signs(self, facing: &[Facing]) -> Vec<i8> {
-        facing.iter().map(|facing| if self == Self::All { facing.sign() } else { facing.sign().max(0) }).collect()
+        facing
+            .iter()
+            .map(|facing| if self == Self::All { facing.sign() } else { facing.sign().max(0) })
+            .collect()
     }
 }
 

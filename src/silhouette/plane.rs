@@ -155,7 +155,11 @@ fn plane(corners: [[f32; 3]; 3], from_origin: impl Fn([f32; 3]) -> [f64; 3], rea
     let a = from_origin(corners[0]);
     let offset = -(normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2]);
     let offset = offset as f32;
-    let error = if offset.is_finite() && reach.is_finite() { round_up(offset_slack).max(f32::from_bits(2)) } else { f32::INFINITY };
+    let error = if offset.is_finite() && reach.is_finite() {
+        round_up(offset_slack).max(f32::from_bits(2))
+    } else {
+        f32::INFINITY
+    };
     Plane { normal: normal.map(|n| n as f32), offset, error }
 }
 

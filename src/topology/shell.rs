@@ -1,7 +1,7 @@
 //! What hangs together: shells, fans around a vertex, boundary loops. All by union-find, in near-linear time.
 
 use super::Topology;
-use crate::mesh::{EdgeId, FaceId, VertexId};
+use crate::mesh::{EdgeId, FaceId, HalfEdgeId, VertexId};
 
 /// A partition of `0..n` into sets, each led by its smallest member.
 ///
@@ -36,6 +36,13 @@ impl Components {
             self.parent[member as usize] = grandparent;
             member = grandparent;
         }
+    }
+
+    /// Whether `member` leads its set.
+    #[inline]
+    #[must_use]
+    pub fn leads(&self, member: u32) -> bool {
+        self.parent[member as usize] == member
     }
 
     /// Joins two sets.
@@ -96,6 +103,12 @@ impl Topology {
     /// vertex; ascending, each with its number of fans.
     #[must_use]
     pub fn non_manifold_vertices(&self) -> Vec<(VertexId, u32)> {
+        let fans = self.fans_of_non_manifold_vertices();
+        fans.chunk_by(|a, b| a.0 == b.0).map(|fans| (fans[0].0, fans.len() as u32)).collect()
+    }
+
+    /// At each vertex with several fans, the lowest-numbered face of each of them; ascending.
+    pub(crate) fn fans_of_non_manifold_vertices(&self) -> Vec<(VertexId, FaceId)> {
         // Corners at a vertex are joined where their faces share an edge at that vertex.
         let mut corners = Components::new(3 * self.face_count());
         for edge in self.edges() {
@@ -110,24 +123,73 @@ impl Topology {
                 corners.join(first_b.0, other_b.0);
             }
         }
-        let mut fans = vec![0_u32; self.vertex_count()];
-        for (face, &triangle) in self.triangles().iter().enumerate() {
-            if !super::has_collapsed(triangle) {
-                for (corner, &vertex) in triangle.iter().enumerate() {
-                    let corner = (3 * face + corner) as u32;
-                    fans[vertex as usize] += u32::from(corners.find(corner) == corner);
-                }
+        let leaders = || {
+            (0..3 * self.face_count() as u32)
+                .map(HalfEdgeId)
+                .filter(|&corner| corners.leads(corner.0) && !self.is_collapsed(self.face(corner)))
+        };
+        // Most vertices have one fan: mark the others, then list theirs.
+        let mut once = vec![false; self.vertex_count()];
+        let mut again = Vec::new();
+        for corner in leaders() {
+            let vertex = self.tail(corner);
+            if std::mem::replace(&mut once[vertex.index()], true) {
+                again.push(vertex);
             }
         }
-        let bad = fans.into_iter().enumerate().filter(|&(_, fans)| fans > 1);
-        bad.map(|(vertex, fans)| (VertexId::new(vertex), fans)).collect()
+        again.sort_unstable();
+        let several = leaders().map(|corner| (self.tail(corner), self.face(corner)));
+        let mut fans: Vec<_> = several.filter(|fan| again.binary_search(&fan.0).is_ok()).collect();
+        fans.sort_unstable();
+        fans
     }
 
     /// The boundary edges, grouped into loops: the connected components of the boundary. Within a loop edges
     /// ascend; loops come in the order of their first edges.
     #[must_use]
     pub fn boundary_loops(&self) -> Vec<Vec<EdgeId>> {
-        self.connected(self.edges().filter(|&edge| self.valence(edge) == 1).collect())
+        let (edges, ends) = self.grouped_boundary();
+        let starts = std::iter::once(0).chain(ends.iter().copied());
+        starts.zip(&ends).map(|(start, &end)| edges[start as usize..end as usize].to_vec()).collect()
+    }
+
+    /// The same in two lists: the edges loop by loop, and where each loop ends.
+    pub(crate) fn grouped_boundary(&self) -> (Vec<EdgeId>, Vec<u32>) {
+        let boundary = || self.edges().filter(|&edge| self.valence(edge) == 1);
+        let count = boundary().count();
+        if count == 0 {
+            return (Vec::new(), Vec::new());
+        }
+        let mut vertices = Components::new(self.vertex_count());
+        for edge in boundary() {
+            let [a, b] = self.vertices(edge);
+            vertices.join(a.0, b.0);
+        }
+        // Number the loops as they are met, then a counting sort.
+        const NONE: u32 = u32::MAX;
+        let mut number_of = vec![NONE; self.vertex_count()];
+        let mut ends: Vec<u32> = Vec::new();
+        let mut number = Vec::with_capacity(count);
+        for edge in boundary() {
+            let place = &mut number_of[vertices.find(self.vertices(edge)[0].0) as usize];
+            if *place == NONE {
+                *place = ends.len() as u32;
+                ends.push(0);
+            }
+            ends[*place as usize] += 1;
+            number.push(*place);
+        }
+        let mut sum = 0;
+        for end in &mut ends {
+            (sum, *end) = (sum + *end, sum);
+        }
+        let mut edges = vec![EdgeId(0); count];
+        for (edge, number) in boundary().zip(number) {
+            let place = &mut ends[number as usize];
+            edges[*place as usize] = edge;
+            *place += 1;
+        }
+        (edges, ends)
     }
 
     /// Groups `edges` (ascending) into connected components by their shared vertices. k·log k for k edges.

@@ -23,7 +23,9 @@ impl VolumeSum {
 
     #[inline]
     pub(crate) fn add(&mut self, corners: [[f32; 3]; 3]) {
-        let [a, b, c] = corners.map(|p| [0, 1, 2].map(|i| f64::from(p[i]) - self.reference[i]));
+        let r = self.reference;
+        let from = |p: [f32; 3]| [f64::from(p[0]) - r[0], f64::from(p[1]) - r[1], f64::from(p[2]) - r[2]];
+        let (a, b, c) = (from(corners[0]), from(corners[1]), from(corners[2]));
         let (bxcy, cxby) = (b[0] * c[1], c[0] * b[1]);
         let (cxay, axcy) = (c[0] * a[1], a[0] * c[1]);
         let (axby, bxay) = (a[0] * b[1], b[0] * a[1]);

@@ -1,7 +1,7 @@
-//! What hangs together: shells, fans around a vertex, boundary loops. All by union-find, in near-linear time.
+//! What hangs together: shells and boundary loops. All by union-find, in near-linear time.
 
 use super::Topology;
-use crate::mesh::{EdgeId, FaceId, HalfEdgeId, VertexId};
+use crate::mesh::{EdgeId, FaceId, VertexId};
 
 /// A partition of `0..n` into sets, each led by its smallest member.
 ///
@@ -36,13 +36,6 @@ impl Components {
             self.parent[member as usize] = grandparent;
             member = grandparent;
         }
-    }
-
-    /// Whether `member` leads its set.
-    #[inline]
-    #[must_use]
-    pub fn leads(&self, member: u32) -> bool {
-        self.parent[member as usize] == member
     }
 
     /// Joins two sets.
@@ -97,51 +90,6 @@ impl Topology {
         }
         let (of_face, count) = faces.number(|face| !self.is_collapsed(FaceId(face)));
         Shells { of_face, count }
-    }
-
-    /// Vertices whose faces form more than one fan, that is, are not all connected through edges at the
-    /// vertex; ascending, each with its number of fans.
-    #[must_use]
-    pub fn non_manifold_vertices(&self) -> Vec<(VertexId, u32)> {
-        let fans = self.fans_of_non_manifold_vertices();
-        fans.chunk_by(|a, b| a.0 == b.0).map(|fans| (fans[0].0, fans.len() as u32)).collect()
-    }
-
-    /// At each vertex with several fans, the lowest-numbered face of each of them; ascending.
-    pub(crate) fn fans_of_non_manifold_vertices(&self) -> Vec<(VertexId, FaceId)> {
-        // Corners at a vertex are joined where their faces share an edge at that vertex.
-        let mut corners = Components::new(3 * self.face_count());
-        for edge in self.edges() {
-            let [a, _] = self.vertices(edge);
-            let mut uses = self.half_edges(edge).map(|half_edge| {
-                let next = self.next(half_edge);
-                if self.tail(half_edge) == a { (half_edge, next) } else { (next, half_edge) }
-            });
-            let Some((first_a, first_b)) = uses.next() else { continue };
-            for (other_a, other_b) in uses {
-                corners.join(first_a.0, other_a.0);
-                corners.join(first_b.0, other_b.0);
-            }
-        }
-        let leaders = || {
-            (0..3 * self.face_count() as u32)
-                .map(HalfEdgeId)
-                .filter(|&corner| corners.leads(corner.0) && !self.is_collapsed(self.face(corner)))
-        };
-        // Most vertices have one fan: mark the others, then list theirs.
-        let mut once = vec![false; self.vertex_count()];
-        let mut again = Vec::new();
-        for corner in leaders() {
-            let vertex = self.tail(corner);
-            if std::mem::replace(&mut once[vertex.index()], true) {
-                again.push(vertex);
-            }
-        }
-        again.sort_unstable();
-        let several = leaders().map(|corner| (self.tail(corner), self.face(corner)));
-        let mut fans: Vec<_> = several.filter(|fan| again.binary_search(&fan.0).is_ok()).collect();
-        fans.sort_unstable();
-        fans
     }
 
     /// The boundary edges, grouped into loops: the connected components of the boundary. Within a loop edges

@@ -10,7 +10,9 @@ mod solid;
 
 pub use defect::{Defect, DefectKind};
 
-use super::Topology;
+use std::ops::ControlFlow;
+
+use super::{Topology, for_each_self_intersection};
 use crate::geom::Aabb;
 use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
 
@@ -269,6 +271,26 @@ impl CrackReport {
         Self { counts, shell_list, near_miss, self_intersections: None, places }
     }
 
-    /// Looks for self-intersections too, and keeps the first `keep` pairs.
-    pub fn add_self_intersections(&mut self, _mesh: &Mesh, _topology: &Topology, _keep: usize) {}
+    /// Looks for self-intersections too, and keeps the first `keep` pairs. See
+    /// [`for_each_self_intersection`] for what counts, and for the cost.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `topology` has other triangles than `mesh`.
+    pub fn add_self_intersections(&mut self, mesh: &Mesh, topology: &Topology, keep: usize) {
+        let mut found = SelfIntersections { pairs: 0, faces: 0, first: Vec::new() };
+        let mut involved = vec![false; topology.face_count()];
+        for_each_self_intersection(mesh, topology, |pair| {
+            found.pairs += 1;
+            for face in pair {
+                found.faces += usize::from(!std::mem::replace(&mut involved[face.index()], true));
+            }
+            if found.first.len() < keep {
+                found.first.push(pair);
+            }
+            ControlFlow::Continue(())
+        });
+        self.counts.self_intersections = Some(found.pairs);
+        self.self_intersections = Some(found);
+    }
 }

@@ -4,11 +4,12 @@ use super::Mesh;
 use super::random::SplitMix64;
 use crate::mesh::MeshError;
 
-/// `mesh` with new vertex numbers, its faces in another order, and each face's corners rotated, all drawn from
-/// `seed`. Same shape, same windings, same counts; without parts, as they are mixed.
+/// `mesh` with new vertex numbers, its faces in another order, and each face's corners rotated, all drawn
+/// from `seed`. Same shape, same windings, same counts; without parts, as they are mixed.
 ///
-/// Drawn in this order with SplitMix64: a permutation of the vertices, one of the faces (Fisher & Yates, from the
-/// last place down), then a rotation for each new face. What depends on the order of a file shows here.
+/// Drawn in this order with SplitMix64: a permutation of the vertices, one of the faces (Fisher & Yates,
+/// from the last place down), then a rotation for each new face. What depends on the order of a file shows
+/// here.
 #[must_use]
 pub fn shuffled(mesh: &Mesh, seed: u64) -> Mesh {
     let mut random = SplitMix64(seed);
@@ -49,7 +50,8 @@ pub fn soup(mesh: &Mesh) -> Mesh {
         .with_name(mesh.name.clone())
 }
 
-/// `mesh` with every face wound the other way: `[a, b, c]` becomes `[a, c, b]`. Counts stay, the volume's sign turns.
+/// `mesh` with every face wound the other way: `[a, b, c]` becomes `[a, c, b]`. Counts stay, the volume's
+/// sign turns.
 #[must_use]
 pub fn inside_out(mesh: &Mesh) -> Mesh {
     let triangles = mesh.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
@@ -60,8 +62,9 @@ pub fn inside_out(mesh: &Mesh) -> Mesh {
 
 /// `mesh` moved by `offset`, each coordinate rounded once.
 ///
-/// Vertices that coincide still do. Far away distinct ones may come to coincide, and flat faces to bend, by up to
-/// half a unit in the last place of the new coordinate: one source of cracks and collapsed faces in real files.
+/// Vertices that coincide still do. Far away distinct ones may come to coincide, and flat faces to bend, by
+/// up to half a unit in the last place of the new coordinate: one source of cracks and collapsed faces in
+/// real files.
 ///
 /// # Panics
 ///
@@ -73,7 +76,8 @@ pub fn translated(mesh: &Mesh, offset: [f32; 3]) -> Mesh {
 
 /// `mesh` times `factor` about the origin, each coordinate rounded once.
 ///
-/// Exact where `factor` is a power of two and nothing falls below 2⁻¹²⁶. A negative factor turns the mesh inside out.
+/// Exact where `factor` is a power of two and nothing falls below 2⁻¹²⁶. A negative factor turns the mesh
+/// inside out.
 ///
 /// # Panics
 ///

@@ -4,8 +4,9 @@ use std::f64::consts::FRAC_PI_4;
 
 /// Cosine and sine of `step / steps` of a full turn, within a few units in the last place.
 ///
-/// Exact at multiples of a quarter turn, and bit-symmetric: mirrored angles have mirrored values. The angle is
-/// reduced to an eighth of a turn in integers, then both series are summed to below 2⁻⁵⁸ of their first term.
+/// Exact at multiples of a quarter turn, and bit-symmetric: mirrored angles have mirrored values. The angle
+/// is reduced to an eighth of a turn in integers, then both series are summed to below 2⁻⁵⁸ of their first
+/// term.
 ///
 /// # Panics
 ///

@@ -9,8 +9,8 @@ pub(super) const CUBE_SIDES: [[u32; 4]; 6] =
 
 /// The cube [−1, 1]³: V 8, E 18, F 12, χ 2.
 ///
-/// Vertex `i` lies high in x, y, z where bit 0, 1, 2 of `i` is set; faces come in pairs, one pair a side, in the
-/// order −x, +x, −y, +y, −z, +z. Lit along a body diagonal, its silhouette has six edges.
+/// Vertex `i` lies high in x, y, z where bit 0, 1, 2 of `i` is set; faces come in pairs, one pair a side,
+/// in the order −x, +x, −y, +y, −z, +z. Lit along a body diagonal, its silhouette has six edges.
 ///
 /// ```
 /// let cube = umbrage::mesh::solid::cube();
@@ -60,9 +60,9 @@ pub fn octahedron() -> Mesh {
 
 /// The unit sphere: an icosahedron, each face cut into four `subdivisions` times and pushed out to radius 1.
 ///
-/// With 4ⁿ for n subdivisions: V 10·4ⁿ + 2, E 30·4ⁿ, F 20·4ⁿ, χ 2. The four parts of a face stand side by side
-/// in the list, at every level, so that faces near in the list are near in space. Good for timing: 1.3 million
-/// faces at n = 8. Linear in the faces, without hashing.
+/// With 4ⁿ for n subdivisions: V 10·4ⁿ + 2, E 30·4ⁿ, F 20·4ⁿ, χ 2. The four parts of a face stand side by
+/// side in the list, at every level, so that faces near in the list are near in space. Good for timing: 1.3
+/// million faces at n = 8. Linear in the faces, without hashing.
 ///
 /// # Panics
 ///
@@ -145,8 +145,8 @@ fn unit(v: [f64; 3]) -> [f32; 3] {
 /// A torus around the z axis: V mn, E 3mn, F 2mn, χ 0, for m `major_segments` around the axis and n
 /// `minor_segments` around the tube.
 ///
-/// `major_radius` reaches to the middle of the tube, `minor_radius` is the tube's own. It crosses itself where
-/// the minor radius is the larger one.
+/// `major_radius` reaches to the middle of the tube, `minor_radius` is the tube's own. It crosses itself
+/// where the minor radius is the larger one.
 ///
 /// # Panics
 ///
@@ -162,17 +162,17 @@ pub fn torus(major_segments: u32, minor_segments: u32, major_radius: f32, minor_
     })
 }
 
-/// A tube of radius `tube_radius` along the (p, q) torus knot: V mn, E 3mn, F 2mn, χ 0, for m `segments` along
-/// the knot and n `ring_segments` around the tube.
+/// A tube of radius `tube_radius` along the (p, q) torus knot: V mn, E 3mn, F 2mn, χ 0, for m `segments`
+/// along the knot and n `ring_segments` around the tube.
 ///
-/// The knot lies on the torus with radii 2 and 1 around the z axis; it winds `p` times around the axis and `q`
-/// times through the hole. (2, 3) is the trefoil, whose tube stays clear of itself up to a radius of about 0.4.
-/// Good for long silhouettes with many crossings.
+/// The knot lies on the torus with radii 2 and 1 around the z axis; it winds `p` times around the axis and
+/// `q` times through the hole. (2, 3) is the trefoil, whose tube stays clear of itself up to a radius of
+/// about 0.4. Good for long silhouettes with many crossings.
 ///
 /// # Panics
 ///
-/// Panics if a count is below 3, `p` and `q` have a common divisor, the faces are more than ids, or a coordinate
-/// is not finite.
+/// Panics if a count is below 3, `p` and `q` have a common divisor, the faces are more than ids, or a
+/// coordinate is not finite.
 #[must_use]
 pub fn torus_knot(p: u32, q: u32, segments: u32, ring_segments: u32, tube_radius: f32) -> Mesh {
     let (mut a, mut b) = (p, q);
@@ -222,10 +222,11 @@ pub fn hollow_cube() -> Mesh {
     joined("hollow cube", &[outer, inside_out(&cavity).with_name("cavity")])
 }
 
-/// The cubes [−k, k]³ for k = `count` … 1, one in another, every one facing outward: V 8n, E 18n, F 12n, χ 2n.
+/// The cubes [−k, k]³ for k = `count` … 1, one in another, every one facing outward: V 8n, E 18n, F 12n, χ
+/// 2n.
 ///
-/// A ray to the middle enters n volumes and leaves none: what overflows an 8-bit stencil. Nesting parity makes
-/// every second shell inside out.
+/// A ray to the middle enters n volumes and leaves none: what overflows an 8-bit stencil. Nesting parity
+/// makes every second shell inside out.
 ///
 /// # Panics
 ///
@@ -242,9 +243,10 @@ pub fn nested_cubes(count: u32) -> Mesh {
 
 /// A watertight prism, z from −1 to 1, over a polygon that crosses itself: V 8, E 18, F 12, χ 2, volume 6.
 ///
-/// The polygon is (2, −2), (2, 2), (−1, −1), (−1, 1): its sides cross at the origin, the lobe at positive x has
-/// winding number +1 and area 4, the one at negative x has −1 and area 1. Combinatorially a cube, so no edge
-/// count finds anything, while a winding-number test that stops at "inside or outside" errs in the lesser lobe.
+/// The polygon is (2, −2), (2, 2), (−1, −1), (−1, 1): its sides cross at the origin, the lobe at positive x
+/// has winding number +1 and area 4, the one at negative x has −1 and area 1. Combinatorially a cube, so no
+/// edge count finds anything, while a winding-number test that stops at "inside or outside" errs in the
+/// lesser lobe.
 #[must_use]
 pub fn figure_eight_prism() -> Mesh {
     let polygon = [[2.0, -2.0], [2.0, 2.0], [-1.0, -1.0], [-1.0, 1.0]];

@@ -1,8 +1,8 @@
 //! Generated meshes: small known shapes, sound and broken, for tests, benches, examples and the demo.
 //!
-//! Each function says how many vertices (V), edges (E) and faces (F) its mesh has and its Euler characteristic
-//! χ = V − E + F, before any weld. Lengths are mesh units; faces run counter-clockwise seen from outside.
-//! Vertices are shared between faces unless the function says otherwise.
+//! Each function says how many vertices (V), edges (E) and faces (F) its mesh has and its Euler
+//! characteristic χ = V − E + F, before any weld. Lengths are mesh units; faces run counter-clockwise seen
+//! from outside. Vertices are shared between faces unless the function says otherwise.
 //!
 //! The same arguments give the same bytes on every platform: coordinates come from `+ − × ÷ √` alone, which
 //! IEEE 754 rounds one way only, never from the platform's sine.
@@ -49,7 +49,8 @@ fn split([a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
     [[a, b, c], [a, c, d]]
 }
 
-/// The triangles of a grid of `columns` × `rows` quads whose corner in column `i` and row `j` is `vertex(i, j)`.
+/// The triangles of a grid of `columns` × `rows` quads whose corner in column `i` and row `j` is `vertex(i,
+/// j)`.
 ///
 /// Front-facing where the step to the next column crossed with the step to the next row points at the viewer.
 fn grid(columns: u32, rows: u32, vertex: impl Fn(u32, u32) -> u32) -> Vec<[u32; 3]> {

@@ -31,7 +31,8 @@ pub fn double_sheet() -> Mesh {
     build("double sheet", positions, triangles)
 }
 
-/// A Möbius strip of n `segments`, width 1, around a circle of radius 1 in the plane z = 0: V 2n, E 4n, F 2n, χ 0.
+/// A Möbius strip of n `segments`, width 1, around a circle of radius 1 in the plane z = 0: V 2n, E 4n, F
+/// 2n, χ 0.
 ///
 /// Its boundary is one loop of 2n edges. No choice of windings agrees everywhere; here the one edge where the
 /// strip closes is misoriented.
@@ -59,8 +60,8 @@ pub fn mobius(segments: u32) -> Mesh {
 
 /// Triangles on one shared edge, spread evenly around it: V n + 2, E 2n + 1, F n, χ 1, for n `pages`.
 ///
-/// The edge runs from the origin to (0, 0, 1), the same way in every triangle: n faces on one edge, all against
-/// each other.
+/// The edge runs from the origin to (0, 0, 1), the same way in every triangle: n faces on one edge, all
+/// against each other.
 ///
 /// # Panics
 ///
@@ -76,17 +77,18 @@ pub fn book(pages: u32) -> Mesh {
     build("book", positions, (0..pages).map(|page| [0, 1, page + 2]).collect())
 }
 
-/// A capsule around the z axis as modelling programs write it: a grid of longitudes and latitudes that is sewn
-/// up by position alone. V (s + 1)(2r + 2), F 2s(2r + 1), E their sum − 1, χ 1, for s `segments` around and r
-/// `rings` of quads on each hemisphere.
+/// A capsule around the z axis as modelling programs write it: a grid of longitudes and latitudes that is
+/// sewn up by position alone. V (s + 1)(2r + 2), F 2s(2r + 1), E their sum − 1, χ 1, for s `segments`
+/// around and r `rings` of quads on each hemisphere.
 ///
-/// The first column of vertices repeats as the last, and each pole is s + 1 vertices at one point. An exact weld
-/// leaves 2rs + 2 vertices, and 2s faces collapse, the s at each pole; what remains is closed with χ 2.
-/// `half_length` is the distance from the middle to the centre of a hemisphere.
+/// The first column of vertices repeats as the last, and each pole is s + 1 vertices at one point. An exact
+/// weld leaves 2rs + 2 vertices, and 2s faces collapse, the s at each pole; what remains is closed with χ
+/// 2. `half_length` is the distance from the middle to the centre of a hemisphere.
 ///
 /// # Panics
 ///
-/// Panics if `segments` is below 3 or `rings` is 0, the faces are more than ids, or a coordinate is not finite.
+/// Panics if `segments` is below 3 or `rings` is 0, the faces are more than ids, or a coordinate is not
+/// finite.
 #[must_use]
 pub fn uv_capsule(segments: u32, rings: u32, radius: f32, half_length: f32) -> Mesh {
     assert!(segments >= 3 && rings >= 1, "{segments} segments, {rings} rings: at least 3 and 1");

@@ -91,7 +91,7 @@ fn solids_have_their_documented_counts() {
         (nested_cubes(0),                            [0, 0, 0, 0],             [0, 0, 0], 0.0),
         (cubes_sharing_edge(),                       [14, 35, 24, 3],          [0, 1, 0], 2.0),
         (cubes_sharing_vertex(),                     [15, 36, 24, 3],          [0, 0, 0], 2.0),
-        (sliver(),                                   [4, 6, 4, 2],             [0, 0, 0], 0.5f64.powi(40) / 3.0),
+        (sliver(),                                   [4, 6, 4, 2],             [0, 0, 0], 2f64.powi(-40) / 3.0),
         (collinear_face(),                           [9, 21, 14, 2],           [0, 0, 0], 8.0),
         (double_sheet(),                             [4, 5, 4, 3],             [0, 1, 0], 0.0),
         (sheet(1),                                   [4, 5, 2, 1],             [4, 0, 0], 0.0),
@@ -130,6 +130,22 @@ fn solids_have_their_documented_counts() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn counts_notice_a_face_dropped_turned_or_doubled() {
+    let sound = count(&icosphere(1));
+    let sabotages: [fn(&mut Vec<[u32; 3]>); 4] = [
+        |faces| faces.truncate(79),
+        |faces| faces[0].swap(0, 1),
+        |faces| faces.push(faces[0]),
+        |faces| faces[0][0] = faces[40][0],
+    ];
+    for sabotage in sabotages {
+        let (positions, mut triangles, ..) = icosphere(1).into_parts();
+        sabotage(&mut triangles);
+        assert_ne!(count(&build("sabotaged", positions, triangles)), sound);
+    }
 }
 
 #[test]

@@ -5,20 +5,20 @@ use super::{Mesh, build, split};
 
 /// The boundary of the unit cells of a box of `size` cells for which `filled([x, y, z])` holds.
 ///
-/// Cell `[x, y, z]` reaches from that point one unit along each axis; coordinates are small integers. Two faces
-/// stand between each filled and each empty neighbour, and corners are shared, so that every edge has as many
-/// faces one way as the other: 0, 1 or 2 each way, 2 where two cells touch along the edge alone. Good for random
-/// closed meshes with a known inside. Linear in the cells of the box.
+/// Cell `[x, y, z]` reaches from that point one unit along each axis; coordinates are small integers. Two
+/// faces stand between each filled and each empty neighbour, and corners are shared, so that every edge has
+/// as many faces one way as the other: 0, 1 or 2 each way, 2 where two cells touch along the edge alone.
+/// Good for random closed meshes with a known inside. Linear in the cells of the box, eight bytes each.
 ///
 /// # Panics
 ///
-/// Panics if the box has 2³⁰ cells or more, or a side over 2²⁴.
+/// Panics if the box has 2³² lattice points or more, or a side over 2²⁴.
 #[must_use]
 pub fn voxels(size: [u32; 3], filled: impl Fn([u32; 3]) -> bool) -> Mesh {
     assert!(size.iter().all(|&n| n <= 1 << 24), "{size:?}: a side has at most 2^24 cells");
     let points = size.map(|n| n as usize + 1);
     let count = points.iter().try_fold(1_usize, |product, &n| product.checked_mul(n)).unwrap_or(usize::MAX);
-    assert!(count < 1 << 32, "{size:?}: a box has at most 2^30 cells");
+    assert!(count < 1 << 32, "{size:?}: a box has fewer than 2^32 lattice points");
     // The vertex at each lattice point, given out as faces ask for it.
     let mut vertices: Vec<Option<u32>> = vec![None; count];
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
@@ -54,9 +54,9 @@ pub fn voxels(size: [u32; 3], filled: impl Fn([u32; 3]) -> bool) -> Mesh {
 
 /// The Menger sponge of side 3ⁿ in unit cells, n = `level`: F 4·20ⁿ + 8·8ⁿ, E 6·20ⁿ + 12·8ⁿ, volume 20ⁿ.
 ///
-/// V and χ for levels 0 to 3: 8 and 2; 64 and −8 (genus 5); 896 and −160; 15,232 and −2816. Only the boundary, with
-/// shared corners; every edge has two faces. Every coordinate is a small integer, so lights on the lattice meet
-/// many edge-on faces, and most lights see several layers.
+/// V and χ for levels 0 to 3: 8 and 2; 64 and −8 (genus 5); 896 and −160; 15,232 and −2816. Only the
+/// boundary, with shared corners; every edge has two faces. Every coordinate is a small integer, so lights
+/// on the lattice meet many edge-on faces, and most lights see several layers.
 ///
 /// # Panics
 ///

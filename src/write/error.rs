@@ -1,0 +1,54 @@
+//! What went wrong while writing: which file, what was in the way, what to do about it.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+/// Why a file could not be written. Prints as one line: file, problem, remedy.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WriteError {
+    /// Which file; empty where bytes in memory were asked for.
+    pub file: PathBuf,
+    /// What was in the way.
+    pub problem: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
+impl WriteError {
+    /// An error of no file yet; [`WriteError::in_file`] adds its name.
+    pub fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { file: PathBuf::new(), problem: problem.into(), remedy: remedy.into() }
+    }
+
+    /// The same error, naming the file that was to be written.
+    #[must_use]
+    pub fn in_file(mut self, file: impl Into<PathBuf>) -> Self {
+        self.file = file.into();
+        self
+    }
+}
+
+impl From<io::Error> for WriteError {
+    fn from(error: io::Error) -> Self {
+        let remedy = match error.kind() {
+            io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "check the permissions",
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "free some space",
+            _ => "write to another place",
+        };
+        Self::new(format!("cannot be written: {error}"), remedy)
+    }
+}
+
+impl fmt::Display for WriteError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // A name may hold line breaks; the message stays on one line.
+        let one_line = |text: &str| text.replace(char::is_control, "\u{fffd}");
+        if !self.file.as_os_str().is_empty() {
+            write!(f, "{}: ", one_line(&self.file.to_string_lossy()))?;
+        }
+        write!(f, "{}; {}", one_line(&self.problem), one_line(&self.remedy))
+    }
+}
+
+impl std::error::Error for WriteError {}

@@ -1,0 +1,4 @@
+//! Every integration test, one file a stage, named as in `src`.
+
+mod gltf;
+mod read;

@@ -11,6 +11,7 @@ use super::ShadowVolume;
 use crate::geom::bvh::Bvh;
 use crate::geom::predicate::{Homogeneous, Sign, directions_turn, orient3d_homogeneous};
 use crate::geom::{Aabb, Light, Segment};
+use crate::random::SplitMix64;
 
 /// The winding number of `volume` at `p`, by looking at every triangle; `None` if `p` lies on a triangle.
 ///
@@ -292,29 +293,17 @@ fn for_each_piece(volume: &ShadowVolume, triangle: [u32; 3], within: &Aabb, mut 
     }
 }
 
-/// SplitMix64's finaliser (Guy Steele, Doug Lea, Christine Flood, *Fast Splittable Pseudorandom Number Generators*,
-/// 2014): bits without a pattern that a mesh could share.
-fn bits(i: u32) -> u64 {
-    let mut z = u64::from(i + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
-/// A number in (0, 1), one of 2²³.
-fn unit(i: u32) -> f32 {
-    ((bits(i) >> 41) as f32 + 0.5) / (1_u32 << 23) as f32
-}
-
 /// A direction without a pattern; never zero.
 pub(super) fn scattered(i: u32) -> [f32; 3] {
-    [0, 1, 2].map(|axis| 2.0 * unit(3 * i + axis + 1000) - 1.0)
+    let mut random = SplitMix64(u64::from(i) + 1000);
+    [(); 3].map(|()| (2.0 * random.unit() - 1.0) as f32)
 }
 
 fn scattered_in(within: &Aabb, i: u32) -> [f32; 3] {
+    let mut random = SplitMix64(u64::from(i));
     [0, 1, 2].map(|axis| {
         let (low, high) = (f64::from(within.low[axis]), f64::from(within.high[axis]));
-        let at = (low + (high - low) * f64::from(unit(3 * i + axis as u32))) as f32;
+        let at = (low + (high - low) * random.unit()) as f32;
         at.clamp(within.low[axis], within.high[axis])
     })
 }

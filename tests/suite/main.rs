@@ -5,3 +5,4 @@ mod oracle;
 mod read;
 mod support;
 mod volume;
+mod verify;

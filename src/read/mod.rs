@@ -1,11 +1,13 @@
 //! Files to scenes: one format a file, sniffed from the content, then from the extension.
 
 mod error;
+mod fan;
 mod gltf;
 mod md2;
 mod obj;
 mod ply;
 mod stl;
+mod text;
 
 use std::fmt;
 use std::fs::File;
@@ -14,6 +16,7 @@ use std::path::Path;
 
 pub use error::{Place, ReadError};
 
+use crate::mesh::MeshError;
 use crate::scene::Scene;
 
 /// A file format that can be read.
@@ -143,6 +146,11 @@ fn read_source<R: BufRead + Seek>(
     Ok(scene)
 }
 
+/// What [`Mesh::new`](crate::mesh::Mesh::new) refuses although the reader let it pass: a mesh too large.
+fn refused(format: Format, error: &MeshError) -> ReadError {
+    ReadError::new(format, Place::File, error.to_string()).remedy("split the file")
+}
+
 /// The format that the first bytes of a file show, or else its extension.
 fn sniff(head: &[u8], len: u64, name: &Path) -> Option<Format> {
     let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
@@ -156,7 +164,7 @@ fn sniff(head: &[u8], len: u64, name: &Path) -> Option<Format> {
         _ if head.starts_with(b"ply\n") || head.starts_with(b"ply\r") => Some(Format::Ply),
         _ if binary_stl => Some(Format::Stl),
         _ if text.starts_with(b"{") => Some(Format::Gltf),
-        _ if text.starts_with(b"solid") => Some(Format::Stl),
+        _ if text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) => Some(Format::Stl),
         _ => Format::from_extension(name),
     }
 }

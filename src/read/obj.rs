@@ -1,6 +1,207 @@
-use super::{ReadError, Source};
-use crate::scene::Scene;
+//! Wavefront OBJ: positions, faces, and the names of their runs.
+//!
+//! The parser is our own: `tobj` renumbers vertices (so unreferenced ones are lost), splits the file by
+//! group and material, and does not tell the line of an error. All vertices stay, in the order of the file.
+//!
+//! An index may name a vertex further down. Polygons are cut into fans. Texture coordinates, normals and
+//! smoothing are skipped in silence; other statements (lines, points, curves) with a note.
+
 use std::io::{BufRead, Seek};
-pub(super) fn read<R: BufRead + Seek>(_source: Source<R>) -> Result<Scene, ReadError> {
-    unimplemented!()
+
+use super::fan::Fan;
+use super::text::{Line, Lines, counted, quote};
+use super::{Format, ReadError, Source, refused};
+use crate::mesh::{Mesh, Part};
+use crate::scene::Scene;
+
+pub(super) fn read<R: BufRead + Seek>(source: Source<R>) -> Result<Scene, ReadError> {
+    let mut lines = Lines::new(source.reader, Format::Obj, true)?;
+    let mut obj = Obj::default();
+    while let Some(mut line) = lines.next_line()? {
+        match line.word() {
+            None => {}
+            Some(b"v") => obj.vertex(line)?,
+            Some(b"f") => obj.face(line)?,
+            Some(b"vt" | b"vn" | b"vp" | b"s" | b"mtllib") => {}
+            Some(b"o") => obj.rename(0, line),
+            Some(b"g") => obj.rename(1, line),
+            Some(b"usemtl") => obj.rename(2, line),
+            Some([b'#', ..]) => {}
+            Some(keyword) => {
+                obj.ignored += 1;
+                obj.first_ignored.get_or_insert_with(|| (line.number, quote(keyword)));
+            }
+        }
+    }
+    obj.finish()
+}
+
+#[derive(Default)]
+struct Obj {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    parts: Vec<Part>,
+    /// Object, group, material: what the next faces belong to.
+    names: [String; 3],
+    /// The names of the last part, to tell whether a face continues it.
+    part_names: [String; 3],
+    /// Whether a name came since the last face.
+    renamed: bool,
+    n_gons: u64,
+    /// The highest index (from 1) named by a face, and the first line that names it.
+    highest: (u64, u64),
+    ignored: u64,
+    first_ignored: Option<(u64, String)>,
+}
+
+impl Obj {
+    fn vertex(&mut self, mut line: Line<'_>) -> Result<(), ReadError> {
+        self.positions.push(line.point()?);
+        // A weight or a colour may follow, and nothing else.
+        match line.word() {
+            Some(word) if !matches!(word[0], b'0'..=b'9' | b'+' | b'-' | b'.' | b'#') => {
+                Err(line.error(format!("{} follows the position", quote(word))))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn face(&mut self, mut line: Line<'_>) -> Result<(), ReadError> {
+        let start = self.triangles.len();
+        let mut fan = Fan::default();
+        while let Some(word) = line.word() {
+            if word[0] == b'#' {
+                break;
+            }
+            let vertex = self.vertex_of(word, line)?;
+            fan.corner(vertex, &mut self.triangles);
+        }
+        match fan.corners {
+            0..3 => {
+                return Err(line.error(format!("a face needs three corners, this one has {}", fan.corners)));
+            }
+            3 => {}
+            _ => self.n_gons += 1,
+        }
+        if self.parts.is_empty() || self.renamed {
+            self.begin_part(start);
+        }
+        Ok(())
+    }
+
+    /// The vertex that a corner (`a`, `a/b`, `a//c` or `a/b/c`) names. Only `a` counts.
+    #[inline]
+    fn vertex_of(&mut self, word: &[u8], line: Line<'_>) -> Result<u32, ReadError> {
+        let Some(index) = corner(word) else {
+            return Err(line.error(format!("{} is not a corner of a face", quote(word))));
+        };
+        let count = self.positions.len() as u64;
+        let from_one = match u64::try_from(index) {
+            Ok(index) => index,
+            // Negative: from the end, −1 being the last vertex so far.
+            Err(_) => (count + 1).saturating_sub(index.unsigned_abs()),
+        };
+        if from_one == 0 || from_one > u64::from(u32::MAX) {
+            let so_far = counted(count, "vertex");
+            let problem = match index {
+                0 => "a face names vertex 0, but indices count from 1".to_owned(),
+                _ => format!("a face names vertex {index}, but the file has {so_far} so far"),
+            };
+            return Err(line.error(problem));
+        }
+        if from_one > self.highest.0 {
+            self.highest = (from_one, line.number);
+        }
+        Ok((from_one - 1) as u32) // at most u32::MAX − 1, by the check above
+    }
+
+    fn rename(&mut self, which: usize, line: Line<'_>) {
+        self.names[which] = line.name();
+        self.renamed = true;
+    }
+
+    /// A new run of faces from `start` on, if its names differ. Runs cover all faces, the unnamed ones too.
+    fn begin_part(&mut self, start: usize) {
+        self.renamed = false;
+        if !self.parts.is_empty() && self.names == self.part_names {
+            return;
+        }
+        self.part_names.clone_from(&self.names);
+        let mut name = String::new();
+        for part in self.names.iter().filter(|part| !part.is_empty()) {
+            if !name.is_empty() {
+                name.push_str(" / ");
+            }
+            name.push_str(part);
+        }
+        // A count that does not fit 32 bits is refused by `Mesh::new` before the parts are looked at.
+        self.parts.push(Part { name, faces: start as u32..start as u32 });
+    }
+
+    fn finish(mut self) -> Result<Scene, ReadError> {
+        let error = |line, problem| ReadError::new(Format::Obj, super::Place::Line(line), problem);
+        let count = self.positions.len() as u64;
+        let (highest, line) = self.highest;
+        if highest > count {
+            let there_are = counted(count, "vertex");
+            return Err(error(line, format!("a face names vertex {highest}, but the file has {there_are}")));
+        }
+        if let (0, Some((line, keyword))) = (count, &self.first_ignored) {
+            let problem = format!("{keyword} is not a statement of a mesh, and the file holds no vertex");
+            return Err(error(*line, problem).remedy("check that this is a Wavefront OBJ file"));
+        }
+        let mut end = self.triangles.len() as u32;
+        for part in self.parts.iter_mut().rev() {
+            part.faces.end = end;
+            end = part.faces.start;
+        }
+        if let [only] = self.parts.as_slice()
+            && only.name.is_empty()
+        {
+            self.parts.clear();
+        }
+        let mesh = Mesh::new(self.positions, self.triangles).map_err(|error| refused(Format::Obj, &error))?;
+        let mut scene = Scene::of(mesh.with_parts(self.parts));
+        if self.n_gons > 0 {
+            scene.notes.push(format!("{} cut into fans", counted(self.n_gons, "n-gon")));
+        }
+        if let Some((line, keyword)) = self.first_ignored {
+            let statements = counted(self.ignored, "statement");
+            scene.notes.push(format!("{statements} ignored, the first on line {line} ({keyword})"));
+        }
+        Ok(scene)
+    }
+}
+
+/// The first index of a corner; `None` if the word is not made of one to three indices.
+#[inline]
+fn corner(word: &[u8]) -> Option<i64> {
+    let negative = word[0] == b'-';
+    let digits = &word[usize::from(negative)..];
+    let mut index = 0_i64;
+    let mut length = 0;
+    for &byte in digits {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        // No file has 10¹⁷ vertices: beyond that the index only has to stay out of range.
+        if index < 100_000_000_000_000_000 {
+            index = index * 10 + i64::from(digit);
+        }
+        length += 1;
+    }
+    if length == 0 {
+        return None;
+    }
+    let rest = &digits[length..];
+    let sound = match rest.first() {
+        None => true,
+        Some(b'/') => {
+            rest.iter().all(|byte| matches!(byte, b'0'..=b'9' | b'/' | b'-'))
+                && rest.iter().filter(|&&byte| byte == b'/').count() <= 2
+        }
+        Some(_) => false,
+    };
+    sound.then_some(if negative { -index } else { index })
 }

@@ -1,6 +1,198 @@
-use super::{ReadError, Source};
-use crate::scene::Scene;
+//! Polygon file format (PLY), text and binary of both byte orders.
+//!
+//! The reader is our own: `ply-rs-bw` lets a repeated element or property replace the first one, which shifts
+//! all data after it unnoticed; it keeps a list on the heap for each face; and its errors in binary data name
+//! no place. No list is held here: corners go from the file straight into triangles.
+//!
+//! Read are `x`, `y`, `z` of element `vertex` (any numeric type, rounded to `f32`), and the list
+//! `vertex_indices` or `vertex_index` of `face` (polygons, cut into fans) and `tristrips` (strips, −1 starts a
+//! new one). In a strip every second triangle is turned, and a triangle that repeats a vertex is stitching
+//! between strips and no face. Other elements are skipped with a note, other properties in silence.
+
+mod header;
+mod values;
+
 use std::io::{BufRead, Seek};
-pub(super) fn read<R: BufRead + Seek>(_source: Source<R>) -> Result<Scene, ReadError> {
-    unimplemented!()
+
+use header::{Element, Encoding, Header, Kind};
+use values::{Binary, Text, Values};
+
+use super::fan::Fan;
+use super::text::{Lines, counted};
+use super::{Format, Place, ReadError, Source, refused};
+use crate::mesh::Mesh;
+use crate::scene::Scene;
+
+pub(super) fn read<R: BufRead + Seek>(source: Source<R>) -> Result<Scene, ReadError> {
+    let mut lines = Lines::new(source.reader, Format::Ply, false)?;
+    let header = Header::read(&mut lines)?;
+    header.check_size(source.len.saturating_sub(lines.position()))?;
+    let position = lines.position();
+    match header.encoding {
+        Encoding::Text => Ply::read(&header, &mut Text::new(lines)),
+        Encoding::LittleEndian => {
+            Ply::read(&header, &mut Binary::<_, false>::new(lines.into_inner(), position))
+        }
+        Encoding::BigEndian => Ply::read(&header, &mut Binary::<_, true>::new(lines.into_inner(), position)),
+    }
+}
+
+#[derive(Default)]
+struct Ply {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    vertex_count: u64,
+    n_gons: u64,
+    strips: u64,
+    stitches: u64,
+}
+
+impl Ply {
+    fn read(header: &Header, values: &mut impl Values) -> Result<Scene, ReadError> {
+        let mut notes = Vec::new();
+        let vertex_count = header.element("vertex")?.map_or(0, |vertex| vertex.count);
+        let mut ply = Self { vertex_count, ..Self::default() };
+        for element in header.elements.iter().filter(|element| element.count > 0) {
+            match element.name.as_str() {
+                "vertex" => ply.vertices(element, values)?,
+                "face" => ply.faces(element, values)?,
+                "tristrips" => ply.strips(element, values)?,
+                name => {
+                    notes.push(format!("{} ignored", counted(element.count, &format!("{name} element"))));
+                    ply.skip(element, values)?;
+                }
+            }
+        }
+        if ply.n_gons > 0 {
+            notes.push(format!("{} cut into fans", counted(ply.n_gons, "n-gon")));
+        }
+        if ply.strips > 0 {
+            notes.push(format!("{} cut into triangles", counted(ply.strips, "triangle strip")));
+        }
+        if ply.stitches > 0 {
+            notes.push(format!("{} of strips skipped", counted(ply.stitches, "stitching triangle")));
+        }
+        let mesh = Mesh::new(ply.positions, ply.triangles).map_err(|error| refused(Format::Ply, &error))?;
+        Ok(Scene { notes, ..Scene::of(mesh) })
+    }
+
+    fn vertices(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
+        let axes = [element.scalar("x")?, element.scalar("y")?, element.scalar("z")?];
+        // The header's claim was checked against the file's size: at most 12 bytes for 3 of the file.
+        self.positions.reserve_exact(element.count as usize);
+        for index in 0..element.count {
+            values.begin(&element.name, index)?;
+            let mut position = [0.0; 3];
+            for (at, property) in element.properties.iter().enumerate() {
+                let Kind::Scalar(number) = property.kind else {
+                    property.kind.skip(values)?;
+                    continue;
+                };
+                let value = values.number(number)?;
+                if let Some(axis) = axes.iter().position(|&axis| axis == at) {
+                    if !(value as f32).is_finite() {
+                        let problem = format!("the coordinate {value:e} is not a finite number of 32 bits");
+                        return Err(values.error(problem));
+                    }
+                    position[axis] = value as f32;
+                }
+            }
+            values.end()?;
+            self.positions.push(position);
+        }
+        Ok(())
+    }
+
+    fn faces(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
+        for_each_list(element, values, |values, number, length| {
+            if length < 3 {
+                return Err(values.error(format!("a face needs three corners, this one has {length}")));
+            }
+            self.n_gons += u64::from(length > 3);
+            let mut fan = Fan::default();
+            for _ in 0..length {
+                let vertex = values.number(number)?;
+                fan.corner(self.vertex(vertex, values)?, &mut self.triangles);
+            }
+            Ok(())
+        })
+    }
+
+    fn strips(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
+        for_each_list(element, values, |values, number, length| {
+            let (mut before, mut corners) = ([0; 2], 0_u64);
+            for _ in 0..length {
+                let value = values.number(number)?;
+                if value == -1.0 {
+                    corners = 0;
+                    continue;
+                }
+                let vertex = self.vertex(value, values)?;
+                let [a, b] = before;
+                match corners {
+                    0 => self.strips += 1,
+                    1 => {}
+                    _ if a == b || b == vertex || a == vertex => self.stitches += 1,
+                    _ if corners % 2 == 0 => self.triangles.push([a, b, vertex]),
+                    _ => self.triangles.push([b, a, vertex]),
+                }
+                before = [b, vertex];
+                corners += 1;
+            }
+            Ok(())
+        })
+    }
+
+    fn skip(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
+        if element.properties.is_empty() {
+            return Ok(()); // no property, no data, whatever the count
+        }
+        for index in 0..element.count {
+            values.begin(&element.name, index)?;
+            for property in &element.properties {
+                property.kind.skip(values)?;
+            }
+            values.end()?;
+        }
+        Ok(())
+    }
+
+    /// The vertex that `value` names.
+    #[inline]
+    fn vertex(&self, value: f64, values: &impl Values) -> Result<u32, ReadError> {
+        if value >= 0.0 && value < self.vertex_count as f64 && value <= f64::from(u32::MAX) {
+            return Ok(value as u32); // whole: the header is refused unless the list's type is
+        }
+        let vertices = counted(self.vertex_count, "vertex");
+        Err(values.error(format!("a face names vertex {value}, but the file has {vertices}")))
+    }
+}
+
+/// Calls `each` for the list of vertex indices of each item, with the numbers' type and the list's length;
+/// it must read them all.
+fn for_each_list<V: Values>(
+    element: &Element,
+    values: &mut V,
+    mut each: impl FnMut(&mut V, header::Number, u64) -> Result<(), ReadError>,
+) -> Result<(), ReadError> {
+    let list = element.index_list()?;
+    for index in 0..element.count {
+        values.begin(&element.name, index)?;
+        for (at, property) in element.properties.iter().enumerate() {
+            match property.kind {
+                Kind::List { length, item } if at == list => {
+                    let length = values.length(length)?;
+                    each(values, item, length)?;
+                }
+                kind => kind.skip(values)?,
+            }
+        }
+        values.end()?;
+    }
+    Ok(())
+}
+
+/// An error that concerns the file as a whole.
+fn file_error(problem: impl Into<String>) -> ReadError {
+    ReadError::new(Format::Ply, Place::File, problem)
 }

@@ -1,0 +1,230 @@
+//! What the header declares: elements, how many there are of each, and their properties.
+
+use std::io::BufRead;
+
+use super::file_error;
+use super::values::Values;
+use crate::read::ReadError;
+use crate::read::text::{self, Line, Lines, counted, parse, quote};
+
+pub(super) struct Header {
+    pub(super) encoding: Encoding,
+    pub(super) elements: Vec<Element>,
+}
+
+#[derive(Clone, Copy)]
+pub(super) enum Encoding {
+    Text,
+    LittleEndian,
+    BigEndian,
+}
+
+pub(super) struct Element {
+    pub(super) name: String,
+    pub(super) count: u64,
+    pub(super) properties: Vec<Property>,
+}
+
+pub(super) struct Property {
+    name: String,
+    pub(super) kind: Kind,
+}
+
+#[derive(Clone, Copy)]
+pub(super) enum Kind {
+    Scalar(Number),
+    List { length: Number, item: Number },
+}
+
+/// A numeric type.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Number {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Header {
+    /// Reads up to and including `end_header`.
+    pub(super) fn read<R: BufRead>(lines: &mut Lines<R>) -> Result<Self, ReadError> {
+        let (mut encoding, mut elements) = (None, Vec::<Element>::new());
+        if lines.next_line()?.is_none_or(|line| line.rest.trim_ascii() != b"ply") {
+            return Err(lines.current().error("a PLY file begins with the line `ply`, this one does not"));
+        }
+        loop {
+            let Some(mut line) = lines.next_line()? else {
+                return Err(lines.error_at_end("the file ends inside the header, before `end_header`"));
+            };
+            match line.word() {
+                None | Some(b"comment" | b"obj_info") => {}
+                Some(b"format") => encoding = Some(Encoding::read(line)?),
+                Some(b"element") => elements.push(Element::read(line)?),
+                Some(b"property") => match elements.last_mut() {
+                    Some(element) => element.properties.push(Property::read(line)?),
+                    None => return Err(line.error("a property is declared before any element")),
+                },
+                Some(b"end_header") => break,
+                Some(word) => return Err(line.error(format!("{} is not a header statement", quote(word)))),
+            }
+        }
+        let encoding = encoding.ok_or_else(|| lines.current().error("the header declares no format"))?;
+        Ok(Self { encoding, elements })
+    }
+
+    /// The element of that name, if it is declared.
+    pub(super) fn element(&self, name: &str) -> Result<Option<&Element>, ReadError> {
+        let mut named = self.elements.iter().filter(|element| element.name == name);
+        match (named.next(), named.next()) {
+            (_, Some(_)) => Err(file_error(format!("the header declares element {name} twice"))),
+            (element, None) => Ok(element),
+        }
+    }
+
+    /// Refuses counts that the `len` bytes after the header cannot hold.
+    pub(super) fn check_size(&self, len: u64) -> Result<(), ReadError> {
+        let mut needed = 0_u128; // no sum of lines of one file, 64 bits a count, comes near its end
+        for element in &self.elements {
+            let one: u64 =
+                element.properties.iter().map(|property| property.least_bytes(self.encoding)).sum();
+            needed += u128::from(element.count) * u128::from(one);
+            // The last number of a text file needs no blank after it.
+            if needed > u128::from(len) + 1 {
+                let things = counted(element.count, &format!("{} element", element.name));
+                let problem = format!("the header declares {things}, but only {len} bytes follow it");
+                return Err(file_error(problem));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Encoding {
+    fn read(mut line: Line<'_>) -> Result<Self, ReadError> {
+        match line.word() {
+            Some(b"ascii") => Ok(Self::Text),
+            Some(b"binary_little_endian") => Ok(Self::LittleEndian),
+            Some(b"binary_big_endian") => Ok(Self::BigEndian),
+            word => Err(line.error(format!("{} is not a PLY encoding", quote(word.unwrap_or_default())))),
+        }
+    }
+}
+
+impl Element {
+    fn read(mut line: Line<'_>) -> Result<Self, ReadError> {
+        let Some(name) = line.word() else { return Err(line.error("an element needs a name and a count")) };
+        let count = line.word().unwrap_or_default();
+        match parse(count) {
+            Some(count) => Ok(Self { name: text::name(name), count, properties: Vec::new() }),
+            None => Err(line.error(format!("{} is not a count of elements", quote(count)))),
+        }
+    }
+
+    /// Where the scalar property of that name stands.
+    pub(super) fn scalar(&self, name: &str) -> Result<usize, ReadError> {
+        let place = self.only(&[name])?;
+        place
+            .filter(|&at| matches!(self.properties[at].kind, Kind::Scalar(_)))
+            .ok_or_else(|| file_error(format!("element {} has no number {name}", self.name)))
+    }
+
+    /// Where the list of vertex indices stands.
+    pub(super) fn index_list(&self) -> Result<usize, ReadError> {
+        let place = self.only(&["vertex_indices", "vertex_index"])?;
+        place
+            .filter(|&at| matches!(self.properties[at].kind, Kind::List { item, .. } if item.is_whole()))
+            .ok_or_else(|| {
+                file_error(format!("element {} has no list of integers vertex_indices", self.name))
+            })
+    }
+
+    /// Where the one property with one of these names stands.
+    fn only(&self, names: &[&str]) -> Result<Option<usize>, ReadError> {
+        let mut named =
+            (0..self.properties.len()).filter(|&at| names.contains(&self.properties[at].name.as_str()));
+        match (named.next(), named.next()) {
+            (_, Some(_)) => Err(file_error(format!("element {} declares {} twice", self.name, names[0]))),
+            (place, None) => Ok(place),
+        }
+    }
+}
+
+impl Property {
+    fn read(line: Line<'_>) -> Result<Self, ReadError> {
+        let number = |word: Option<&[u8]>| {
+            let word = word.unwrap_or_default();
+            Number::named(word).ok_or_else(|| line.error(format!("{} is not a PLY type", quote(word))))
+        };
+        let mut words = line;
+        let kind = match words.word() {
+            Some(b"list") => {
+                let (length, item) = (number(words.word())?, number(words.word())?);
+                if !length.is_whole() {
+                    return Err(line.error("the length of a list must be an integer"));
+                }
+                Kind::List { length, item }
+            }
+            word => Kind::Scalar(number(word)?),
+        };
+        match words.word() {
+            Some(name) => Ok(Self { name: text::name(name), kind }),
+            None => Err(line.error("a property needs a name")),
+        }
+    }
+
+    /// The fewest bytes that a value takes: an empty list, a digit and a blank.
+    fn least_bytes(&self, encoding: Encoding) -> u64 {
+        match (encoding, self.kind) {
+            (Encoding::Text, _) => 2,
+            (_, Kind::Scalar(number) | Kind::List { length: number, .. }) => number.bytes(),
+        }
+    }
+}
+
+impl Kind {
+    /// Reads past a value of this kind.
+    pub(super) fn skip(self, values: &mut impl Values) -> Result<(), ReadError> {
+        match self {
+            Self::Scalar(number) => values.number(number).map(drop),
+            Self::List { length, item } => {
+                for _ in 0..values.length(length)? {
+                    values.number(item)?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Number {
+    fn named(name: &[u8]) -> Option<Self> {
+        Some(match name {
+            b"char" | b"int8" => Self::I8,
+            b"uchar" | b"uint8" => Self::U8,
+            b"short" | b"int16" => Self::I16,
+            b"ushort" | b"uint16" => Self::U16,
+            b"int" | b"int32" => Self::I32,
+            b"uint" | b"uint32" => Self::U32,
+            b"float" | b"float32" => Self::F32,
+            b"double" | b"float64" => Self::F64,
+            _ => return None,
+        })
+    }
+
+    fn is_whole(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64)
+    }
+
+    fn bytes(self) -> u64 {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+}

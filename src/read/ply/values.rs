@@ -1,0 +1,173 @@
+//! The numbers behind the header, one after the other, whatever their encoding.
+
+use std::io::{BufRead, ErrorKind};
+
+use super::header::Number;
+use crate::read::text::{Lines, parse, quote, unreadable};
+use crate::read::{Format, Place, ReadError};
+
+/// A stream of numbers. `f64` holds every PLY type exactly.
+pub(super) trait Values {
+    /// Goes to item `index` of an element.
+    fn begin(&mut self, element: &str, index: u64) -> Result<(), ReadError>;
+    /// The next number.
+    fn number(&mut self, number: Number) -> Result<f64, ReadError>;
+    /// Ends an item.
+    fn end(&mut self) -> Result<(), ReadError>;
+    /// An error at the current item.
+    fn error(&self, problem: String) -> ReadError;
+
+    /// The next number, as the length of a list.
+    fn length(&mut self, number: Number) -> Result<u64, ReadError> {
+        let value = self.number(number)?;
+        if value < 0.0 {
+            return Err(self.error(format!("{value} is not the length of a list")));
+        }
+        Ok(value as u64)
+    }
+}
+
+/// Text: an item a line.
+pub(super) struct Text<R> {
+    lines: Lines<R>,
+    /// How many bytes at the end of the current line are not yet read.
+    left: usize,
+}
+
+impl<R: BufRead> Text<R> {
+    pub(super) fn new(lines: Lines<R>) -> Self {
+        Self { lines, left: 0 }
+    }
+
+    fn word(&mut self) -> Option<&[u8]> {
+        let mut line = self.lines.current();
+        line.rest = &line.rest[line.rest.len() - self.left..];
+        let word = line.word();
+        self.left = word.map_or(0, |_| line.rest.len());
+        word
+    }
+}
+
+impl<R: BufRead> Values for Text<R> {
+    fn begin(&mut self, element: &str, index: u64) -> Result<(), ReadError> {
+        while let Some(line) = self.lines.next_line()? {
+            if !line.rest.trim_ascii().is_empty() {
+                self.left = line.rest.len();
+                return Ok(());
+            }
+        }
+        Err(self.lines.error_at_end(format!("the file ends before element {element}, item {index}")))
+    }
+
+    #[inline]
+    fn number(&mut self, number: Number) -> Result<f64, ReadError> {
+        let Some(word) = self.word() else {
+            return Err(self.error("the line holds fewer numbers than the header declares".to_owned()));
+        };
+        let value = match number {
+            Number::F32 => parse::<f32>(word).map(f64::from),
+            Number::F64 => parse::<f64>(word),
+            _ => parse::<i64>(word).map(|value| value as f64),
+        };
+        let Some(value) = value else {
+            let kind = if matches!(number, Number::F32 | Number::F64) { "a number" } else { "an integer" };
+            let problem = format!("{} is not {kind}", quote(word));
+            return Err(self.error(problem));
+        };
+        Ok(value)
+    }
+
+    fn end(&mut self) -> Result<(), ReadError> {
+        match self.word() {
+            None => Ok(()),
+            Some(word) => {
+                let problem = format!("{} is more than the header declares for a line", quote(word));
+                Err(self.error(problem))
+            }
+        }
+    }
+
+    #[cold]
+    fn error(&self, problem: String) -> ReadError {
+        self.lines.current().error(problem)
+    }
+}
+
+/// Binary, in the one byte order or the other.
+pub(super) struct Binary<R, const BIG_ENDIAN: bool> {
+    reader: R,
+    position: u64,
+    element: String,
+    index: u64,
+}
+
+impl<R: BufRead, const BIG_ENDIAN: bool> Binary<R, BIG_ENDIAN> {
+    /// The numbers from where `reader` stands, `position` bytes behind the file's beginning.
+    pub(super) fn new(reader: R, position: u64) -> Self {
+        Self { reader, position, element: String::new(), index: 0 }
+    }
+
+    /// The bytes of the next number, lowest first.
+    #[inline]
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], ReadError> {
+        let mut bytes = [0; N];
+        let place = || Place::Byte(self.position);
+        match self.reader.fill_buf() {
+            Ok(buffer) if buffer.len() >= N => {
+                bytes.copy_from_slice(&buffer[..N]);
+                self.reader.consume(N);
+            }
+            // At the end of the buffer, or on an error, which comes again here.
+            _ => self.reader.read_exact(&mut bytes).map_err(|error| match error.kind() {
+                ErrorKind::UnexpectedEof => {
+                    let problem =
+                        format!("the file ends inside element {}, item {}", self.element, self.index);
+                    ReadError::new(Format::Ply, place(), problem)
+                }
+                _ => unreadable(Format::Ply, place(), &error),
+            })?,
+        }
+        self.position += N as u64;
+        if BIG_ENDIAN {
+            bytes.reverse();
+        }
+        Ok(bytes)
+    }
+}
+
+impl<R: BufRead, const BIG_ENDIAN: bool> Values for Binary<R, BIG_ENDIAN> {
+    fn begin(&mut self, element: &str, index: u64) -> Result<(), ReadError> {
+        if index == 0 {
+            element.clone_into(&mut self.element);
+        }
+        self.index = index;
+        Ok(())
+    }
+
+    #[inline]
+    fn number(&mut self, number: Number) -> Result<f64, ReadError> {
+        Ok(match number {
+            Number::I8 => f64::from(i8::from_le_bytes(self.bytes()?)),
+            Number::U8 => f64::from(u8::from_le_bytes(self.bytes()?)),
+            Number::I16 => f64::from(i16::from_le_bytes(self.bytes()?)),
+            Number::U16 => f64::from(u16::from_le_bytes(self.bytes()?)),
+            Number::I32 => f64::from(i32::from_le_bytes(self.bytes()?)),
+            Number::U32 => f64::from(u32::from_le_bytes(self.bytes()?)),
+            Number::F32 => f64::from(f32::from_le_bytes(self.bytes()?)),
+            Number::F64 => f64::from_le_bytes(self.bytes()?),
+        })
+    }
+
+    fn end(&mut self) -> Result<(), ReadError> {
+        Ok(())
+    }
+
+    #[cold]
+    fn error(&self, problem: String) -> ReadError {
+        ReadError::new(
+            Format::Ply,
+            Place::Item(format!("element {}, item {}", self.element, self.index)),
+            problem,
+        )
+    }
+}

@@ -1,0 +1,245 @@
+//! Lines and words of a text file, as bytes: no allocation a line, and every error knows its line.
+
+use std::io::{self, BufRead, Read};
+
+use super::{Format, Place, ReadError};
+
+/// The longest line that is read, in bytes. A line is held in memory, so an endless one is refused; a
+/// polygon or strip of ten million corners still fits.
+const LONGEST_LINE: usize = 1 << 26;
+
+/// The longest name that is kept, in bytes. Each run of faces holds its own copy, so that a long name used
+/// by many short runs would otherwise grow far beyond the file.
+const LONGEST_NAME: usize = 100;
+
+/// The lines of a text file. A line ends in LF, CR LF, or, if the first one does, in CR alone.
+pub(super) struct Lines<R> {
+    reader: R,
+    format: Format,
+    end: u8,
+    joins: bool,
+    line: Vec<u8>,
+    number: u64,
+    breaks: u64,
+    position: u64,
+}
+
+impl<R: BufRead> Lines<R> {
+    /// The lines from where `reader` stands. With `joins`, a backslash at the end of a line continues it.
+    pub(super) fn new(mut reader: R, format: Format, joins: bool) -> Result<Self, ReadError> {
+        let head = reader.fill_buf().map_err(|error| unreadable(format, Place::File, &error))?;
+        let first_break = head.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+        let end = match first_break.map(|at| (head[at], head.get(at + 1))) {
+            Some((b'\r', Some(&next))) if next != b'\n' => b'\r',
+            _ => b'\n',
+        };
+        Ok(Self { reader, format, end, joins, line: Vec::new(), number: 0, breaks: 0, position: 0 })
+    }
+
+    /// The next line, without its end and without a byte order mark; `None` at the end of the file.
+    pub(super) fn next_line(&mut self) -> Result<Option<Line<'_>>, ReadError> {
+        self.line.clear();
+        self.number = self.breaks + 1;
+        loop {
+            let room = (LONGEST_LINE + 1 - self.line.len()) as u64;
+            let read = self.reader.by_ref().take(room).read_until(self.end, &mut self.line);
+            let read = read.map_err(|error| unreadable(self.format, Place::Line(self.number), &error))?;
+            if read == 0 && self.line.is_empty() {
+                return Ok(None);
+            }
+            if self.line.len() > LONGEST_LINE {
+                return Err(self.current().error(format!("the line is longer than {LONGEST_LINE} bytes")));
+            }
+            if self.position == 0 && self.line.starts_with(b"\xef\xbb\xbf") {
+                self.line.drain(..3);
+            }
+            self.position += read as u64;
+            if read == 0 {
+                return Ok(Some(self.current()));
+            }
+            self.breaks += 1;
+            let _ = self.line.pop_if(|last| *last == self.end);
+            let _ = self.line.pop_if(|last| *last == b'\r');
+            // A comment that ends in a backslash (a Windows folder, say) must not swallow the next line.
+            let comment = || self.line.trim_ascii_start().starts_with(b"#");
+            if !self.joins || self.line.last() != Some(&b'\\') || comment() {
+                return Ok(Some(self.current()));
+            }
+            *self.line.last_mut().expect("it ends in a backslash") = b' ';
+        }
+    }
+
+    /// The line that [`Lines::next_line`] gave last, from its beginning.
+    pub(super) fn current(&self) -> Line<'_> {
+        Line { rest: &self.line, number: self.number, format: self.format }
+    }
+
+    /// An error at the end of the file.
+    pub(super) fn error_at_end(&self, problem: impl Into<String>) -> ReadError {
+        ReadError::new(self.format, Place::Line(self.breaks.max(1)), problem)
+    }
+
+    /// How many bytes the lines so far took.
+    pub(super) fn position(&self) -> u64 {
+        self.position
+    }
+
+    /// The reader, standing behind the last line.
+    pub(super) fn into_inner(self) -> R {
+        self.reader
+    }
+}
+
+/// What is left of a line.
+#[derive(Clone, Copy)]
+pub(super) struct Line<'a> {
+    pub(super) rest: &'a [u8],
+    pub(super) number: u64,
+    format: Format,
+}
+
+impl<'a> Line<'a> {
+    /// The next run of bytes between blanks.
+    #[inline]
+    pub(super) fn word(&mut self) -> Option<&'a [u8]> {
+        let start = self.rest.iter().position(|byte| !byte.is_ascii_whitespace())?;
+        let rest = &self.rest[start..];
+        let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        let (word, rest) = rest.split_at(end);
+        self.rest = rest;
+        Some(word)
+    }
+
+    /// The rest of the line as a name: trimmed, and cut where it is very long.
+    pub(super) fn name(&self) -> String {
+        name(self.rest.trim_ascii())
+    }
+
+    /// The next word as a finite number, correctly rounded.
+    #[inline]
+    pub(super) fn coordinate(&mut self) -> Result<f32, ReadError> {
+        let Some(word) = self.word() else { return Err(self.error("a position needs three numbers")) };
+        match parse::<f32>(word) {
+            Some(value) if value.is_finite() => Ok(value),
+            Some(_) => Err(self.error(format!("the coordinate {} is not a finite number", quote(word)))),
+            None => Err(self.error(format!("{} is not a number", quote(word)))),
+        }
+    }
+
+    /// The next three words as a position.
+    #[inline]
+    pub(super) fn point(&mut self) -> Result<[f32; 3], ReadError> {
+        Ok([self.coordinate()?, self.coordinate()?, self.coordinate()?])
+    }
+
+    /// An error on this line.
+    #[cold]
+    pub(super) fn error(&self, problem: impl Into<String>) -> ReadError {
+        ReadError::new(self.format, Place::Line(self.number), problem)
+    }
+}
+
+/// `word` as a number of type `T`.
+#[inline]
+pub(super) fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
+    str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// `word` as a name, cut where it is very long.
+pub(super) fn name(word: &[u8]) -> String {
+    String::from_utf8_lossy(&word[..word.len().min(LONGEST_NAME)]).into_owned()
+}
+
+/// `word` in backquotes for a message, cut where it is very long.
+pub(super) fn quote(word: &[u8]) -> String {
+    const LONGEST: usize = 40;
+    match word.get(..LONGEST) {
+        Some(head) if word.len() > LONGEST => format!("`{}…`", String::from_utf8_lossy(head)),
+        _ => format!("`{}`", String::from_utf8_lossy(word)),
+    }
+}
+
+/// "1 n-gon", "12 n-gons", "3 vertices".
+pub(super) fn counted(count: u64, noun: &str) -> String {
+    match (count, noun.strip_suffix("ex")) {
+        (1, _) => format!("1 {noun}"),
+        (_, Some(stem)) => format!("{count} {stem}ices"),
+        _ => format!("{count} {noun}s"),
+    }
+}
+
+/// An input/output error in the middle of a file.
+pub(super) fn unreadable(format: Format, place: Place, error: &io::Error) -> ReadError {
+    ReadError::new(format, place, format!("cannot be read: {error}"))
+        .remedy("check that the file can be read")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(text: &[u8], joins: bool) -> Vec<(u64, String)> {
+        let mut lines = Lines::new(text, Format::Obj, joins).unwrap();
+        let mut all = Vec::new();
+        while let Some(line) = lines.next_line().unwrap() {
+            all.push((line.number, String::from_utf8_lossy(line.rest).into_owned()));
+        }
+        assert_eq!(lines.position(), text.len() as u64);
+        all
+    }
+
+    fn expect(text: &[u8], wanted: &[(u64, &str)]) {
+        let wanted: Vec<_> = wanted.iter().map(|&(number, line)| (number, line.to_owned())).collect();
+        assert_eq!(lines(text, true), wanted, "{:?}", String::from_utf8_lossy(text));
+    }
+
+    #[test]
+    fn lines_end_in_lf_crlf_or_cr() {
+        for text in ["a b\n\nc", "a b\r\n\r\nc\r\n", "a b\r\rc\r"] {
+            expect(text.as_bytes(), &[(1, "a b"), (2, ""), (3, "c")]);
+        }
+    }
+
+    #[test]
+    fn lines_lose_a_byte_order_mark() {
+        expect(b"\xef\xbb\xbfv 1\nv 2", &[(1, "v 1"), (2, "v 2")]);
+    }
+
+    #[test]
+    fn lines_join_at_a_backslash_but_not_in_comments() {
+        expect(b"f 1 \\\n2 \\\r\n3\nv", &[(1, "f 1  2  3"), (4, "v")]);
+        expect(b"# C:\\\nv 1\n", &[(1, "# C:\\"), (2, "v 1")]);
+        expect(b"f 1\\", &[(1, "f 1 ")]);
+        assert_eq!(lines(b"a\\\nb", false), [(1, "a\\".to_owned()), (2, "b".to_owned())]);
+    }
+
+    #[test]
+    fn lines_longer_than_the_limit_are_refused() {
+        let endless = BufReaderOfBlanks;
+        let mut lines = Lines::new(endless, Format::Obj, true).unwrap();
+        let error = lines.next_line().err().expect("an endless line is refused");
+        assert_eq!(error.place, Place::Line(1));
+    }
+
+    struct BufReaderOfBlanks;
+    impl Read for BufReaderOfBlanks {
+        fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+            into.fill(b' ');
+            Ok(into.len())
+        }
+    }
+    impl BufRead for BufReaderOfBlanks {
+        fn fill_buf(&mut self) -> io::Result<&[u8]> {
+            Ok(&[b' '; 4096])
+        }
+        fn consume(&mut self, _: usize) {}
+    }
+
+    #[test]
+    fn words_are_quoted_short_and_counts_have_a_plural() {
+        assert_eq!(quote(b"abc"), "`abc`");
+        assert_eq!(quote(&[b'x'; 50]), format!("`{}…`", "x".repeat(40)));
+        assert_eq!([counted(1, "n-gon"), counted(12, "n-gon")], ["1 n-gon", "12 n-gons"]);
+        assert_eq!([counted(1, "vertex"), counted(0, "vertex")], ["1 vertex", "0 vertices"]);
+    }
+}

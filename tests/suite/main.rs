@@ -1,0 +1,3 @@
+//! Every integration test, one file a stage, named as in `src`.
+
+mod read;

@@ -1,0 +1,14 @@
+//! `umbrage check`.
+
+use super::{Failure, Outcome, unbuilt};
+
+/// check (not built yet)
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    rest: unbuilt::Rest,
+}
+
+pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+    unbuilt::run("check", args.rest)
+}

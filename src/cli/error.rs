@@ -1,0 +1,61 @@
+//! Why a command could not run, in one line.
+
+use std::fmt;
+use std::path::Path;
+
+use umbrage::read::ReadError;
+use umbrage::write::WriteError;
+
+/// Why a command could not run: file, place, problem, remedy, in one line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Failure(String);
+
+impl Failure {
+    pub(crate) fn new(problem: impl fmt::Display, remedy: impl fmt::Display) -> Self {
+        Self(format!("{problem}; {remedy}").replace(char::is_control, "\u{fffd}"))
+    }
+
+    /// The same failure, naming the file it is about.
+    pub(crate) fn in_file(self, file: &Path) -> Self {
+        Self(format!("{}: {}", file.display(), self.0).replace(char::is_control, "\u{fffd}"))
+    }
+
+    /// A value that the command line knows, but nothing behind it does yet.
+    pub(crate) fn not_built(value: impl fmt::Display, remedy: impl fmt::Display) -> Self {
+        Self::new(format_args!("{value} is not built yet"), remedy)
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// Both already print as one line that names the file.
+impl From<ReadError> for Failure {
+    fn from(error: ReadError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn failure_stays_on_one_line() {
+        let failure = Failure::new("bad\nname", "use\r\nanother").in_file(Path::new("a\nb"));
+        assert_eq!(failure.to_string().lines().count(), 1);
+        assert_eq!(
+            Failure::not_built("--gpu", "leave it out").to_string(),
+            "--gpu is not built yet; leave it out"
+        );
+    }
+}

@@ -7,3 +7,5 @@ pub mod read;
 pub mod write;
 pub mod topology;
 pub mod silhouette;
+pub mod volume;
+pub mod oracle;

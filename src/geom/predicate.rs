@@ -175,14 +175,28 @@ pub fn side_of_light([a, b, c]: [[f32; 3]; 3], light: &Light) -> Sign {
     sign_of_det([Row(b, a), Row(c, a), Homogeneous::light(light).row(a)])
 }
 
+/// Which side of a face a point is on: positive in front. The opposite of [`orient3d`].
+#[inline]
+#[must_use]
+pub fn side_of_point([a, b, c]: [[f32; 3]; 3], p: [f32; 3]) -> Sign {
+    sign_of_det([Row(b, a), Row(c, a), Row(p, a)])
+}
+
 /// Which way the triangle `a`, `b`, `c` turns when looked at along `axis` (0, 1, 2 for x, y, z): positive when
 /// its normal's component on that axis is.
 #[inline]
 #[must_use]
 pub fn turn(a: [f32; 3], b: [f32; 3], c: [f32; 3], axis: usize) -> Sign {
+    turn_homogeneous(a, b, Homogeneous::point(c), axis)
+}
+
+/// As [`turn`], with a third corner that may lie at infinity.
+#[inline]
+#[must_use]
+pub fn turn_homogeneous(a: [f32; 3], b: [f32; 3], c: Homogeneous, axis: usize) -> Sign {
     let mut unit = [0.0; 3];
     unit[axis] = 1.0;
-    sign_of_det([Row(b, a), Row(c, a), Row(unit, [0.0; 3])])
+    sign_of_det([Row(b, a), c.row(a), Row(unit, [0.0; 3])])
 }
 
 /// Whether three points lie on one line (or fewer).

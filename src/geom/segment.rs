@@ -49,6 +49,11 @@ impl Segment {
     fn new(origin: [f64; 3], direction: [f64; 3], end: f64) -> Self {
         Self { origin, direction, inverse: direction.map(f64::recip), end }
     }
+    /// The same line, no farther than `t`.
+    #[must_use]
+    pub(crate) fn until(self, t: f64) -> Self {
+        Self { end: t, ..self }
+    }
 
     /// Whether the closed segment may meet the closed box: no false "no".
     #[inline]

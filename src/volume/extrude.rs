@@ -16,8 +16,11 @@ pub(super) fn extrude(
 ) -> ShadowVolume {
     assert_eq!(signs.len(), mesh.face_count(), "one sign a face");
     let casts = |face: usize| signs[face] != 0 && !topology.is_collapsed(crate::mesh::FaceId::new(face));
-    let cap_faces: Vec<usize> =
-        if caps == Caps::Both { (0..mesh.face_count()).filter(|&face| casts(face)).collect() } else { Vec::new() };
+    let cap_faces: Vec<usize> = if caps == Caps::Both {
+        (0..mesh.face_count()).filter(|&face| casts(face)).collect()
+    } else {
+        Vec::new()
+    };
     let side_edges = silhouette.edges.iter().map(|edge| (topology.vertices(edge.edge), edge.multiplicity));
 
     // 1. Number the vertices that are used, in the caster's order: first as they are, then at infinity.

@@ -96,7 +96,9 @@ impl<'volume> WindingIndex<'volume> {
             let known = *known.get_or_init(|| winding_number(self.volume, *anchor));
             let known = known?;
             near.clear();
-            self.tree.for_each_along(&Segment::between(p, *anchor), |piece| near.push(self.pieces[piece as usize]));
+            self.tree.for_each_along(&Segment::between(p, *anchor), |piece| {
+                near.push(self.pieces[piece as usize])
+            });
             near.sort_unstable();
             near.dedup();
             let candidates = near.iter().map(|&index| self.triangles[index as usize]);
@@ -143,38 +145,63 @@ fn walk(
     let p = Homogeneous::point(p);
     let (mut sum, mut tie) = (0, false);
     for (triangle, copies) in triangles {
-        let [a, b, c] = volume.corners(triangle);
-        if ![a, b, c].iter().any(Homogeneous::is_finite) {
+        let corners = volume.corners(triangle);
+        if !corners.iter().any(Homogeneous::is_finite) {
             continue; // at infinity: no finite point of the way lies there
         }
-        let (from, to) = (orient3d_homogeneous([a, b, c, p]), orient3d_homogeneous([a, b, c, q]));
-        if from == to {
-            tie |= from.is_zero(); // the way runs in the triangle's plane
-            continue;
+        match crossing(corners, p, q) {
+            Crossing::Miss => {}
+            Crossing::Through(sign) => sum += copies * sign,
+            Crossing::Starts => return Path::Starts,
+            Crossing::Tie => tie = true,
         }
-        let edges = [(a, b), (b, c), (c, a)].map(|(a, b)| orient3d_homogeneous([p, q, a, b]));
-        if edges.contains(&Sign::Positive) && edges.contains(&Sign::Negative) {
-            continue;
-        }
-        if from.is_zero() {
-            return Path::Starts;
-        }
-        if to.is_zero() || edges.contains(&Sign::Zero) {
-            tie = true;
-            continue;
-        }
-        // Positive is behind the triangle, that is, inside.
-        sum += copies * from.value();
     }
     if tie { Path::Tie } else { Path::Sum(sum) }
 }
 
+/// How the way from one point to another meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Crossing {
+    /// Not at all.
+    Miss,
+    /// Through its inside: +1 from back to front, −1 from front to back.
+    Through(i32),
+    /// It starts on the triangle.
+    Starts,
+    /// It ends on the triangle, runs in its plane, or meets an edge or a corner.
+    Tie,
+}
+
+/// Decides how the way from `p` to `q` meets a triangle that is not flat. `p` is finite; `q` may lie at infinity.
+pub(super) fn crossing([a, b, c]: [Homogeneous; 3], p: Homogeneous, q: Homogeneous) -> Crossing {
+    let (from, to) = (orient3d_homogeneous([a, b, c, p]), orient3d_homogeneous([a, b, c, q]));
+    if from == to {
+        return if from.is_zero() { Crossing::Tie } else { Crossing::Miss };
+    }
+    let edges = [(a, b), (b, c), (c, a)].map(|(a, b)| orient3d_homogeneous([p, q, a, b]));
+    if edges.contains(&Sign::Positive) && edges.contains(&Sign::Negative) {
+        Crossing::Miss
+    } else if from.is_zero() {
+        Crossing::Starts
+    } else if to.is_zero() || edges.contains(&Sign::Zero) {
+        Crossing::Tie
+    } else {
+        Crossing::Through(from.value()) // positive is behind the triangle, that is, inside
+    }
+}
+
 /// From `p` along `direction` to infinity, and through the dark cap that lies there.
-fn to_infinity(volume: &ShadowVolume, triangles: &[([u32; 3], i32)], p: [f32; 3], direction: [f32; 3]) -> Path {
+fn to_infinity(
+    volume: &ShadowVolume,
+    triangles: &[([u32; 3], i32)],
+    p: [f32; 3],
+    direction: [f32; 3],
+) -> Path {
     let light = Light::directional(direction).expect("scattered directions are not zero");
     let target = Homogeneous::light(&light);
-    let Path::Sum(mut sum) = walk(volume, triangles.iter().copied(), p, target) else {
-        return walk(volume, triangles.iter().copied(), p, target);
+    let mut sum = match walk(volume, triangles.iter().copied(), p, target) {
+        Path::Sum(sum) => sum,
+        unsettled => return unsettled,
     };
     for (triangle, copies) in triangles {
         let [a, b, c] = volume.corners(*triangle);
@@ -242,7 +269,7 @@ fn for_each_piece(volume: &ShadowVolume, triangle: [u32; 3], within: &Aabb, mut 
     }
     let length = |d: [f64; 4]| (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
     let longest = end * length(rays[0].1).max(length(rays[1].1));
-    let pieces = (PIECES * longest / within.diagonal()).ceil().clamp(1.0, PIECES);
+    let pieces = (PIECES * longest / within.diagonal()).ceil().max(1.0).min(PIECES);
     for k in 0..pieces as u32 {
         let span = [f64::from(k), f64::from(k + 1)].map(|k| end * (k / pieces));
         let mut aabb = Aabb::EMPTY;
@@ -279,7 +306,8 @@ fn unit(i: u32) -> f32 {
     ((bits(i) >> 41) as f32 + 0.5) / (1_u32 << 23) as f32
 }
 
-fn scattered(i: u32) -> [f32; 3] {
+/// A direction without a pattern; never zero.
+pub(super) fn scattered(i: u32) -> [f32; 3] {
     [0, 1, 2].map(|axis| 2.0 * unit(3 * i + axis + 1000) - 1.0)
 }
 

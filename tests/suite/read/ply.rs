@@ -103,6 +103,7 @@ fn ply_strips_turn_every_second_triangle_and_a_restart_begins_anew() {
     assert_eq!(strip("0 1 2 3 4"), [[0, 1, 2], [2, 1, 3], [2, 3, 4]]);
     assert_eq!(strip("0 1 2 -1 1 2 3 4"), [[0, 1, 2], [1, 2, 3], [3, 2, 4]]);
     assert_eq!(strip("0 1 2 2 3 4"), [[0, 1, 2], [3, 2, 4]]); // stitches count, so the last one is the fourth
+    assert_eq!(strip("0 1 0 2"), [[0, 1, 2]]); // there and back
     assert_eq!(strip("-1 -1 0 1 -1 2"), [[0; 3]; 0]);
 }
 

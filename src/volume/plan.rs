@@ -1,0 +1,260 @@
+//! Which faces of which shell cast: half the geometry where that is proven to be enough, all of it elsewhere.
+//!
+//! With front faces only, the volume counts `(crossed + w)/2` at a point of winding number `w`: in or out exactly
+//! if `w` is nowhere negative, the shell is balanced, and the light is in none of its volume and not on it. A
+//! watertight shell that does not meet itself and whose volume is positive has `w` ∈ {0, 1} everywhere. With a
+//! negative volume the same holds with all signs turned. Anything less is not proof: a figure-eight prism is
+//! watertight and may have a positive volume, and its other lobe would stay lit.
+
+use std::fmt;
+
+use super::winding::{Crossing, crossing, scattered};
+use crate::geom::Light;
+use crate::geom::predicate::Homogeneous;
+use crate::mesh::{FaceId, Mesh};
+use crate::silhouette::Facing;
+use crate::topology::{CrackReport, Shells, Topology, self_intersections};
+
+/// Which faces of a shell cast.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Variant {
+    /// Every face that is not edge-on, with its sign. Right for any mesh.
+    General,
+    /// Front faces only.
+    FrontOnly,
+    /// Back faces only: the front faces of a shell that is inside out.
+    BackOnly,
+}
+
+impl Variant {
+    /// Lower-case name, as in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::General => "general",
+            Self::FrontOnly => "front",
+            Self::BackOnly => "back",
+        }
+    }
+
+    /// The sign that a face of the shell casts with.
+    #[inline]
+    #[must_use]
+    pub fn sign(self, facing: Facing) -> i8 {
+        match self {
+            Self::General => facing.sign(),
+            Self::FrontOnly => facing.sign().max(0),
+            Self::BackOnly => facing.sign().min(0),
+        }
+    }
+}
+
+/// What the caller wants cast.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Faces {
+    /// Half the faces where that is proven to be enough.
+    #[default]
+    Auto,
+    /// The general form everywhere.
+    All,
+    /// Front faces everywhere, proven or not.
+    Front,
+}
+
+/// What is known of a shell, whatever the light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ShellProof {
+    /// Winding numbers are 0 and +1: watertight, does not meet itself, positive volume.
+    Outward,
+    /// Winding numbers are 0 and −1: the same with a negative volume.
+    Inward,
+    /// An edge does not have exactly two faces in opposite directions.
+    NotWatertight,
+    /// A face has no area.
+    ZeroAreaFace,
+    /// Two faces meet where they should not.
+    MeetsItself,
+    /// The volume is zero.
+    NoVolume,
+}
+
+impl ShellProof {
+    /// Looks at every shell: one proof a shell, in their order. Searches for self-intersections, which costs some
+    /// microseconds a face, unless no shell gets that far.
+    #[must_use]
+    pub fn of(mesh: &Mesh, topology: &Topology, shells: &Shells) -> Vec<Self> {
+        let report = CrackReport::of(mesh, topology);
+        let mut proofs: Vec<Self> = report
+            .shell_list
+            .iter()
+            .map(|shell| match shell {
+                shell if !shell.watertight => Self::NotWatertight,
+                shell if shell.signed_volume > 0.0 => Self::Outward,
+                shell if shell.signed_volume < 0.0 => Self::Inward,
+                _ => Self::NoVolume,
+            })
+            .collect();
+        let of_face = |face: FaceId| shells.of_face[face.index()].map(|shell| shell as usize);
+        for face in topology.faces().filter(|&face| !topology.is_collapsed(face)) {
+            let Some(shell) = of_face(face) else { continue };
+            let [a, b, c] = mesh.corners(face);
+            if proofs[shell].is_sound() && crate::geom::predicate::collinear(a, b, c) {
+                proofs[shell] = Self::ZeroAreaFace;
+            }
+        }
+        if proofs.iter().any(|proof| proof.is_sound()) {
+            for pair in self_intersections(mesh, topology) {
+                let [a, b] = pair.map(of_face);
+                // Two shells may well meet each other: each keeps its own count.
+                if let (Some(shell), true) = (a, a == b) {
+                    if proofs[shell].is_sound() {
+                        proofs[shell] = Self::MeetsItself;
+                    }
+                }
+            }
+        }
+        proofs
+    }
+
+    fn is_sound(self) -> bool {
+        matches!(self, Self::Outward | Self::Inward)
+    }
+}
+
+/// Where a light is with respect to one shell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightPlace {
+    /// The shell winds this often around the light.
+    Winding(i32),
+    /// On a face of the shell, or so aligned with it that it could not be told.
+    OnShell,
+}
+
+/// What was chosen for one shell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShellChoice {
+    /// Which faces cast.
+    pub variant: Variant,
+    /// What was asked for.
+    pub faces: Faces,
+    /// What is known of the shell; `None` where nothing needed proof.
+    pub proof: Option<ShellProof>,
+    /// Where the light is; `None` where that was not looked at.
+    pub light: Option<LightPlace>,
+}
+
+/// The reason, in words.
+impl fmt::Display for ShellChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match (self.faces, self.proof, self.light) {
+            (Faces::All, ..) => "all faces were asked for",
+            (Faces::Front, ..) => "front faces were asked for; nothing is proven",
+            (_, Some(ShellProof::NotWatertight), _) => "the shell is not watertight",
+            (_, Some(ShellProof::ZeroAreaFace), _) => "a face of the shell has no area",
+            (_, Some(ShellProof::MeetsItself), _) => "the shell meets itself",
+            (_, Some(ShellProof::NoVolume), _) => "the shell encloses no volume",
+            (.., Some(LightPlace::OnShell)) => "the light is on the shell",
+            (.., Some(LightPlace::Winding(w))) if w != 0 => "the light is inside the shell",
+            (_, Some(ShellProof::Inward), _) => {
+                "watertight, inside out, does not meet itself, and the light is outside: back faces are enough"
+            }
+            _ => "watertight, does not meet itself, and the light is outside: front faces are enough",
+        })
+    }
+}
+
+/// Which faces cast, shell by shell, for one light.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// One choice a shell, in the order of the shells.
+    pub choices: Vec<ShellChoice>,
+}
+
+impl Plan {
+    /// Chooses for every shell. `proofs` may be empty unless `faces` is [`Faces::Auto`].
+    ///
+    /// # Panics
+    ///
+    /// Panics if `faces` is [`Faces::Auto`] and there is not one proof a shell.
+    #[must_use]
+    pub fn choose(mesh: &Mesh, shells: &Shells, proofs: &[ShellProof], light: &Light, faces: Faces) -> Self {
+        let plain = |variant| ShellChoice { variant, faces, proof: None, light: None };
+        let choices = match faces {
+            Faces::All => vec![plain(Variant::General); shells.count],
+            Faces::Front => vec![plain(Variant::FrontOnly); shells.count],
+            Faces::Auto => {
+                assert_eq!(proofs.len(), shells.count, "one proof a shell");
+                let places = light_places(mesh, shells, proofs, light);
+                let choose = |(&proof, light): (&ShellProof, LightPlace)| {
+                    let outside = light == LightPlace::Winding(0);
+                    let variant = match proof {
+                        ShellProof::Outward if outside => Variant::FrontOnly,
+                        ShellProof::Inward if outside => Variant::BackOnly,
+                        _ => Variant::General,
+                    };
+                    ShellChoice { variant, faces, proof: Some(proof), light: Some(light) }
+                };
+                proofs.iter().zip(places).map(choose).collect()
+            }
+        };
+        Self { choices }
+    }
+
+    /// The sign that each face casts with: one entry a face.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `shells` or `facing` belong to another mesh.
+    #[must_use]
+    pub fn signs(&self, shells: &Shells, facing: &[Facing]) -> Vec<i8> {
+        assert_eq!(shells.of_face.len(), facing.len(), "one facing a face");
+        let sign = |(shell, &facing): (&Option<u32>, &Facing)| {
+            shell.map_or(0, |shell| self.choices[shell as usize].variant.sign(facing))
+        };
+        shells.of_face.iter().zip(facing).map(sign).collect()
+    }
+}
+
+/// How often each sound shell winds around the light; shells that are not sound are not looked at and get 0.
+fn light_places(mesh: &Mesh, shells: &Shells, proofs: &[ShellProof], light: &Light) -> Vec<LightPlace> {
+    let mut places = vec![LightPlace::Winding(0); shells.count];
+    if light.is_directional() {
+        return places; // nothing winds around infinity
+    }
+    let mut open: Vec<bool> = proofs.iter().map(|proof| proof.is_sound()).collect();
+    const TRIES: u32 = 16;
+    for direction in (0..TRIES).map(scattered) {
+        if !open.contains(&true) {
+            return places;
+        }
+        let target = Light::directional(direction).expect("scattered directions are not zero");
+        let mut sums = vec![0; shells.count];
+        let mut tie = vec![false; shells.count];
+        let mut on = vec![false; shells.count];
+        for (face, shell) in shells.of_face.iter().enumerate() {
+            let Some(shell) = shell.map(|shell| shell as usize).filter(|&shell| open[shell]) else {
+                continue;
+            };
+            let corners = mesh.corners(FaceId::new(face)).map(Homogeneous::point);
+            match crossing(corners, Homogeneous::light(light), Homogeneous::light(&target)) {
+                Crossing::Miss => {}
+                Crossing::Through(sign) => sums[shell] += sign,
+                Crossing::Starts => on[shell] = true,
+                Crossing::Tie => tie[shell] = true,
+            }
+        }
+        for shell in (0..shells.count).filter(|&shell| open[shell]).collect::<Vec<_>>() {
+            if on[shell] {
+                places[shell] = LightPlace::OnShell;
+            } else if !tie[shell] {
+                places[shell] = LightPlace::Winding(sums[shell]);
+            }
+            open[shell] = tie[shell] && !on[shell];
+        }
+    }
+    for shell in (0..shells.count).filter(|&shell| open[shell]) {
+        places[shell] = LightPlace::OnShell;
+    }
+    places
+}

@@ -11,10 +11,13 @@
 
 mod build;
 mod crack;
+mod fan;
+mod intersect;
 mod shell;
 mod validate;
 
 pub use crack::{Counts, CrackReport, Defect, DefectKind, NearMiss, SelfIntersections, ShellReport};
+pub use intersect::{for_each_self_intersection, self_intersections};
 pub use shell::{Components, Shells};
 
 use crate::mesh::{EdgeId, FaceId, HalfEdgeId, VertexId};

@@ -3,21 +3,29 @@
 use std::fmt;
 use std::path::Path;
 
-use umbrage::read::ReadError;
+use umbrage::read::{Format, ReadError};
 use umbrage::write::WriteError;
 
 /// Why a command could not run: file, place, problem, remedy, in one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Failure(String);
+pub(crate) struct Failure {
+    line: String,
+    /// What the file was taken for, where that was settled.
+    pub(crate) format: Option<Format>,
+}
 
 impl Failure {
     pub(crate) fn new(problem: impl fmt::Display, remedy: impl fmt::Display) -> Self {
-        Self(format!("{problem}; {remedy}").replace(char::is_control, "\u{fffd}"))
+        Self::of(format!("{problem}; {remedy}"), None)
+    }
+
+    fn of(line: String, format: Option<Format>) -> Self {
+        Self { line: line.replace(char::is_control, "\u{fffd}"), format }
     }
 
     /// The same failure, naming the file it is about.
     pub(crate) fn in_file(self, file: &Path) -> Self {
-        Self(format!("{}: {}", file.display(), self.0).replace(char::is_control, "\u{fffd}"))
+        Self::of(format!("{}: {}", file.display(), self.line), self.format)
     }
 
     /// A value that the command line knows, but nothing behind it does yet.
@@ -28,20 +36,20 @@ impl Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
+        f.write_str(&self.line)
     }
 }
 
 /// Both already print as one line that names the file.
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
-        Self(error.to_string())
+        Self::of(error.to_string(), error.format)
     }
 }
 
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
-        Self(error.to_string())
+        Self::of(error.to_string(), None)
     }
 }
 

@@ -8,6 +8,7 @@ use umbrage::scene::{Camera, Scene, SceneLight, Scope};
 
 use super::error::Failure;
 use super::output;
+use super::progress::Progress;
 
 /// How vertices are merged and what counts as one mesh.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -79,7 +80,10 @@ pub(crate) struct WeldedMesh {
 impl MeshArgs {
     /// Reads and bakes a file. What the reader has to say goes to standard error.
     pub(crate) fn read(&self, file: &Path) -> Result<Baked, Failure> {
-        let mut scene = read::read(file)?;
+        let progress = Progress::spinner(format!("reading {}", file.display()));
+        let scene = read::read(file);
+        drop(progress);
+        let mut scene = scene?;
         for note in &scene.notes {
             output::say(format_args!("note: {}: {}", file.display(), output::plain(note)));
         }

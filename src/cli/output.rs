@@ -73,6 +73,15 @@ pub(crate) fn number32(value: f32) -> Value {
     value.to_string().parse().map_or(Value::Null, number)
 }
 
+/// A number for a person: six significant digits.
+pub(crate) fn significant(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    match rounded.abs() {
+        size if size == 0.0 || (1e-4..1e7).contains(&size) => (rounded + 0.0).to_string(),
+        _ => format!("{rounded:e}"),
+    }
+}
+
 /// Text from a file on a terminal: without control characters, at most 60 characters.
 pub(crate) fn plain(text: &str) -> String {
     const MOST: usize = 60;
@@ -161,6 +170,12 @@ mod tests {
         for value in [f32::MAX, f32::MIN_POSITIVE, 1e-45, 16_777_216.0, -0.3] {
             assert_eq!(number32(value).to_string().parse::<f32>().unwrap(), value);
         }
+    }
+
+    #[test]
+    fn significant_digits_are_six() {
+        let of = [0.0, -0.0, 0.1, -1.234567, 6_543_210.9, 1e7, 2.7e-16, f64::NAN].map(significant);
+        assert_eq!(of, ["0", "0", "0.1", "-1.23457", "6543210", "1e7", "2.7e-16", "NaN"]);
     }
 
     #[test]

@@ -92,8 +92,14 @@ impl<'volume> WindingIndex<'volume> {
         if !self.within.contains(p) {
             return winding_number(self.volume, p);
         }
+        // The nearest anchor first: what lies on a short way is soon looked at.
+        let distance = |anchor: [f32; 3]| -> f64 {
+            (0..3).map(|i| (f64::from(anchor[i]) - f64::from(p[i])).powi(2)).sum()
+        };
+        let mut nearest: Vec<&([f32; 3], OnceLock<Option<i32>>)> = self.anchors.iter().collect();
+        nearest.sort_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
         let mut near = Vec::new();
-        self.anchors.iter().find_map(|(anchor, known)| {
+        nearest.into_iter().find_map(|(anchor, known)| {
             let known = *known.get_or_init(|| winding_number(self.volume, *anchor));
             let known = known?;
             near.clear();
@@ -179,7 +185,13 @@ pub(super) fn crossing([a, b, c]: [Homogeneous; 3], p: Homogeneous, q: Homogeneo
     if from == to {
         return if from.is_zero() { Crossing::Tie } else { Crossing::Miss };
     }
-    let edges = [(a, b), (b, c), (c, a)].map(|(a, b)| orient3d_homogeneous([p, q, a, b]));
+    // Most candidates pass two edges on different hands.
+    let first = orient3d_homogeneous([p, q, a, b]);
+    let second = orient3d_homogeneous([p, q, b, c]);
+    if first == -second && !first.is_zero() {
+        return Crossing::Miss;
+    }
+    let edges = [first, second, orient3d_homogeneous([p, q, c, a])];
     if edges.contains(&Sign::Positive) && edges.contains(&Sign::Negative) {
         Crossing::Miss
     } else if from.is_zero() {

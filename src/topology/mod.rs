@@ -300,8 +300,3 @@ impl Topology {
 fn has_collapsed([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || c == a
 }
-
-/// TEMPORARY
-pub fn self_intersections(_m: &crate::mesh::Mesh, _t: &Topology) -> Vec<[FaceId; 2]> {
-    Vec::new()
-}

@@ -143,8 +143,8 @@ pub struct ShellReport {
     pub euler_characteristic: i64,
     /// (2 − χ) / 2 of a watertight shell with one fan at each vertex; otherwise `None`.
     pub genus: Option<u64>,
-    /// Volume in cubic mesh units, positive with faces outwards. That of a shell that is not balanced depends
-    /// on the origin of the coordinates.
+    /// Volume in cubic mesh units, positive with faces outwards. Of a shell that is not balanced it is that of
+    /// the cones over its faces from one point for the whole mesh, the mean of all corners.
     pub signed_volume: f64,
     /// Every edge has exactly two faces, in opposite directions.
     pub watertight: bool,

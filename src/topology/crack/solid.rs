@@ -107,10 +107,13 @@ fn combinatorics(
 
 /// Fills in boxes and volumes. Gives the exact signs of the watertight shells' volumes; zero for the others.
 fn measure(mesh: &Mesh, topology: &Topology, shells: &Shells, list: &mut [ShellReport]) -> Vec<Sign> {
-    // A closed surface has the same volume about any point, and the smallest terms about one of its own.
+    // A closed surface has the same volume about any point, and the smallest terms about one of its own. Of an
+    // open one the volume is that under a cone over its border; one apex for all of them, which moves with the
+    // mesh, lets the patches of a solid add up.
+    let apex = if list.iter().all(|shell| shell.balanced) { [0.0; 3] } else { mean_corner(mesh, topology) };
     let about = |shell: &ShellReport| match shell.balanced {
-        true => mesh.corners(shell.first_face)[0],
-        false => [0.0; 3],
+        true => mesh.corners(shell.first_face)[0].map(f64::from),
+        false => apex,
     };
     let mut sums: Vec<VolumeSum> = list.iter().map(|shell| VolumeSum::new(about(shell))).collect();
     let faces =
@@ -140,6 +143,20 @@ fn measure(mesh: &Mesh, topology: &Topology, shells: &Shells, list: &mut [ShellR
         None => sum.sign().expect("what is unsure was added exactly"),
     };
     list.iter().zip(&sums).zip(unsure).map(sign).collect()
+}
+
+/// The mean over the corners of all faces that have not collapsed.
+fn mean_corner(mesh: &Mesh, topology: &Topology) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for face in topology.faces().filter(|&face| !topology.is_collapsed(face)) {
+        for corner in mesh.corners(face) {
+            for axis in 0..3 {
+                sum[axis] += f64::from(corner[axis]);
+            }
+        }
+    }
+    let corners = 3 * (topology.face_count() - topology.collapsed_face_count());
+    sum.map(|sum| sum / corners as f64)
 }
 
 /// Fills in depth and parent of the watertight shells.
@@ -183,22 +200,19 @@ fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport]) 
     for &shell in closed.iter().filter(|&&shell| inner[shell]) {
         let points = || faces[starts[shell]..starts[shell + 1]].iter().flat_map(|&face| mesh.corners(face));
         // A point that lies on another shell tells nothing about it; the next one may.
-        let mut found = solids.around(mesh, points().next().expect("a shell has faces"));
-        if !found.touching.is_empty() {
-            if let Some(clear) =
-                points().map(|point| solids.around(mesh, point)).find(|found| found.touching.is_empty())
-            {
-                found = clear;
-            }
+        let around_point = |point| solids.around(mesh, point, shell);
+        let mut found = around_point(points().next().expect("a shell has faces"));
+        if !found.touching.is_empty()
+            && let Some(clear) = points().map(around_point).find(|found| found.touching.is_empty())
+        {
+            found = clear;
         }
-        found.shells.retain(|&other| {
-            other as usize != shell && list[other as usize].bounds.contains_box(&list[shell].bounds)
-        });
+        found.shells.retain(|&other| list[other as usize].bounds.contains_box(&list[shell].bounds));
         // Before the depth makes it inside out, all of it must lie inside: else it merely cuts the other.
         let odd = found.shells.len() % 2 == 1;
         if !found.shells.is_empty() && (signs[shell] == Sign::Positive) == odd {
             for point in points() {
-                let here = solids.around(mesh, point);
+                let here = around_point(point);
                 let holds = |shells: &[u32], other: &u32| shells.binary_search(other).is_ok();
                 found.shells.retain(|other| holds(&here.shells, other) || holds(&here.touching, other));
                 if found.shells.is_empty() {
@@ -246,13 +260,17 @@ impl Solids {
         Self { bvh: Bvh::build(&boxes), faces, shell_of }
     }
 
-    /// A shell is around `point` if its faces' signed crossings with the ray towards +x do not cancel.
-    fn around(&self, mesh: &Mesh, point: [f32; 3]) -> Around {
+    /// A shell is around `point` if its faces' signed crossings with the ray towards +x do not cancel. Shell
+    /// `own` is left out.
+    fn around(&self, mesh: &Mesh, point: [f32; 3], own: usize) -> Around {
         let ray = Aabb { low: point, high: [f32::MAX, point[1], point[2]] };
         let mut crossings: Vec<(u32, i32)> = Vec::new();
         let mut touching = Vec::new();
         self.bvh.for_each_overlapping(&ray, |slot| {
             let shell = self.shell_of[slot as usize];
+            if shell as usize == own {
+                return;
+            }
             match crossing(mesh.corners(self.faces[slot as usize]), point) {
                 Crossing::None => {}
                 Crossing::Signed(sign) => crossings.push((shell, sign)),

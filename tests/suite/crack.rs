@@ -353,8 +353,10 @@ fn crack_nesting_of_a_shell_that_merely_cuts_another_is_none() {
 #[test]
 fn crack_double_sided_sheets_are_not_inside_out() {
     let mesh = mesh(&[[0.1, 0.2, 0.3], [1e30, 0.0, 0.0], [0.0, 7.0, 1e-30]], &[[0, 1, 2], [0, 2, 1]]);
-    let shell = report(&mesh).shell_list[0];
+    let report_of_sheet = report(&mesh);
+    let shell = report_of_sheet.shell_list[0];
     assert!(shell.watertight && !shell.inside_out);
+    assert_eq!(report_of_sheet.counts.duplicate_opposite_winding, 1);
     // One ulp of volume is enough to tell.
     let sliver = report(&solid::inside_out(&solid::sliver()));
     assert_eq!(sliver.counts.inside_out_shells, 1);

@@ -7,17 +7,17 @@ use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
 
 /// Whole and odd numbers near the origin: small grids make exact ties common.
-pub fn coordinate() -> impl Strategy<Value = f32> {
+pub(crate) fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![4 => (-3_i8..=3).prop_map(f32::from), 1 => -3.0_f32..3.0]
 }
 
 /// A place, often on the grid.
-pub fn place() -> impl Strategy<Value = [f32; 3]> {
+pub(crate) fn place() -> impl Strategy<Value = [f32; 3]> {
     [coordinate(), coordinate(), coordinate()]
 }
 
 /// A mesh of up to `faces` triangles over a few shared vertices: open, non-manifold, with collapsed and flat faces.
-pub fn soup(faces: usize) -> impl Strategy<Value = Mesh> {
+pub(crate) fn soup(faces: usize) -> impl Strategy<Value = Mesh> {
     (
         prop::collection::vec(place(), 3..10),
         prop::collection::vec([any::<u32>(), any::<u32>(), any::<u32>()], 0..faces),
@@ -29,7 +29,7 @@ pub fn soup(faces: usize) -> impl Strategy<Value = Mesh> {
 }
 
 /// A point light or a directional one, often on the grid.
-pub fn light() -> impl Strategy<Value = Light> {
+pub(crate) fn light() -> impl Strategy<Value = Light> {
     (place(), any::<bool>()).prop_map(|(xyz, directional)| match Light::directional(xyz) {
         Ok(light) if directional => light,
         _ => Light::point(xyz).unwrap(),
@@ -37,7 +37,7 @@ pub fn light() -> impl Strategy<Value = Light> {
 }
 
 /// The folder of real meshes; says aloud that it is missing where it is.
-pub fn real_meshes() -> Option<PathBuf> {
+pub(crate) fn real_meshes() -> Option<PathBuf> {
     let folder = std::env::var_os("UMBRAGE_MESHES").map_or_else(
         || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes")),
         PathBuf::from,

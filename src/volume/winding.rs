@@ -282,7 +282,7 @@ fn for_each_piece(volume: &ShadowVolume, triangle: [u32; 3], within: &Aabb, mut 
     }
     let length = |d: [f64; 4]| (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
     let longest = end * length(rays[0].1).max(length(rays[1].1));
-    // A box that is a single point makes this 0/0, for which one piece will do.
+    // (`min` and `max` let go of NaN, which a box that is a single point would make.)
     let pieces = PIECES.min((PIECES * longest / within.diagonal()).ceil()).max(1.0);
     for k in 0..pieces as u32 {
         let span = [f64::from(k), f64::from(k + 1)].map(|k| end * (k / pieces));

@@ -2,5 +2,11 @@
 
 #[cfg(feature = "cli")]
 mod cli;
+mod crack;
+mod facts;
 mod gltf;
+mod oracle;
 mod read;
+mod support;
+mod verify;
+mod volume;

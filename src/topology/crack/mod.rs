@@ -12,6 +12,7 @@ pub use defect::{Defect, DefectKind};
 
 use std::ops::ControlFlow;
 
+use super::fan::Fans;
 use super::{Topology, for_each_self_intersection};
 use crate::geom::Aabb;
 use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
@@ -143,8 +144,8 @@ pub struct ShellReport {
     pub euler_characteristic: i64,
     /// (2 − χ) / 2 of a watertight shell with one fan at each vertex; otherwise `None`.
     pub genus: Option<u64>,
-    /// Volume in cubic mesh units, positive with faces outwards. That of a shell that is not balanced depends
-    /// on the origin of the coordinates.
+    /// Volume in cubic mesh units, positive with faces outwards. Of a shell that is not balanced it is that of
+    /// the cones over its faces from one point for the whole mesh, the mean of all corners.
     pub signed_volume: f64,
     /// Every edge has exactly two faces, in opposite directions.
     pub watertight: bool,
@@ -220,12 +221,13 @@ impl CrackReport {
         assert!(mesh.triangles() == topology.triangles(), "the topology is that of another mesh");
         let uses = topology.edge_counts();
         let shells = topology.shells();
-        let fans = topology.fans_of_non_manifold_vertices();
-        let (shell_list, vertices) = solid::shells(mesh, topology, &shells, &fans);
+        let Fans { several: fans, vertices, folded } = topology.fans();
+        let shell_list = solid::shells(mesh, topology, &shells, &fans, vertices, &uses);
         drop(shells);
 
         let zero_area = face::zero_area(mesh, topology);
-        let duplicates = face::duplicates(topology);
+        let may_repeat = folded || uses.non_manifold > 0;
+        let duplicates = if may_repeat { face::duplicates(topology) } else { Vec::new() };
         let same_winding = duplicates.iter().filter(|duplicate| duplicate.same_winding).count();
 
         let (loop_edges, loop_ends) = topology.grouped_boundary();

@@ -9,3 +9,6 @@ pub mod topology;
 pub mod silhouette;
 pub mod volume;
 pub mod oracle;
+#[cfg(feature = "reference")]
+pub mod verify;
+mod random;

@@ -1,6 +1,12 @@
 //! Every integration test, one file a stage, named as in `src`.
 
+#[cfg(feature = "cli")]
+mod cli;
 mod crack;
 mod facts;
 mod gltf;
+mod oracle;
 mod read;
+mod support;
+mod verify;
+mod volume;

@@ -1,0 +1,14 @@
+//! `umbrage silhouette`.
+
+use super::{Failure, Outcome, unbuilt};
+
+/// silhouette (not built yet)
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    rest: unbuilt::Rest,
+}
+
+pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+    unbuilt::run("silhouette", args.rest)
+}

@@ -23,14 +23,14 @@ impl Output {
         Self { writer: BufWriter::new(UntilClosed(io::stdout().lock())) }
     }
 
-    /// Writes text as it is, and a line break.
-    pub(crate) fn line(&mut self, text: impl Display) -> Result<(), Failure> {
-        writeln!(self.writer, "{text}").map_err(unwritable)
+    /// Writes text as it is.
+    pub(crate) fn text(&mut self, text: impl Display) -> Result<(), Failure> {
+        write!(self.writer, "{text}").map_err(unwritable)
     }
 
     /// Writes a document, indented.
     pub(crate) fn json(&mut self, value: &Value) -> Result<(), Failure> {
-        self.line(format_args!("{value:#}"))
+        self.text(format_args!("{value:#}\n"))
     }
 
     /// Hands everything on to the reader.
@@ -82,16 +82,19 @@ pub(crate) fn significant(value: f64) -> String {
     }
 }
 
-/// Text from a file on a terminal: without control characters, at most 60 characters.
+/// Text from outside, fit for a terminal: no control characters, so one line and no commands to it.
 pub(crate) fn plain(text: &str) -> String {
+    text.replace(char::is_control, "\u{fffd}")
+}
+
+/// A name from a file, fit for a table: at most 60 characters.
+pub(crate) fn short(name: &str) -> String {
     const MOST: usize = 60;
-    let mut characters = text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c });
-    let mut plain: String = characters.by_ref().take(MOST).collect();
-    if characters.next().is_some() {
-        plain.pop();
-        plain.push('…');
+    let plain = plain(name);
+    match plain.char_indices().nth(MOST) {
+        None => plain,
+        Some(_) => plain.chars().take(MOST - 1).chain(['…']).collect(),
     }
-    plain
 }
 
 /// Rows with aligned columns: the first one to the left, the others to the right.
@@ -186,9 +189,9 @@ mod tests {
     }
 
     #[test]
-    fn plain_text_has_no_control_characters_and_an_end() {
-        assert_eq!(plain("a\x1b[31m\nb"), "a\u{fffd}[31m\u{fffd}b");
-        assert_eq!(plain(&"x".repeat(60)), "x".repeat(60));
-        assert_eq!(plain(&"x".repeat(61)), format!("{}…", "x".repeat(59)));
+    fn names_have_no_control_characters_and_an_end() {
+        assert_eq!(short("a\x1b[31m\nb"), "a\u{fffd}[31m\u{fffd}b");
+        assert_eq!(short(&"ä".repeat(60)), "ä".repeat(60));
+        assert_eq!(short(&"ä".repeat(61)), format!("{}…", "ä".repeat(59)));
     }
 }

@@ -1,7 +1,7 @@
 //! The crack report as coloured geometry.
 
 use umbrage::geom::Aabb;
-use umbrage::mesh::{FaceId, Mesh};
+use umbrage::mesh::Mesh;
 use umbrage::topology::{CrackReport, Defect, DefectKind, Topology};
 use umbrage::write::{Elements, Layer, Model};
 
@@ -63,8 +63,19 @@ impl Marks {
             if report.count(kind).unwrap_or(0) == 0 {
                 continue;
             }
+            let mut faces = Vec::new();
             for defect in report.items(kind, mesh, topology, usize::MAX) {
                 marks.add(kind, &defect, mesh, radius)?;
+                faces.extend(defect.faces);
+            }
+            if matches!(
+                kind,
+                DefectKind::DuplicateFace | DefectKind::InsideOutShell | DefectKind::SelfIntersection
+            ) {
+                // A face may take part in many.
+                faces.sort_unstable();
+                faces.dedup();
+                faces.iter().try_for_each(|&face| marks.solids.add(&mesh.corners(face), &[[0, 1, 2]]))?;
             }
         }
         Ok(())
@@ -103,6 +114,7 @@ fn layer(name: &str, colour: [f32; 4], from: Triangles) -> Layer {
 }
 
 impl Kind {
+    /// Lines and octahedra of one defect; faces are drawn once they are all known.
     fn add(&mut self, kind: DefectKind, defect: &Defect, mesh: &Mesh, radius: f64) -> Result<(), Failure> {
         self.lines.extend_from_slice(&defect.segments);
         match kind {
@@ -115,15 +127,8 @@ impl Kind {
                 }
                 self.octahedron(defect.position, radius)
             }
-            DefectKind::DuplicateFace | DefectKind::InsideOutShell | DefectKind::SelfIntersection => {
-                defect.faces.iter().try_for_each(|&face| self.face(mesh, face))
-            }
             _ => Ok(()),
         }
-    }
-
-    fn face(&mut self, mesh: &Mesh, face: FaceId) -> Result<(), Failure> {
-        self.solids.add(&mesh.corners(face), &[[0, 1, 2]])
     }
 
     fn octahedron(&mut self, at: [f32; 3], radius: f64) -> Result<(), Failure> {

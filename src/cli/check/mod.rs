@@ -151,9 +151,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
             documents.push(report);
         } else if let Ok(report) = report {
             if index > 0 {
-                out.line("")?;
+                out.text("\n")?;
             }
-            out.line(text::Report { report: &report, limit: args.limit })?;
+            out.text(text::Report { report: &report, limit: args.limit })?;
             out.flush()?;
         }
     }

@@ -5,7 +5,7 @@ use std::fmt::{self, Display};
 use umbrage::topology::{Counts, DefectKind, NearMiss};
 
 use super::{FileReport, MeshReport, Place, Require};
-use crate::cli::output::{Table, plain, significant};
+use crate::cli::output::{Table, plain, short, significant};
 
 /// How many face numbers are printed at a place.
 const FACES_PRINTED: usize = 6;
@@ -19,7 +19,7 @@ pub(super) struct Report<'a> {
 impl Display for Report<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let format = self.report.format.map_or("generated", |format| format.name());
-        writeln!(f, "{} ({format})", plain_path(&self.report.file))?;
+        writeln!(f, "{} ({format})", plain(&self.report.file.to_string_lossy()))?;
         self.counts(f)?;
         self.verdict(f)?;
         for kind in DefectKind::ALL {
@@ -67,7 +67,10 @@ impl Report<'_> {
         if hidden > 0 {
             let all = meshes.iter().filter(|mesh| !mesh.sound).count();
             let shown = listed.iter().filter(|&&index| !meshes[index].sound).count();
-            writeln!(f, "  {hidden} meshes not listed, {} of them cracked", all - shown)?;
+            match all - shown {
+                0 => writeln!(f, "  {hidden} meshes not listed, all sound")?,
+                cracked => writeln!(f, "  {hidden} meshes not listed, {cracked} of them cracked")?,
+            }
         }
         let unused = self.report.sum(|mesh| mesh.unreferenced_vertices);
         if unused > 0 {
@@ -103,19 +106,38 @@ impl Report<'_> {
     }
 
     fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let meshes = self.report.meshes.len();
+        let Some(total) = self.report.total() else { return writeln!(f, "  sound: there is no mesh") };
+        let bad = self.report.meshes.iter().filter(|mesh| !mesh.sound).count();
+        let who = match (bad, meshes) {
+            (0, 1) | (1, 1) => "the mesh".to_owned(),
+            (0, _) => "every mesh".to_owned(),
+            _ => format!("{bad} of {meshes} meshes"),
+        };
+        let (is, is_not) = if bad > 1 { ("are", "are not") } else { ("is", "is not") };
         let property = match self.report.require {
-            None => "watertight with no shell inside out",
+            None if bad == 0 => {
+                return writeln!(f, "  sound: {who} is watertight, and no shell is inside out");
+            }
+            None => {
+                let reasons = [
+                    (total.boundary_edges, "boundary edges"),
+                    (total.non_manifold_edges, "non-manifold edges"),
+                    (total.misoriented_edges, "misoriented edges"),
+                    (total.inside_out_shells, "shells inside out"),
+                ];
+                let found = reasons.iter().filter(|reason| reason.0 > 0);
+                let reasons: Vec<String> = found.map(|(count, what)| format!("{count} {what}")).collect();
+                return writeln!(f, "  cracked: {who} {is_not} sound: {}", reasons.join(", "));
+            }
             Some(Require::Watertight) => "watertight",
             Some(Require::Balanced) => "balanced",
             Some(Require::Even) => "even",
         };
-        let meshes = self.report.meshes.len();
-        match self.report.meshes.iter().filter(|mesh| !mesh.sound).count() {
-            0 if meshes == 0 => writeln!(f, "  sound: there is no mesh"),
-            0 if meshes == 1 => writeln!(f, "  sound: the mesh is {property}"),
-            0 => writeln!(f, "  sound: every mesh is {property}"),
-            _ if meshes == 1 => writeln!(f, "  cracked: the mesh is not {property}"),
-            bad => writeln!(f, "  cracked: {bad} of {meshes} meshes are not {property}"),
+        if bad == 0 {
+            writeln!(f, "  sound: {who} {is} {property}")
+        } else {
+            writeln!(f, "  cracked: {who} {is_not} {property}")
         }
     }
 
@@ -242,11 +264,7 @@ fn row(name: String, [vertices, welded]: [usize; 2], counts: &Counts, sound: boo
 }
 
 fn label(index: usize, mesh: &MeshReport) -> String {
-    if mesh.name.is_empty() { format!("mesh {index}") } else { plain(&mesh.name) }
-}
-
-fn plain_path(path: &std::path::Path) -> String {
-    path.to_string_lossy().replace(char::is_control, "\u{fffd}")
+    if mesh.name.is_empty() { format!("mesh {index}") } else { short(&mesh.name) }
 }
 
 /// The distance with three digits, rounded up: it is to be typed, and must reach as far.
@@ -290,7 +308,7 @@ impl Display for At<'_> {
         if let Some(mesh) = &self.mesh {
             write!(f, ", {mesh}")?;
         }
-        let name = plain(&self.place.name);
+        let name = short(&self.place.name);
         if !name.is_empty() && self.mesh.as_ref() != Some(&name) {
             write!(f, ", {name}")?;
         }

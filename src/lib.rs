@@ -9,3 +9,4 @@ pub mod topology;
 pub mod silhouette;
 pub mod volume;
 pub mod oracle;
+pub mod picture;

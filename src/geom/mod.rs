@@ -5,6 +5,7 @@ pub mod bvh;
 mod light;
 pub mod predicate;
 mod segment;
+pub(crate) mod volume;
 
 pub use aabb::Aabb;
 pub use light::{Light, LightError};

@@ -133,6 +133,19 @@ impl Homogeneous {
 #[derive(Clone, Copy)]
 struct Row([f32; 3], [f32; 3]);
 
+impl Row {
+    /// The difference in `f64`: one rounding an entry. (Spelt out: `map` is not always inlined.)
+    #[inline]
+    fn rounded(self) -> [f64; 3] {
+        let Self(u, v) = self;
+        [
+            f64::from(u[0]) - f64::from(v[0]),
+            f64::from(u[1]) - f64::from(v[1]),
+            f64::from(u[2]) - f64::from(v[2]),
+        ]
+    }
+}
+
 /// The sign of `det [a−d; b−d; c−d]`: positive when `d` lies below the plane of `a`, `b`, `c`, that is, on the
 /// side from which they run clockwise (Shewchuk 1997, section 2's sign, and the `robust` crate's).
 #[inline]
@@ -203,6 +216,15 @@ pub fn turn_homogeneous(a: [f32; 3], b: [f32; 3], c: Homogeneous, axis: usize) -
 #[inline]
 #[must_use]
 pub fn collinear(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> bool {
+    // A minor of two products of single rounded differences errs by at most (3 + 16ε)ε times the sum of their
+    // magnitudes (Shewchuk 1997, section 4.3, bound A of two dimensions); one that is surely not zero decides.
+    let (u, v) = (Row(b, a).rounded(), Row(c, a).rounded());
+    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+        let (p, q) = (u[i] * v[j], u[j] * v[i]);
+        if (p - q).abs() > (3.0 + 16.0 * EPSILON) * EPSILON * (p.abs() + q.abs()) {
+            return false;
+        }
+    }
     (0..3).all(|axis| turn(a, b, c, axis).is_zero())
 }
 
@@ -216,7 +238,7 @@ const FILTER: f64 = (7.0 + 56.0 * EPSILON) * EPSILON;
 /// Step 1: the filter. Everything else is rare and lives behind one call.
 #[inline]
 fn sign_of_det(rows: [Row; 3]) -> Sign {
-    let [a, b, c] = rows.map(|Row(u, v)| [0, 1, 2].map(|i| f64::from(u[i]) - f64::from(v[i])));
+    let [a, b, c] = [rows[0].rounded(), rows[1].rounded(), rows[2].rounded()];
     let (bxcy, cxby) = (b[0] * c[1], c[0] * b[1]);
     let (cxay, axcy) = (c[0] * a[1], a[0] * c[1]);
     let (axby, bxay) = (a[0] * b[1], b[0] * a[1]);

@@ -7,6 +7,7 @@ mod weld;
 use std::ops::Range;
 
 pub use id::{EdgeId, FaceId, HalfEdgeId, VertexId};
+pub(crate) use weld::weld_points;
 pub use weld::{Weld, Welded, weld};
 
 /// A triangle mesh inside the declared domain.
@@ -217,7 +218,9 @@ impl Mesh {
     #[inline]
     #[must_use]
     pub fn corners(&self, face: FaceId) -> [[f32; 3]; 3] {
-        self.triangles[face.index()].map(|vertex| self.positions[vertex as usize])
+        // Spelt out: `map` is not always inlined, and this is the innermost line of most loops.
+        let [a, b, c] = self.triangles[face.index()];
+        [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
     }
 
     /// What the file calls the run of faces that holds `face`, if it has a name. Logarithmic in the parts.

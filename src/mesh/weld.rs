@@ -44,7 +44,11 @@ pub fn weld(mesh: &Mesh, how: Weld) -> Welded {
     let (vertex_of, kept) = match how {
         Weld::None => merge(&referenced, |_, _| None),
         Weld::Exact => exact(mesh, &referenced),
-        Weld::Within(distance) if distance > 0.0 => within(mesh, &referenced, f64::from(distance)),
+        Weld::Within(distance) if distance > 0.0 => {
+            let frames: Vec<&[[f32; 3]]> =
+                std::iter::once(mesh.positions()).chain(mesh.frames.iter().map(Vec::as_slice)).collect();
+            within(&frames, &referenced, f64::from(distance))
+        }
         Weld::Within(_) => exact(mesh, &referenced),
     };
     drop(referenced);
@@ -61,6 +65,11 @@ pub fn weld(mesh: &Mesh, how: Weld) -> Welded {
     let vertex_of =
         vertex_of.into_iter().map(|vertex| (vertex != UNUSED).then_some(VertexId(vertex))).collect();
     Welded { mesh: welded, vertex_of }
+}
+
+/// For each point the number of the kept point that it joins, by the scheme of [`Weld::Within`].
+pub(crate) fn weld_points(points: &[[f32; 3]], distance: f64) -> Vec<u32> {
+    within(&[points], &vec![true; points.len()], distance).0
 }
 
 /// A mark that no vertex id reaches, see [`Mesh::new`].
@@ -122,9 +131,7 @@ struct Entry {
 
 /// Kept vertices lie more than `distance` apart (in some frame), so a cell of that size holds few of them and
 /// those in reach lie in the 27 cells around.
-fn within(mesh: &Mesh, referenced: &[bool], distance: f64) -> (Vec<u32>, Vec<u32>) {
-    let frames: Vec<&[[f32; 3]]> =
-        std::iter::once(mesh.positions()).chain(mesh.frames.iter().map(Vec::as_slice)).collect();
+fn within(frames: &[&[[f32; 3]]], referenced: &[bool], distance: f64) -> (Vec<u32>, Vec<u32>) {
     let near = |a: u32, b: u32| {
         frames.iter().all(|frame| {
             let square =
@@ -133,7 +140,7 @@ fn within(mesh: &Mesh, referenced: &[bool], distance: f64) -> (Vec<u32>, Vec<u32
         })
     };
     // Cell numbers stay f64: where they pass 2^53 the f32 grid itself is coarser than the cells.
-    let cell = |vertex: u32| mesh.positions[vertex as usize].map(|x| (f64::from(x) / distance).floor());
+    let cell = |vertex: u32| frames[0][vertex as usize].map(|x| (f64::from(x) / distance).floor());
     let mut cells: HashMap<[u64; 3], Vec<(u32, u32)>> = HashMap::new();
     merge(referenced, |vertex, new| {
         let home = cell(vertex);

@@ -11,10 +11,13 @@
 
 mod build;
 mod crack;
+mod fan;
+mod intersect;
 mod shell;
 mod validate;
 
 pub use crack::{Counts, CrackReport, Defect, DefectKind, NearMiss, SelfIntersections, ShellReport};
+pub use intersect::{for_each_self_intersection, self_intersections};
 pub use shell::{Components, Shells};
 
 use crate::mesh::{EdgeId, FaceId, HalfEdgeId, VertexId};
@@ -296,9 +299,4 @@ impl Topology {
 #[inline]
 fn has_collapsed([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || c == a
-}
-
-/// TEMPORARY
-pub fn self_intersections(_m: &crate::mesh::Mesh, _t: &Topology) -> Vec<[FaceId; 2]> {
-    Vec::new()
 }

@@ -1,4 +1,4 @@
-//! What hangs together: shells, fans around a vertex, boundary loops. All by union-find, in near-linear time.
+//! What hangs together: shells and boundary loops. All by union-find, in near-linear time.
 
 use super::Topology;
 use crate::mesh::{EdgeId, FaceId, VertexId};
@@ -92,42 +92,52 @@ impl Topology {
         Shells { of_face, count }
     }
 
-    /// Vertices whose faces form more than one fan, that is, are not all connected through edges at the
-    /// vertex; ascending, each with its number of fans.
-    #[must_use]
-    pub fn non_manifold_vertices(&self) -> Vec<(VertexId, u32)> {
-        // Corners at a vertex are joined where their faces share an edge at that vertex.
-        let mut corners = Components::new(3 * self.face_count());
-        for edge in self.edges() {
-            let [a, _] = self.vertices(edge);
-            let mut uses = self.half_edges(edge).map(|half_edge| {
-                let next = self.next(half_edge);
-                if self.tail(half_edge) == a { (half_edge, next) } else { (next, half_edge) }
-            });
-            let Some((first_a, first_b)) = uses.next() else { continue };
-            for (other_a, other_b) in uses {
-                corners.join(first_a.0, other_a.0);
-                corners.join(first_b.0, other_b.0);
-            }
-        }
-        let mut fans = vec![0_u32; self.vertex_count()];
-        for (face, &triangle) in self.triangles().iter().enumerate() {
-            if !super::has_collapsed(triangle) {
-                for (corner, &vertex) in triangle.iter().enumerate() {
-                    let corner = (3 * face + corner) as u32;
-                    fans[vertex as usize] += u32::from(corners.find(corner) == corner);
-                }
-            }
-        }
-        let bad = fans.into_iter().enumerate().filter(|&(_, fans)| fans > 1);
-        bad.map(|(vertex, fans)| (VertexId::new(vertex), fans)).collect()
-    }
-
     /// The boundary edges, grouped into loops: the connected components of the boundary. Within a loop edges
     /// ascend; loops come in the order of their first edges.
     #[must_use]
     pub fn boundary_loops(&self) -> Vec<Vec<EdgeId>> {
-        self.connected(self.edges().filter(|&edge| self.valence(edge) == 1).collect())
+        let (edges, ends) = self.grouped_boundary();
+        let starts = std::iter::once(0).chain(ends.iter().copied());
+        starts.zip(&ends).map(|(start, &end)| edges[start as usize..end as usize].to_vec()).collect()
+    }
+
+    /// The same in two lists: the edges loop by loop, and where each loop ends.
+    pub(crate) fn grouped_boundary(&self) -> (Vec<EdgeId>, Vec<u32>) {
+        let boundary = || self.edges().filter(|&edge| self.valence(edge) == 1);
+        let count = boundary().count();
+        if count == 0 {
+            return (Vec::new(), Vec::new());
+        }
+        let mut vertices = Components::new(self.vertex_count());
+        for edge in boundary() {
+            let [a, b] = self.vertices(edge);
+            vertices.join(a.0, b.0);
+        }
+        // Number the loops as they are met, then a counting sort.
+        const NONE: u32 = u32::MAX;
+        let mut number_of = vec![NONE; self.vertex_count()];
+        let mut ends: Vec<u32> = Vec::new();
+        let mut number = Vec::with_capacity(count);
+        for edge in boundary() {
+            let place = &mut number_of[vertices.find(self.vertices(edge)[0].0) as usize];
+            if *place == NONE {
+                *place = ends.len() as u32;
+                ends.push(0);
+            }
+            ends[*place as usize] += 1;
+            number.push(*place);
+        }
+        let mut sum = 0;
+        for end in &mut ends {
+            (sum, *end) = (sum + *end, sum);
+        }
+        let mut edges = vec![EdgeId(0); count];
+        for (edge, number) in boundary().zip(number) {
+            let place = &mut ends[number as usize];
+            edges[*place as usize] = edge;
+            *place += 1;
+        }
+        (edges, ends)
     }
 
     /// Groups `edges` (ascending) into connected components by their shared vertices. k·log k for k edges.

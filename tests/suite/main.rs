@@ -1,4 +1,5 @@
 //! Every integration test, one file a stage, named as in `src`.
 
+mod cli;
 mod gltf;
 mod read;

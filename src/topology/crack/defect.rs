@@ -197,17 +197,20 @@ impl CrackReport {
             DefectKind::ZeroAreaFace => {
                 places.zero_area.iter().take(limit).map(|&face| at.faces(vec![face])).collect()
             }
-            DefectKind::DuplicateFace => {
-                places.duplicates.iter().take(limit).map(|pair| at.faces(pair.to_vec())).collect()
-            }
+            DefectKind::DuplicateFace => places
+                .duplicates
+                .iter()
+                .take(limit)
+                .map(|pair| at.faces(vec![pair.extra, pair.original]))
+                .collect(),
             DefectKind::NearMissSeam => {
-                places.near_miss.iter().take(limit).map(|&edge| at.edges(&[edge])).collect()
+                places.near_miss_edges.iter().take(limit).map(|&edge| at.edges(&[edge])).collect()
             }
             DefectKind::TJunction => places
                 .t_junctions
                 .iter()
                 .take(limit)
-                .map(|&(vertex, edge)| Defect { position: at.position(vertex), ..at.edges(&[edge]) })
+                .map(|found| Defect { position: at.position(found.vertex), ..at.edges(&[found.edge]) })
                 .collect(),
             DefectKind::InsideOutShell => {
                 let bad: Vec<u32> =

@@ -4,10 +4,16 @@
 //! defect does to a shadow is said by [`DefectKind::effect`].
 
 mod defect;
+mod face;
+mod seam;
+mod solid;
 
 pub use defect::{Defect, DefectKind};
 
-use super::Topology;
+use std::ops::ControlFlow;
+
+use super::{Topology, for_each_self_intersection};
+use crate::geom::Aabb;
 use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
 
 /// What is wrong with a mesh: the numbers, the shells, and where each defect lies.
@@ -151,8 +157,8 @@ pub struct ShellReport {
     pub depth: usize,
     /// The innermost of those shells, as an index into the list.
     pub parent: Option<usize>,
-    /// The axis-aligned box: lowest and highest corner.
-    pub bounds: [[f32; 3]; 2],
+    /// The box around it.
+    pub bounds: Aabb,
 }
 
 /// What welding the boundary within a distance would close.
@@ -186,10 +192,9 @@ struct Places {
     /// One face of each fan, at the vertices that have several; ascending.
     fans: Vec<(VertexId, FaceId)>,
     zero_area: Vec<FaceId>,
-    /// Extra and original.
-    duplicates: Vec<[FaceId; 2]>,
-    near_miss: Vec<EdgeId>,
-    t_junctions: Vec<(VertexId, EdgeId)>,
+    duplicates: Vec<face::Duplicate>,
+    near_miss_edges: Vec<EdgeId>,
+    t_junctions: Vec<seam::TJunction>,
 }
 
 impl CrackReport {
@@ -214,42 +219,78 @@ impl CrackReport {
     pub fn of(mesh: &Mesh, topology: &Topology) -> Self {
         assert!(mesh.triangles() == topology.triangles(), "the topology is that of another mesh");
         let uses = topology.edge_counts();
+        let shells = topology.shells();
+        let fans = topology.fans_of_non_manifold_vertices();
+        let (shell_list, vertices) = solid::shells(mesh, topology, &shells, &fans);
+        drop(shells);
+
+        let zero_area = face::zero_area(mesh, topology);
+        let duplicates = face::duplicates(topology);
+        let same_winding = duplicates.iter().filter(|duplicate| duplicate.same_winding).count();
+
+        let (loop_edges, loop_ends) = topology.grouped_boundary();
+        let (mut near_miss, mut near_miss_edges, mut t_junctions) = (Vec::new(), Vec::new(), Vec::new());
+        if !loop_edges.is_empty() {
+            let bounds = shell_list.iter().fold(Aabb::EMPTY, |all, shell| all.join(&shell.bounds));
+            let boundary = seam::Boundary::new(mesh, topology, &loop_edges);
+            (near_miss, near_miss_edges) = boundary.near_miss(bounds.diagonal());
+            t_junctions = boundary.t_junctions();
+        }
+
         let counts = Counts {
             faces: topology.face_count(),
             edges: topology.edge_count(),
-            shells: topology.shells().count,
-            closed_shells: 0,
-            euler_characteristic: 0,
+            shells: shell_list.len(),
+            closed_shells: shell_list.iter().filter(|shell| shell.watertight).count(),
+            // Each term is below 2³².
+            euler_characteristic: vertices as i64 - topology.edge_count() as i64
+                + (topology.face_count() - topology.collapsed_face_count()) as i64,
             boundary_edges: uses.boundary,
-            boundary_loops: topology.boundary_loops().len(),
+            boundary_loops: loop_ends.len(),
             non_manifold_edges: uses.non_manifold,
             max_faces_per_edge: uses.max_faces,
             misoriented_edges: uses.misoriented,
-            non_manifold_vertices: topology.non_manifold_vertices().len(),
+            non_manifold_vertices: fans.chunk_by(|a, b| a.0 == b.0).count(),
             collapsed_faces: topology.collapsed_face_count(),
-            zero_area_faces: 0,
-            duplicate_faces: 0,
-            duplicate_same_winding: 0,
-            duplicate_opposite_winding: 0,
-            near_miss_edges: 0,
-            t_junctions: 0,
-            t_junctions_exact: 0,
-            inside_out_shells: 0,
+            zero_area_faces: zero_area.len(),
+            duplicate_faces: duplicates.len(),
+            duplicate_same_winding: same_winding,
+            duplicate_opposite_winding: duplicates.len() - same_winding,
+            near_miss_edges: near_miss_edges.len(),
+            t_junctions: t_junctions.len(),
+            t_junctions_exact: t_junctions.iter().filter(|junction| junction.exact).count(),
+            inside_out_shells: shell_list.iter().filter(|shell| shell.inside_out).count(),
             self_intersections: None,
-            signed_volume: 0.0,
+            signed_volume: shell_list.iter().map(|shell| shell.signed_volume).sum(),
             watertight: uses.watertight(),
             balanced: uses.balanced,
             even: uses.even,
         };
-        Self {
-            counts,
-            shell_list: Vec::new(),
-            near_miss: Vec::new(),
-            self_intersections: None,
-            places: Places::default(),
-        }
+        let places =
+            Places { loop_edges, loop_ends, fans, zero_area, duplicates, near_miss_edges, t_junctions };
+        Self { counts, shell_list, near_miss, self_intersections: None, places }
     }
 
-    /// Looks for self-intersections too, and keeps the first `keep` pairs.
-    pub fn add_self_intersections(&mut self, _mesh: &Mesh, _topology: &Topology, _keep: usize) {}
+    /// Looks for self-intersections too, and keeps the first `keep` pairs. See
+    /// [`for_each_self_intersection`] for what counts, and for the cost.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `topology` has other triangles than `mesh`.
+    pub fn add_self_intersections(&mut self, mesh: &Mesh, topology: &Topology, keep: usize) {
+        let mut found = SelfIntersections { pairs: 0, faces: 0, first: Vec::new() };
+        let mut involved = vec![false; topology.face_count()];
+        for_each_self_intersection(mesh, topology, |pair| {
+            found.pairs += 1;
+            for face in pair {
+                found.faces += usize::from(!std::mem::replace(&mut involved[face.index()], true));
+            }
+            if found.first.len() < keep {
+                found.first.push(pair);
+            }
+            ControlFlow::Continue(())
+        });
+        self.counts.self_intersections = Some(found.pairs);
+        self.self_intersections = Some(found);
+    }
 }

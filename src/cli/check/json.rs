@@ -1,0 +1,137 @@
+//! The crack report as JSON. Keys and their order are a contract.
+
+use std::path::PathBuf;
+
+use serde_json::{Map, Value, json};
+use umbrage::topology::{Counts, ShellReport};
+
+use super::{FileReport, Found, MeshReport, Place};
+use crate::cli::error::Failure;
+use crate::cli::output::{number, number32};
+
+/// All files, in the order they were named.
+pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>]) -> Value {
+    let cracked = reports.iter().flatten().any(|report| !report.sound());
+    let verdict = match (cracked, reports.iter().all(Result::is_ok)) {
+        (true, _) => Some("cracked"),
+        (false, true) => Some("sound"),
+        (false, false) => None,
+    };
+    let entries: Vec<Value> = files.iter().zip(reports).map(|(file, report)| entry(file, report)).collect();
+    json!({ "files": entries, "verdict": verdict })
+}
+
+fn entry(file: &std::path::Path, report: &Result<FileReport, Failure>) -> Value {
+    let file = file.to_string_lossy();
+    match report {
+        Ok(report) => json!({
+            "file": file,
+            "format": report.format.map(|format| format.name()),
+            "error": null,
+            "meshes": report.meshes.iter().map(mesh).collect::<Vec<_>>(),
+            "total": total(report),
+        }),
+        Err(failure) => json!({
+            "file": file,
+            "format": failure.format.map(|format| format.name()),
+            "error": failure.to_string(),
+            "meshes": [],
+            "total": null,
+        }),
+    }
+}
+
+fn mesh(mesh: &MeshReport) -> Value {
+    let vertices = [mesh.vertices, mesh.welded_vertices, mesh.unreferenced_vertices];
+    let mut object = counts(Some(&mesh.name), vertices, &mesh.counts);
+    object.insert("shell_list".into(), mesh.shell_list.iter().map(shell).collect());
+    object.insert("defects".into(), mesh.defects.iter().map(defect).collect());
+    Value::Object(object)
+}
+
+/// The sum over the meshes; lists are with the meshes, so they are null here.
+fn total(report: &FileReport) -> Value {
+    let Some(sum) = report.total() else { return Value::Null };
+    let vertices = [
+        report.sum(|mesh| mesh.vertices),
+        report.sum(|mesh| mesh.welded_vertices),
+        report.sum(|mesh| mesh.unreferenced_vertices),
+    ];
+    let mut object = counts(None, vertices, &sum);
+    object.insert("shell_list".into(), Value::Null);
+    object.insert("defects".into(), Value::Null);
+    Value::Object(object)
+}
+
+fn counts(
+    name: Option<&str>,
+    [vertices, welded, unreferenced]: [usize; 3],
+    counts: &Counts,
+) -> Map<String, Value> {
+    let Value::Object(object) = json!({
+        "name": name,
+        "vertices": vertices,
+        "welded_vertices": welded,
+        "faces": counts.faces,
+        "edges": counts.edges,
+        "shells": counts.shells,
+        "closed_shells": counts.closed_shells,
+        "euler_characteristic": counts.euler_characteristic,
+        "boundary_edges": counts.boundary_edges,
+        "boundary_loops": counts.boundary_loops,
+        "non_manifold_edges": counts.non_manifold_edges,
+        "max_faces_per_edge": counts.max_faces_per_edge,
+        "misoriented_edges": counts.misoriented_edges,
+        "non_manifold_vertices": counts.non_manifold_vertices,
+        "collapsed_faces": counts.collapsed_faces,
+        "zero_area_faces": counts.zero_area_faces,
+        "duplicate_faces": counts.duplicate_faces,
+        "unreferenced_vertices": unreferenced,
+        "near_miss_edges": counts.near_miss_edges,
+        "t_junctions": counts.t_junctions,
+        "inside_out_shells": counts.inside_out_shells,
+        "self_intersections": counts.self_intersections,
+        "signed_volume": number(counts.signed_volume),
+        "watertight": counts.watertight,
+        "balanced": counts.balanced,
+        "even": counts.even,
+    }) else {
+        unreachable!("the macro above makes an object")
+    };
+    object
+}
+
+fn shell(shell: &ShellReport) -> Value {
+    json!({
+        "first_face": shell.first_face.index(),
+        "faces": shell.faces,
+        "edges": shell.edges,
+        "vertices": shell.vertices,
+        "euler_characteristic": shell.euler_characteristic,
+        "genus": shell.genus,
+        "signed_volume": number(shell.signed_volume),
+        "watertight": shell.watertight,
+        "balanced": shell.balanced,
+        "inside_out": shell.inside_out,
+        "depth": shell.depth,
+        "parent": shell.parent,
+        "bounds": [shell.bounds.low.map(number32), shell.bounds.high.map(number32)],
+    })
+}
+
+fn defect(found: &Found) -> Value {
+    json!({
+        "kind": found.kind.name(),
+        "count": found.count,
+        "effect": found.kind.effect(),
+        "at": found.at.iter().map(place).collect::<Vec<_>>(),
+    })
+}
+
+fn place(place: &Place) -> Value {
+    json!({
+        "position": place.position.map(number32),
+        "name": place.name,
+        "faces": place.faces.iter().map(|face| face.index()).collect::<Vec<_>>(),
+    })
+}

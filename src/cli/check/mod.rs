@@ -1,0 +1,265 @@
+//! `umbrage check`: the crack report of each file.
+
+mod json;
+mod mark;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use umbrage::mesh::{FaceId, Mesh};
+use umbrage::read::Format;
+use umbrage::topology::{Counts, CrackReport, Defect, DefectKind, NearMiss, ShellReport, Topology};
+use umbrage::write;
+
+use super::load::{MeshArgs, WeldedMesh};
+use super::output::{self, Output};
+use super::progress::Progress;
+use super::{Failure, Outcome};
+use mark::Marks;
+
+/// Crack report: is a mesh closed, and if not, where and with what effect
+///
+/// A file is sound if every mesh in it is watertight (each edge has two faces, in opposite directions) and no
+/// shell is inside out.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Mesh files: obj, gltf, glb, stl, ply, md2; told apart by their content
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+
+    #[command(flatten)]
+    mesh: MeshArgs,
+
+    /// Ask for this of every mesh, instead of soundness [default: watertight, and no shell inside out]
+    ///
+    /// Name a weaker property when it is all that the next step needs.
+    #[arg(long, value_enum)]
+    require: Option<Require>,
+
+    /// Only count, without places (not built yet)
+    #[arg(long)]
+    fast: bool,
+
+    /// Also look for faces that meet where they should not; some microseconds a face
+    #[arg(long)]
+    self_intersections: bool,
+
+    /// How many meshes, shells, and places of each kind of defect are listed
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    limit: usize,
+
+    /// Print one JSON document instead of text
+    ///
+    /// A number that was not computed is null, and so is the verdict if a file could not be read and no other is
+    /// cracked. At most 1000 shells a mesh and 64 faces a place are listed.
+    #[arg(long)]
+    json: bool,
+
+    /// Draw a picture of the defects (not built yet)
+    #[arg(long, value_name = "OUT.png")]
+    picture: Option<PathBuf>,
+
+    /// Write the mesh and its defects as coloured geometry, for any glTF viewer; one input file only
+    ///
+    /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow; vertices and faces too small
+    /// to see get an octahedron 0.5 % of the diagonal in size.
+    #[arg(long, value_name = "OUT.glb")]
+    mark: Option<PathBuf>,
+}
+
+/// What is asked of every mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Require {
+    /// Every edge has exactly two faces, in opposite directions
+    Watertight,
+    /// At every edge the two directions are used equally often; enough for stencil counting
+    Balanced,
+    /// Every edge is used an even number of times; enough for parity counting
+    Even,
+}
+
+fn holds(require: Option<Require>, counts: &Counts) -> bool {
+    match require {
+        None => counts.sound(),
+        Some(Require::Watertight) => counts.watertight,
+        Some(Require::Balanced) => counts.balanced,
+        Some(Require::Even) => counts.even,
+    }
+}
+
+/// What was found in one file.
+struct FileReport {
+    file: PathBuf,
+    format: Option<Format>,
+    meshes: Vec<MeshReport>,
+    require: Option<Require>,
+}
+
+/// What was found in one mesh: all that is left of it once it is counted.
+struct MeshReport {
+    name: String,
+    vertices: usize,
+    welded_vertices: usize,
+    unreferenced_vertices: usize,
+    counts: Counts,
+    /// At most [`SHELLS_LISTED`] of them.
+    shell_list: Vec<ShellReport>,
+    near_miss: Vec<NearMiss>,
+    defects: Vec<Found>,
+    sound: bool,
+}
+
+/// All defects of one kind.
+struct Found {
+    kind: DefectKind,
+    count: usize,
+    at: Vec<Place>,
+}
+
+/// Where one defect lies.
+struct Place {
+    position: [f32; 3],
+    length: Option<f64>,
+    /// At most [`FACES_LISTED`] of them.
+    faces: Vec<FaceId>,
+    face_count: usize,
+    /// The names of the parts that the listed faces belong to, or of the mesh.
+    name: String,
+}
+
+/// Bounds on what is listed where a mesh falls apart into single faces, or a whole shell is one defect.
+const SHELLS_LISTED: usize = 1000;
+const FACES_LISTED: usize = 64;
+
+pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+    refuse(&args)?;
+    let mut out = Output::new();
+    let mut outcome = Outcome::Sound;
+    let mut documents = Vec::new();
+    let mut marks = args.mark.is_some().then(Marks::default);
+    for (index, file) in args.files.iter().enumerate() {
+        let report = examine(file, &args, marks.as_mut());
+        outcome = outcome.max(match &report {
+            Ok(report) if report.sound() => Outcome::Sound,
+            Ok(_) => Outcome::Unsound,
+            Err(failure) => {
+                output::say(failure);
+                Outcome::Incomplete
+            }
+        });
+        if args.json {
+            documents.push(report);
+        } else if let Ok(report) = report {
+            if index > 0 {
+                out.text("\n")?;
+            }
+            out.text(text::Report { report: &report, limit: args.limit })?;
+            out.flush()?;
+        }
+    }
+    if args.json {
+        out.json(&json::document(&args.files, &documents))?;
+    }
+    out.flush()?;
+    if let (Some(path), Some(marks), Outcome::Sound | Outcome::Unsound) = (&args.mark, marks, outcome) {
+        write::write(&marks.into_model(), path)?;
+    }
+    Ok(outcome)
+}
+
+/// What can be told before any work is done.
+fn refuse(args: &Args) -> Result<(), Failure> {
+    if args.fast {
+        return Err(Failure::not_built("--fast", "leave it out"));
+    }
+    if let Some(path) = &args.picture {
+        return Err(Failure::not_built(format_args!("--picture {}", path.display()), "use --mark OUT.glb"));
+    }
+    if let Some(path) = &args.mark {
+        if args.files.len() > 1 {
+            let problem = format!("--mark writes one file, and there are {} to check", args.files.len());
+            return Err(Failure::new(problem, "check one file at a time"));
+        }
+        write::Target::from_path(path)?;
+    }
+    Ok(())
+}
+
+/// Reads a file and reports on it, one mesh at a time.
+fn examine(file: &Path, args: &Args, mut marks: Option<&mut Marks>) -> Result<FileReport, Failure> {
+    let baked = args.mesh.read(file)?;
+    let _progress = Progress::spinner(format!("checking {}", file.display()));
+    let mut meshes = Vec::with_capacity(baked.meshes.len());
+    for mesh in baked.meshes {
+        let WeldedMesh { mesh, vertices, unreferenced } = args.mesh.weld(mesh);
+        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let mut report = CrackReport::of(&mesh, &topology);
+        if args.self_intersections {
+            let keep = if marks.is_some() { mark::PAIRS_MARKED } else { args.limit };
+            report.add_self_intersections(&mesh, &topology, keep);
+        }
+        if let Some(marks) = &mut marks {
+            marks.add(&report, &mesh, &topology).map_err(|failure| failure.in_file(file))?;
+        }
+        let defects = defects(&report, &mesh, &topology, args.limit);
+        let CrackReport { counts, mut shell_list, near_miss, .. } = report;
+        shell_list.truncate(SHELLS_LISTED);
+        meshes.push(MeshReport {
+            name: mesh.name.clone(),
+            vertices,
+            welded_vertices: mesh.vertex_count(),
+            unreferenced_vertices: unreferenced,
+            counts,
+            shell_list,
+            near_miss,
+            defects,
+            sound: holds(args.require, &counts),
+        });
+    }
+    if meshes.iter().all(|mesh| mesh.counts.faces == 0) {
+        output::say(format_args!("note: {}: there are no faces", file.display()));
+    }
+    Ok(FileReport { file: file.to_owned(), format: baked.format, meshes, require: args.require })
+}
+
+/// Every kind of defect that there is one of.
+fn defects(report: &CrackReport, mesh: &Mesh, topology: &Topology, limit: usize) -> Vec<Found> {
+    let found = |kind| match report.count(kind) {
+        None | Some(0) => None,
+        Some(count) => {
+            let items = report.items(kind, mesh, topology, limit);
+            Some(Found { kind, count, at: items.into_iter().map(|item| Place::of(item, mesh)).collect() })
+        }
+    };
+    DefectKind::ALL.into_iter().filter_map(found).collect()
+}
+
+impl Place {
+    fn of(defect: Defect, mesh: &Mesh) -> Self {
+        let face_count = defect.faces.len();
+        let faces: Vec<FaceId> = defect.faces.into_iter().take(FACES_LISTED).collect();
+        let mut names: Vec<&str> = Vec::new();
+        for name in faces.iter().filter_map(|&face| mesh.part_name(face)) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        let name = if names.is_empty() { mesh.name.clone() } else { names.join(", ") };
+        Self { position: defect.position, length: defect.length, faces, face_count, name }
+    }
+}
+
+impl FileReport {
+    fn sound(&self) -> bool {
+        self.meshes.iter().all(|mesh| mesh.sound)
+    }
+
+    /// `None` if there is no mesh.
+    fn total(&self) -> Option<Counts> {
+        Counts::total(self.meshes.iter().map(|mesh| mesh.counts))
+    }
+
+    fn sum(&self, of: impl Fn(&MeshReport) -> usize) -> usize {
+        self.meshes.iter().map(of).sum()
+    }
+}

@@ -1,0 +1,331 @@
+//! The crack report as text: what a person needs first comes first, and 501 meshes stay readable.
+
+use std::fmt::{self, Display};
+
+use umbrage::topology::{Counts, DefectKind, NearMiss};
+
+use super::{FileReport, MeshReport, Place, Require};
+use crate::cli::output::{Table, plain, short, significant};
+
+/// How many face numbers are printed at a place.
+const FACES_PRINTED: usize = 6;
+
+/// One file's report, for printing.
+pub(super) struct Report<'a> {
+    pub(super) report: &'a FileReport,
+    pub(super) limit: usize,
+}
+
+impl Display for Report<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let format = self.report.format.map_or("generated", |format| format.name());
+        writeln!(f, "{} ({format})", plain(&self.report.file.to_string_lossy()))?;
+        self.counts(f)?;
+        self.verdict(f)?;
+        for kind in DefectKind::ALL {
+            self.defects(f, kind)?;
+        }
+        self.remedies(f)?;
+        self.shells(f)
+    }
+}
+
+impl Report<'_> {
+    /// A row for each mesh that is worth one, and the total.
+    fn counts(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let meshes = &self.report.meshes;
+        let Some(total) = self.report.total() else { return Ok(()) };
+        let mut table = Table::new(&[
+            "mesh",
+            "vertices",
+            "welded",
+            "faces",
+            "edges",
+            "shells",
+            "closed",
+            "euler",
+            "boundary",
+            "non-manifold",
+            "misoriented",
+            "volume",
+            "",
+        ]);
+        let listed = self.listed();
+        for &index in &listed {
+            let mesh = &meshes[index];
+            let vertices = [mesh.vertices, mesh.welded_vertices];
+            table.row(row(label(index, mesh), vertices, &mesh.counts, mesh.sound));
+        }
+        if meshes.len() > 1 {
+            let vertices =
+                [self.report.sum(|mesh| mesh.vertices), self.report.sum(|mesh| mesh.welded_vertices)];
+            let name = format!("all {} meshes", meshes.len());
+            table.row(row(name, vertices, &total, self.report.sound()));
+        }
+        writeln!(f, "{table}")?;
+        let hidden = meshes.len() - listed.len();
+        if hidden > 0 {
+            let all = meshes.iter().filter(|mesh| !mesh.sound).count();
+            let shown = listed.iter().filter(|&&index| !meshes[index].sound).count();
+            match all - shown {
+                0 => writeln!(f, "  {hidden} meshes not listed, all sound")?,
+                cracked => writeln!(f, "  {hidden} meshes not listed, {cracked} of them cracked")?,
+            }
+        }
+        let unused = self.report.sum(|mesh| mesh.unreferenced_vertices);
+        if unused > 0 {
+            writeln!(f, "  {unused} vertices belong to no face")?;
+        }
+        if total.max_faces_per_edge > 2 {
+            writeln!(f, "  up to {} faces meet at an edge", total.max_faces_per_edge)?;
+        }
+        if total.self_intersections == Some(0) {
+            writeln!(f, "  no faces meet where they should not")?;
+        }
+        Ok(())
+    }
+
+    /// All meshes if they are few, else the worst, in the order of the file.
+    fn listed(&self) -> Vec<usize> {
+        let meshes = &self.report.meshes;
+        if meshes.len() <= self.limit.max(1) {
+            return (0..meshes.len()).collect();
+        }
+        let badness = |index: &usize| {
+            let counts = &meshes[*index].counts;
+            counts.boundary_edges
+                + counts.non_manifold_edges
+                + counts.misoriented_edges
+                + counts.inside_out_shells
+        };
+        let mut bad: Vec<usize> = (0..meshes.len()).filter(|&index| !meshes[index].sound).collect();
+        bad.sort_by_key(|index| std::cmp::Reverse(badness(index)));
+        bad.truncate(self.limit);
+        bad.sort_unstable();
+        bad
+    }
+
+    fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let meshes = self.report.meshes.len();
+        let Some(total) = self.report.total() else { return writeln!(f, "  sound: there is no mesh") };
+        let bad = self.report.meshes.iter().filter(|mesh| !mesh.sound).count();
+        let who = match (bad, meshes) {
+            (0, 1) | (1, 1) => "the mesh".to_owned(),
+            (0, _) => "every mesh".to_owned(),
+            _ => format!("{bad} of {meshes} meshes"),
+        };
+        let (is, is_not) = if bad > 1 { ("are", "are not") } else { ("is", "is not") };
+        let property = match self.report.require {
+            None if bad == 0 => {
+                return writeln!(f, "  sound: {who} is watertight, and no shell is inside out");
+            }
+            None => {
+                let reasons = [
+                    (total.boundary_edges, "boundary edges"),
+                    (total.non_manifold_edges, "non-manifold edges"),
+                    (total.misoriented_edges, "misoriented edges"),
+                    (total.inside_out_shells, "shells inside out"),
+                ];
+                let found = reasons.iter().filter(|reason| reason.0 > 0);
+                let reasons: Vec<String> = found.map(|(count, what)| format!("{count} {what}")).collect();
+                return writeln!(f, "  cracked: {who} {is_not} sound: {}", reasons.join(", "));
+            }
+            Some(Require::Watertight) => "watertight",
+            Some(Require::Balanced) => "balanced",
+            Some(Require::Even) => "even",
+        };
+        if bad == 0 {
+            writeln!(f, "  sound: {who} {is} {property}")
+        } else {
+            writeln!(f, "  cracked: {who} {is_not} {property}")
+        }
+    }
+
+    /// One kind of defect over all meshes: how many, what it does, where the first ones are.
+    fn defects(&self, f: &mut fmt::Formatter<'_>, kind: DefectKind) -> fmt::Result {
+        let found = |mesh: &MeshReport| mesh.defects.iter().position(|found| found.kind == kind);
+        let with: Vec<_> = self
+            .report
+            .meshes
+            .iter()
+            .enumerate()
+            .filter_map(|(index, mesh)| Some((index, mesh, &mesh.defects[found(mesh)?])))
+            .collect();
+        let count: usize = with.iter().map(|(.., found)| found.count).sum();
+        if count == 0 {
+            return Ok(());
+        }
+        write!(f, "\n  {}: {count}", kind.name())?;
+        if self.report.meshes.len() > 1 {
+            write!(f, " in {} of {} meshes", with.len(), self.report.meshes.len())?;
+        }
+        writeln!(f, "\n    {}", kind.effect())?;
+        let places =
+            with.iter().flat_map(|&(index, mesh, found)| found.at.iter().map(move |at| (index, mesh, at)));
+        let mut printed = 0;
+        for (index, mesh, place) in places.take(self.limit) {
+            let mesh = (self.report.meshes.len() > 1).then(|| label(index, mesh));
+            writeln!(f, "    {}", At { place, mesh })?;
+            printed += 1;
+        }
+        if count > printed {
+            writeln!(f, "    {} more", count - printed)?;
+        }
+        Ok(())
+    }
+
+    /// What a weld within a small distance would close.
+    fn remedies(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let closing = |mesh: &MeshReport| mesh.near_miss.iter().any(|near| near.edges > 0);
+        let mut meshes = self.report.meshes.iter().enumerate().filter(|(_, mesh)| closing(mesh));
+        for (index, mesh) in meshes.by_ref().take(self.limit) {
+            let mut before = 0;
+            let of = if self.report.meshes.len() > 1 {
+                format!(" of {}", label(index, mesh))
+            } else {
+                String::new()
+            };
+            for near in mesh.near_miss.iter().filter(|near| near.edges > 0) {
+                if near.edges != before {
+                    let distance = weld_distance(near);
+                    let edges = mesh.counts.boundary_edges;
+                    writeln!(f, "\n  --weld {distance} closes {} of {edges} boundary edges{of}", near.edges)?;
+                }
+                before = near.edges;
+            }
+        }
+        match meshes.count() {
+            0 => Ok(()),
+            more => writeln!(f, "  a weld would close edges of {more} more meshes"),
+        }
+    }
+
+    fn shells(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let total = self.report.sum(|mesh| mesh.counts.shells);
+        if total <= 1 || self.report.meshes.len() > self.limit.max(1) {
+            return Ok(());
+        }
+        let mut table =
+            Table::new(&["shell", "first face", "faces", "euler", "genus", "depth", "volume", ""]);
+        let shells = self.report.meshes.iter().enumerate().flat_map(|(index, mesh)| {
+            mesh.shell_list.iter().enumerate().map(move |shell| (index, mesh, shell))
+        });
+        let mut listed = 0;
+        for (index, mesh, (number, shell)) in shells.take(self.limit) {
+            let state = match (shell.watertight, shell.balanced, shell.inside_out) {
+                (true, _, true) => "inside out",
+                (true, _, false) => "watertight",
+                (false, true, _) => "balanced",
+                (false, false, _) => "open",
+            };
+            let name = if self.report.meshes.len() > 1 {
+                format!("{} {number}", label(index, mesh))
+            } else {
+                number.to_string()
+            };
+            table.row(vec![
+                name,
+                shell.first_face.index().to_string(),
+                shell.faces.to_string(),
+                shell.euler_characteristic.to_string(),
+                shell.genus.map_or("-".into(), |genus| genus.to_string()),
+                shell.depth.to_string(),
+                significant(shell.signed_volume),
+                state.into(),
+            ]);
+            listed += 1;
+        }
+        if listed > 0 {
+            writeln!(f, "\n{table}")?;
+        }
+        if total > listed {
+            writeln!(f, "  {} more shells", total - listed)?;
+        }
+        Ok(())
+    }
+}
+
+fn row(name: String, [vertices, welded]: [usize; 2], counts: &Counts, sound: bool) -> Vec<String> {
+    vec![
+        name,
+        vertices.to_string(),
+        welded.to_string(),
+        counts.faces.to_string(),
+        counts.edges.to_string(),
+        counts.shells.to_string(),
+        counts.closed_shells.to_string(),
+        counts.euler_characteristic.to_string(),
+        counts.boundary_edges.to_string(),
+        counts.non_manifold_edges.to_string(),
+        counts.misoriented_edges.to_string(),
+        significant(counts.signed_volume),
+        if sound { "sound" } else { "cracked" }.into(),
+    ]
+}
+
+fn label(index: usize, mesh: &MeshReport) -> String {
+    if mesh.name.is_empty() { format!("mesh {index}") } else { short(&mesh.name) }
+}
+
+/// The distance with three digits, rounded up: it is to be typed, and must reach as far.
+fn weld_distance(near: &NearMiss) -> String {
+    let exponent = near.distance.log10().floor() as i32 - 2;
+    let mut digits = (near.distance / 10_f64.powi(exponent)).ceil() as i64;
+    loop {
+        let text = format!("{digits}e{exponent}");
+        // As the option is parsed; a distance beyond `f32` is as large as any.
+        let reached = text.parse::<f32>().map_or(f64::INFINITY, f64::from);
+        if reached >= near.distance || digits > 1000 {
+            return significant(text.parse().unwrap_or(near.distance));
+        }
+        digits += 1;
+    }
+}
+
+/// One place, in a line.
+struct At<'a> {
+    place: &'a Place,
+    /// Where there are several.
+    mesh: Option<String>,
+}
+
+impl Display for At<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.place.position.map(|x| significant(f64::from(x)));
+        write!(f, "at {x}, {y}, {z}")?;
+        if let Some(length) = self.place.length {
+            write!(f, ", length {}", significant(length))?;
+        }
+        let faces: Vec<String> =
+            self.place.faces.iter().take(FACES_PRINTED).map(|face| face.index().to_string()).collect();
+        if !faces.is_empty() {
+            let noun = if self.place.face_count == 1 { "face" } else { "faces" };
+            write!(f, ", {noun} {}", faces.join(" "))?;
+        }
+        if self.place.face_count > faces.len() {
+            write!(f, " and {} more", self.place.face_count - faces.len())?;
+        }
+        if let Some(mesh) = &self.mesh {
+            write!(f, ", {mesh}")?;
+        }
+        let name = short(&self.place.name);
+        if !name.is_empty() && self.mesh.as_ref() != Some(&name) {
+            write!(f, ", {name}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weld_distance_reaches_as_far_as_it_says() {
+        for distance in [1e-7, 5.7567912e-7, 9.999e-4, 1.0, 123_456.0, 2.7e-16, 1e-30, 3.4e38] {
+            let text = weld_distance(&NearMiss { relative: 1e-7, distance, edges: 1 });
+            let typed = f64::from(text.parse::<f32>().unwrap());
+            assert!(typed >= distance && typed <= 1.02 * distance, "{distance} {text}");
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Why a command could not run, in one line.
+
+use std::fmt;
+use std::path::Path;
+
+use umbrage::read::{Format, ReadError};
+use umbrage::write::WriteError;
+
+/// Why a command could not run: file, place, problem, remedy, in one line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Failure {
+    line: String,
+    /// What the file was taken for, where that was settled.
+    pub(crate) format: Option<Format>,
+}
+
+impl Failure {
+    pub(crate) fn new(problem: impl fmt::Display, remedy: impl fmt::Display) -> Self {
+        Self::of(format!("{problem}; {remedy}"), None)
+    }
+
+    fn of(line: String, format: Option<Format>) -> Self {
+        Self { line: line.replace(char::is_control, "\u{fffd}"), format }
+    }
+
+    /// The same failure, naming the file it is about.
+    pub(crate) fn in_file(self, file: &Path) -> Self {
+        Self::of(format!("{}: {}", file.display(), self.line), self.format)
+    }
+
+    /// A value that the command line knows, but nothing behind it does yet.
+    pub(crate) fn not_built(value: impl fmt::Display, remedy: impl fmt::Display) -> Self {
+        Self::new(format_args!("{value} is not built yet"), remedy)
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.line)
+    }
+}
+
+/// Both already print as one line that names the file.
+impl From<ReadError> for Failure {
+    fn from(error: ReadError) -> Self {
+        Self::of(error.to_string(), error.format)
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        Self::of(error.to_string(), None)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn failure_stays_on_one_line() {
+        let failure = Failure::new("bad\nname", "use\r\nanother").in_file(Path::new("a\nb"));
+        assert_eq!(failure.to_string().lines().count(), 1);
+        assert_eq!(
+            Failure::not_built("--gpu", "leave it out").to_string(),
+            "--gpu is not built yet; leave it out"
+        );
+    }
+}

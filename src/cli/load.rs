@@ -1,0 +1,143 @@
+//! From a file to welded meshes, as every command that reads a mesh does it.
+
+use std::path::Path;
+
+use umbrage::mesh::{Mesh, Weld, weld};
+use umbrage::read::{self, Format};
+use umbrage::scene::{Camera, Scene, SceneLight, Scope};
+
+use super::error::Failure;
+use super::output;
+use super::progress::Progress;
+
+/// How vertices are merged and what counts as one mesh.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct MeshArgs {
+    /// Which vertices are the same: `exact` (equal positions, bit for bit), `none` (the file's own indices), or a
+    /// distance in mesh units
+    ///
+    /// Raise the distance when a report speaks of near-miss seams: nothing moves farther than that.
+    #[arg(long, value_name = "exact|none|DIST", default_value = "exact", value_parser = parse_weld)]
+    weld: Weld,
+
+    /// What is welded and counted as one mesh
+    #[arg(long, value_enum, default_value_t = ScopeArg::Mesh)]
+    scope: ScopeArg,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum ScopeArg {
+    /// Each mesh where it stands in the scene
+    Mesh,
+    /// Each part of a mesh (primitive, group) for itself
+    Primitive,
+    /// The whole file; for solids that are stored in pieces
+    Scene,
+}
+
+impl From<ScopeArg> for Scope {
+    fn from(scope: ScopeArg) -> Self {
+        match scope {
+            ScopeArg::Mesh => Self::Mesh,
+            ScopeArg::Primitive => Self::Primitive,
+            ScopeArg::Scene => Self::Scene,
+        }
+    }
+}
+
+fn parse_weld(text: &str) -> Result<Weld, String> {
+    match text {
+        "exact" => Ok(Weld::Exact),
+        "none" => Ok(Weld::None),
+        _ => match text.parse::<f32>() {
+            Ok(distance) if distance > 0.0 && distance.is_finite() => Ok(Weld::Within(distance)),
+            _ => Err("write exact, none, or a distance above 0 in mesh units".to_owned()),
+        },
+    }
+}
+
+/// What a file holds, baked into world space but not welded yet.
+#[derive(Debug)]
+pub(crate) struct Baked {
+    pub(crate) format: Option<Format>,
+    /// One for each scope.
+    pub(crate) meshes: Vec<Mesh>,
+    pub(crate) lights: Vec<SceneLight>,
+    #[expect(dead_code, reason = "the commands that make pictures look through it")]
+    pub(crate) camera: Option<Camera>,
+}
+
+/// One mesh after welding, and what welding did.
+#[derive(Debug)]
+pub(crate) struct WeldedMesh {
+    pub(crate) mesh: Mesh,
+    /// How many vertices there were before.
+    pub(crate) vertices: usize,
+    /// How many of those no face uses.
+    pub(crate) unreferenced: usize,
+}
+
+impl MeshArgs {
+    /// Reads and bakes a file. What the reader has to say goes to standard error.
+    pub(crate) fn read(&self, file: &Path) -> Result<Baked, Failure> {
+        let progress = Progress::spinner(format!("reading {}", file.display()));
+        let scene = read::read(file);
+        drop(progress);
+        let mut scene = scene?;
+        for note in &scene.notes {
+            output::say(format_args!("note: {}: {}", file.display(), output::plain(note)));
+        }
+        let (format, camera) = (scene.format, scene.camera);
+        let lights = std::mem::take(&mut scene.lights);
+        Ok(Baked { format, meshes: self.bake(scene, file)?, lights, camera })
+    }
+
+    fn bake(&self, scene: Scene, file: &Path) -> Result<Vec<Mesh>, Failure> {
+        scene.bake(self.scope.into()).map_err(|error| {
+            let remedy = "scale the model, or choose a smaller --scope";
+            Failure::new(error, remedy).in_file(file)
+        })
+    }
+
+    /// Welds one mesh and lets go of the original.
+    pub(crate) fn weld(&self, mesh: Mesh) -> WeldedMesh {
+        let vertices = mesh.vertex_count();
+        let welded = weld(&mesh, self.weld);
+        drop(mesh);
+        let unreferenced = welded.vertex_of.iter().filter(|vertex| vertex.is_none()).count();
+        WeldedMesh { mesh: welded.mesh, vertices, unreferenced }
+    }
+
+    /// Welds each mesh for itself and joins them into one that casts: no vertex is shared between two.
+    pub(crate) fn caster(&self, meshes: Vec<Mesh>, file: &Path) -> Result<Mesh, Failure> {
+        let mut welded: Vec<Mesh> = meshes.into_iter().map(|mesh| self.weld(mesh).mesh).collect();
+        if welded.len() == 1 {
+            return Ok(welded.remove(0));
+        }
+        Mesh::concat(&welded).map_err(|error| Failure::new(error, "split the file").in_file(file))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage::mesh::solid;
+
+    #[test]
+    fn weld_is_parsed_and_nonsense_refused() {
+        assert_eq!(parse_weld("exact"), Ok(Weld::Exact));
+        assert_eq!(parse_weld("none"), Ok(Weld::None));
+        assert_eq!(parse_weld("1e-4"), Ok(Weld::Within(1e-4)));
+        for text in ["0", "-1", "nan", "inf", "1e39", "1mm", "", "Exact"] {
+            assert!(parse_weld(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn caster_joins_without_sharing_vertices() {
+        let args = MeshArgs { weld: Weld::Exact, scope: ScopeArg::Mesh };
+        let soups = vec![solid::soup(&solid::cube()), solid::soup(&solid::cube())];
+        let caster = args.caster(soups, Path::new("two")).unwrap();
+        assert_eq!((caster.vertex_count(), caster.face_count()), (16, 24));
+    }
+}

@@ -1,0 +1,51 @@
+//! What the machine may be asked for: threads, a graphics adapter.
+
+use std::num::NonZeroUsize;
+
+use super::error::Failure;
+
+/// For commands that may be long.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct ThreadArgs {
+    /// How many threads work; the result is the same for any number [default: one a core]
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+}
+
+impl ThreadArgs {
+    /// Prepares the threads; call it once, before the work.
+    #[expect(dead_code, reason = "the commands that may be long call it")]
+    pub(crate) fn apply(self) -> Result<(), Failure> {
+        let Some(threads) = self.threads else { return Ok(()) };
+        start(threads.get())
+            .map_err(|problem| Failure::new(format!("--threads {threads}: {problem}"), "leave it out"))
+    }
+}
+
+#[cfg(feature = "parallel")]
+fn start(threads: usize) -> Result<(), String> {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(|error| error.to_string())
+}
+
+#[cfg(not(feature = "parallel"))]
+fn start(threads: usize) -> Result<(), String> {
+    if threads == 1 { Ok(()) } else { Err("this build works on one thread".to_owned()) }
+}
+
+/// For commands that may use a graphics adapter.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct AdapterArgs {
+    /// The graphics adapter to use, by a part of its name (not built yet)
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+}
+
+impl AdapterArgs {
+    /// Refuses an adapter, which nothing could use.
+    pub(crate) fn refuse(&self) -> Result<(), Failure> {
+        match &self.adapter {
+            None => Ok(()),
+            Some(name) => Err(Failure::not_built(format_args!("--adapter {name}"), "leave it out")),
+        }
+    }
+}

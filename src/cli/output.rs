@@ -1,0 +1,197 @@
+//! Standard output and standard error: text, tables and JSON that survive a closed pipe.
+
+use std::fmt::{self, Display};
+use std::io::{self, BufWriter, StdoutLock, Write};
+
+use serde_json::Value;
+
+use super::error::Failure;
+
+/// Says something to the person: one line on standard error. Nothing is lost if nobody listens.
+pub(crate) fn say(text: impl Display) {
+    let _ = writeln!(io::stderr().lock(), "umbrage: {text}");
+}
+
+/// Standard output. Once the reader has closed the pipe, what is written goes nowhere, and the command goes
+/// on to its exit code.
+pub(crate) struct Output {
+    writer: BufWriter<UntilClosed<StdoutLock<'static>>>,
+}
+
+impl Output {
+    pub(crate) fn new() -> Self {
+        Self { writer: BufWriter::new(UntilClosed(io::stdout().lock())) }
+    }
+
+    /// Writes text as it is.
+    pub(crate) fn text(&mut self, text: impl Display) -> Result<(), Failure> {
+        write!(self.writer, "{text}").map_err(unwritable)
+    }
+
+    /// Writes a document, indented.
+    pub(crate) fn json(&mut self, value: &Value) -> Result<(), Failure> {
+        self.text(format_args!("{value:#}\n"))
+    }
+
+    /// Hands everything on to the reader.
+    pub(crate) fn flush(&mut self) -> Result<(), Failure> {
+        self.writer.flush().map_err(unwritable)
+    }
+}
+
+fn unwritable(error: io::Error) -> Failure {
+    Failure::new(format_args!("standard output cannot be written: {error}"), "write to another place")
+}
+
+/// Takes a closed pipe as a reader who has seen enough.
+struct UntilClosed<W>(W);
+
+impl<W: Write> Write for UntilClosed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self.0.write(bytes) {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(bytes.len()),
+            result => result,
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self.0.flush() {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+            result => result,
+        }
+    }
+}
+
+/// A number for JSON, which has neither NaN nor infinity: those become null.
+pub(crate) fn number(value: f64) -> Value {
+    Value::from(value)
+}
+
+/// A single-precision number for JSON with no more digits than tell it from its neighbours.
+pub(crate) fn number32(value: f32) -> Value {
+    // The shortest decimal of the f32, which as an f64 prints the same digits.
+    value.to_string().parse().map_or(Value::Null, number)
+}
+
+/// A number for a person: six significant digits.
+pub(crate) fn significant(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    match rounded.abs() {
+        size if size == 0.0 || (1e-4..1e7).contains(&size) => (rounded + 0.0).to_string(),
+        _ => format!("{rounded:e}"),
+    }
+}
+
+/// Text from outside, fit for a terminal: no control characters, so one line and no commands to it.
+pub(crate) fn plain(text: &str) -> String {
+    text.replace(char::is_control, "\u{fffd}")
+}
+
+/// A name from a file, fit for a table: at most 60 characters.
+pub(crate) fn short(name: &str) -> String {
+    const MOST: usize = 60;
+    let plain = plain(name);
+    match plain.char_indices().nth(MOST) {
+        None => plain,
+        Some(_) => plain.chars().take(MOST - 1).chain(['…']).collect(),
+    }
+}
+
+/// Rows with aligned columns: the first one to the left, the others to the right.
+pub(crate) struct Table {
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    pub(crate) fn new(header: &[&str]) -> Self {
+        Self { rows: vec![header.iter().map(|&cell| cell.to_owned()).collect()] }
+    }
+
+    pub(crate) fn row(&mut self, cells: Vec<String>) {
+        self.rows.push(cells);
+    }
+}
+
+impl Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let width = |column: usize| {
+            self.rows.iter().filter_map(|row| row.get(column)).map(|c| c.chars().count()).max().unwrap_or(0)
+        };
+        let widths: Vec<usize> = (0..columns).map(width).collect();
+        for (index, row) in self.rows.iter().enumerate() {
+            let line: Vec<String> = row
+                .iter()
+                .zip(&widths)
+                .enumerate()
+                .map(
+                    |(i, (cell, &width))| {
+                        if i == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+                    },
+                )
+                .collect();
+            if index > 0 {
+                f.write_str("\n")?;
+            }
+            write!(f, "  {}", line.join("  ").trim_end())?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Closed(io::ErrorKind);
+
+    impl Write for Closed {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(self.0.into())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Err(self.0.into())
+        }
+    }
+
+    #[test]
+    fn output_is_quiet_about_a_closed_pipe_and_nothing_else() {
+        let mut closed = UntilClosed(Closed(io::ErrorKind::BrokenPipe));
+        assert!(closed.write_all(b"x").is_ok() && closed.flush().is_ok());
+        let mut full = UntilClosed(Closed(io::ErrorKind::StorageFull));
+        assert!(full.write_all(b"x").is_err() && full.flush().is_err());
+    }
+
+    #[test]
+    fn json_numbers_are_finite_and_short() {
+        assert_eq!(
+            [number(f64::NAN), number(f64::INFINITY), number32(f32::NAN)],
+            [(); 3].map(|()| Value::Null)
+        );
+        assert_eq!(number32(0.1).to_string(), "0.1");
+        for value in [f32::MAX, f32::MIN_POSITIVE, 1e-45, 16_777_216.0, -0.3] {
+            assert_eq!(number32(value).to_string().parse::<f32>().unwrap(), value);
+        }
+    }
+
+    #[test]
+    fn significant_digits_are_six() {
+        let of = [0.0, -0.0, 0.1, -1.234567, 6_543_210.9, 1e7, 2.7e-16, f64::NAN].map(significant);
+        assert_eq!(of, ["0", "0", "0.1", "-1.23457", "6543210", "1e7", "2.7e-16", "NaN"]);
+    }
+
+    #[test]
+    fn table_aligns_numbers_to_the_right() {
+        let mut table = Table::new(&["mesh", "faces"]);
+        table.row(vec!["wädchen".into(), "7".into()]);
+        assert_eq!(table.to_string(), "  mesh     faces\n  wädchen      7");
+    }
+
+    #[test]
+    fn names_have_no_control_characters_and_an_end() {
+        assert_eq!(short("a\x1b[31m\nb"), "a\u{fffd}[31m\u{fffd}b");
+        assert_eq!(short(&"ä".repeat(60)), "ä".repeat(60));
+        assert_eq!(short(&"ä".repeat(61)), format!("{}…", "ä".repeat(59)));
+    }
+}

@@ -1,0 +1,82 @@
+//! Progress on standard error, for what takes longer than a second.
+
+use std::io::{self, IsTerminal};
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Nothing that is over within this time is worth a bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// A bar that appears after a second and goes with the value. Where standard error is no terminal there is none.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    watch: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+impl Progress {
+    /// Work of unknown length.
+    pub(crate) fn spinner(what: impl Into<String>) -> Self {
+        Self::start(what.into(), None)
+    }
+
+    /// Work of `total` steps; [`Progress::done`] counts them, from any thread.
+    #[expect(dead_code, reason = "the commands that take many steps count them")]
+    pub(crate) fn bar(what: impl Into<String>, total: u64) -> Self {
+        Self::start(what.into(), Some(total))
+    }
+
+    fn start(what: String, total: Option<u64>) -> Self {
+        let bar = ProgressBar::with_draw_target(total, ProgressDrawTarget::hidden());
+        if !io::stderr().is_terminal() {
+            return Self { bar, watch: None };
+        }
+        let template = match total {
+            None => "{spinner} {msg} {elapsed}",
+            Some(_) => "{msg} {wide_bar} {percent}% {eta}",
+        };
+        bar.set_style(ProgressStyle::with_template(template).expect("the templates above are well formed"));
+        bar.set_message(what);
+        let (stop, stopped) = mpsc::channel();
+        let shown = bar.clone();
+        let watch = thread::spawn(move || {
+            if stopped.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+                shown.set_draw_target(ProgressDrawTarget::stderr());
+                shown.enable_steady_tick(Duration::from_millis(100));
+            }
+        });
+        Self { bar, watch: Some((stop, watch)) }
+    }
+
+    /// Counts `steps` as done.
+    #[expect(dead_code, reason = "the commands that take many steps count them")]
+    pub(crate) fn done(&self, steps: u64) {
+        self.bar.inc(steps);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some((stop, watch)) = self.watch.take() {
+            drop(stop); // wakes the watch, if it still waits
+            let _ = watch.join();
+        }
+        self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn progress_that_is_over_at_once_is_never_shown() {
+        let progress = Progress::spinner("nothing");
+        assert!(progress.bar.is_hidden());
+        let bar = progress.bar.clone();
+        drop(progress);
+        assert!(bar.is_finished());
+    }
+}

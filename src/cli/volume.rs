@@ -1,0 +1,323 @@
+//! `umbrage volume`: the capped shadow volume of each light.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+use umbrage::geom::{Aabb, Light};
+use umbrage::mesh::Mesh;
+use umbrage::scene::SceneLight;
+use umbrage::silhouette::{Silhouette, classify};
+use umbrage::topology::{Shells, Topology};
+use umbrage::volume::{self, Plan, ShadowVolume, ShellChoice, ShellProof};
+use umbrage::write::{self, Elements, Layer, Model, Target};
+
+use super::lights::LightArgs;
+use super::load::MeshArgs;
+use super::output::{self, Output, Table, plain, short, significant};
+use super::progress::Progress;
+use super::{Failure, Outcome};
+
+/// Shadow volume: light cap, sides and dark cap, closed at infinity, with the certificate that it is closed
+///
+/// Each mesh of the file is welded by itself; all of them cast together. Exits with 1 if a volume with both caps
+/// is not closed.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Args {
+    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content
+    file: PathBuf,
+
+    #[command(flatten)]
+    mesh: MeshArgs,
+
+    #[command(flatten)]
+    lights: LightArgs,
+
+    /// Which faces cast
+    #[arg(long, value_enum, default_value_t = Faces::Auto)]
+    faces: Faces,
+
+    /// Which caps the volume has
+    #[arg(long, value_enum, default_value_t = Caps::Auto)]
+    caps: Caps,
+
+    /// Write the volume in layers: light_cap, sides and dark_cap, over the same vertices
+    ///
+    /// [default: nothing is written]
+    #[arg(short, long, value_name = "OUT.{glb,obj,ply}")]
+    output: Option<PathBuf>,
+
+    /// How far vertices at infinity are moved when written, in mesh units, since no format holds infinity
+    ///
+    /// [default: 10 diagonals of the bounding box]. GLB and PLY carry the homogeneous w too, 0 for such a vertex.
+    #[arg(long, value_name = "DIST", value_parser = parse_far)]
+    far: Option<f32>,
+
+    /// Print one JSON document instead of a table: `file`, `format`, and `lights` with an object for each light
+    ///
+    /// At most 1000 shells a light are listed.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Faces {
+    /// Half the faces of a shell where that is proven to be enough, else all
+    Auto,
+    /// All faces; right for any mesh
+    All,
+    /// Front faces only, proven or not
+    Front,
+}
+
+impl From<Faces> for volume::Faces {
+    fn from(faces: Faces) -> Self {
+        match faces {
+            Faces::Auto => Self::Auto,
+            Faces::All => Self::All,
+            Faces::Front => Self::Front,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Caps {
+    /// Both: where the eye will be is not known here
+    Auto,
+    /// Light cap and dark cap, as z-fail counting needs them
+    Both,
+    /// Sides only, enough for z-pass counting with the eye outside
+    None,
+}
+
+impl From<Caps> for volume::Caps {
+    fn from(caps: Caps) -> Self {
+        match caps {
+            Caps::Auto | Caps::Both => Self::Both,
+            Caps::None => Self::None,
+        }
+    }
+}
+
+fn parse_far(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(far) if far > 0.0 && far.is_finite() => Ok(far),
+        _ => Err("write a distance above 0 in mesh units".to_owned()),
+    }
+}
+
+/// A bound on what is listed where a mesh falls apart into single faces.
+const SHELLS_LISTED: usize = 1000;
+
+/// The volume of one light, and why it is as it is.
+struct Built {
+    name: String,
+    light: Light,
+    plan: Plan,
+    volume: ShadowVolume,
+    closed: bool,
+}
+
+pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+    if let Some(path) = &args.output {
+        Target::from_path(path)?;
+    }
+    let baked = args.mesh.read(&args.file)?;
+    let mesh = args.mesh.caster(baked.meshes, &args.file)?;
+    let lights = args.lights.resolve(baked.lights, &mesh);
+
+    let progress = Progress::spinner("building shadow volumes");
+    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let shells = topology.shells();
+    let proofs = match args.faces {
+        Faces::Auto => ShellProof::of(&mesh, &topology, &shells),
+        Faces::All | Faces::Front => Vec::new(),
+    };
+    let caster = Caster { mesh: &mesh, topology: &topology, shells: &shells, proofs: &proofs };
+    let built: Vec<Built> =
+        lights.into_iter().map(|light| caster.build(light, args.faces.into(), args.caps.into())).collect();
+    drop(progress);
+
+    if let Some(path) = &args.output {
+        let far = args.far.unwrap_or_else(|| default_far(&mesh));
+        let layers = built.iter().enumerate().flat_map(|(index, built)| {
+            let suffix = if index == 0 { String::new() } else { format!(" {index}") };
+            layers(&built.volume, far, &suffix)
+        });
+        write::write(&Model { layers: layers.collect() }, path)?;
+        output::say(format_args!(
+            "note: {}: vertices at infinity are written {} mesh units away; --far sets that",
+            path.display(),
+            significant(f64::from(far))
+        ));
+    }
+    let mut out = Output::new();
+    if args.json {
+        let lights: Vec<Value> = built.iter().map(document).collect();
+        let format = baked.format.map(|format| format.name());
+        out.json(&json!({ "file": args.file.to_string_lossy(), "format": format, "lights": lights }))?;
+    } else {
+        out.text(text(&args.file, &built))?;
+    }
+    out.flush()?;
+    let capped = volume::Caps::from(args.caps) == volume::Caps::Both;
+    let sound = !capped || built.iter().all(|built| built.closed);
+    Ok(if sound { Outcome::Sound } else { Outcome::Unsound })
+}
+
+/// What throws the shadow, and what is known of it whatever the light.
+struct Caster<'a> {
+    mesh: &'a Mesh,
+    topology: &'a Topology,
+    shells: &'a Shells,
+    proofs: &'a [ShellProof],
+}
+
+impl Caster<'_> {
+    fn build(&self, light: SceneLight, faces: volume::Faces, caps: volume::Caps) -> Built {
+        let SceneLight { name, light, .. } = light;
+        let plan = Plan::choose(self.mesh, self.shells, self.proofs, &light, faces);
+        let signs = plan.signs(self.shells, &classify(self.mesh, &light));
+        let silhouette = Silhouette::extract(self.topology, &signs);
+        let volume = ShadowVolume::extrude(self.mesh, self.topology, &light, &signs, &silhouette, caps);
+        let closed = volume.boundary_sum().is_closed();
+        Built { name, light, plan, volume, closed }
+    }
+}
+
+/// Ten diagonals, so that the clamped end is well out of a picture of the mesh.
+fn default_far(mesh: &Mesh) -> f32 {
+    let diagonal = mesh.bounds().map_or(0.0, |[low, high]| Aabb { low, high }.diagonal());
+    if diagonal > 0.0 { (10.0 * diagonal).min(f64::from(f32::MAX)) as f32 } else { 1.0 }
+}
+
+/// The three runs of triangles over the same vertices; a run that is empty is left out.
+fn layers(volume: &ShadowVolume, far: f32, suffix: &str) -> Vec<Layer> {
+    let positions = volume.clamped(far);
+    let finite = volume.positions().len();
+    let w: Vec<f32> = (0..positions.len()).map(|vertex| if vertex < finite { 1.0 } else { 0.0 }).collect();
+    let runs = [
+        ("light_cap", volume.light_cap(), [1.0, 0.9, 0.3, 1.0]),
+        ("sides", volume.sides(), [0.2, 0.3, 0.8, 0.4]),
+        ("dark_cap", volume.dark_cap(), [0.1, 0.1, 0.2, 1.0]),
+    ];
+    runs.into_iter()
+        .filter(|(_, run, _)| !run.is_empty())
+        .map(|(name, run, colour)| Layer {
+            name: format!("{name}{suffix}"),
+            colour: Some(colour),
+            positions: positions.clone(),
+            w: Some(w.clone()),
+            elements: Elements::Triangles(volume.triangles()[run].to_vec()),
+            ..Layer::default()
+        })
+        .collect()
+}
+
+fn document(built: &Built) -> Value {
+    let variant = |(shell, choice): (usize, &ShellChoice)| json!({ "shell": shell, "variant": choice.variant.name(), "reason": choice.to_string() });
+    let volume = &built.volume;
+    json!({
+        "light": built.light.to_string(),
+        "variant": built.plan.choices.iter().enumerate().take(SHELLS_LISTED).map(variant).collect::<Vec<_>>(),
+        "vertices": volume.vertex_count(),
+        "triangles": volume.triangles().len(),
+        "light_cap": volume.light_cap().len(),
+        "sides": volume.sides().len(),
+        "dark_cap": volume.dark_cap().len(),
+        "closed": built.closed,
+    })
+}
+
+fn text(file: &Path, built: &[Built]) -> String {
+    let mut table =
+        Table::new(&["light", "vertices", "triangles", "light cap", "sides", "dark cap", "closed"]);
+    let mut reasons = String::new();
+    for (index, built) in built.iter().enumerate() {
+        let mut light = format!("{index} {}", built.light);
+        if !built.name.is_empty() {
+            light = format!("{light} ({})", short(&built.name));
+        }
+        let volume = &built.volume;
+        let counts = [
+            volume.vertex_count(),
+            volume.triangles().len(),
+            volume.light_cap().len(),
+            volume.sides().len(),
+            volume.dark_cap().len(),
+        ];
+        let closed = if built.closed { "yes" } else { "no" };
+        let counts = counts.iter().map(usize::to_string).chain([closed.to_owned()]);
+        table.row(std::iter::once(light).chain(counts).collect());
+        for (choice, count) in grouped(&built.plan.choices) {
+            let shells = if count == 1 { "shell" } else { "shells" };
+            reasons += &format!("  light {index}, {count} {shells} {}: {choice}\n", choice.variant.name());
+        }
+    }
+    format!("{}\n{table}\n{reasons}", plain(&file.to_string_lossy()))
+}
+
+/// Equal choices counted, in the order of their first shells.
+fn grouped(choices: &[ShellChoice]) -> Vec<(ShellChoice, usize)> {
+    let mut groups: Vec<(ShellChoice, usize)> = Vec::new();
+    for choice in choices {
+        // What is printed is all that tells two apart, and there are few reasons.
+        let same = |group: &&mut (ShellChoice, usize)| {
+            group.0.variant == choice.variant && group.0.to_string() == choice.to_string()
+        };
+        match groups.iter_mut().find(same) {
+            Some(group) => group.1 += 1,
+            None => groups.push((*choice, 1)),
+        }
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage::mesh::solid;
+    use umbrage::topology::CrackReport;
+
+    fn built(mesh: &Mesh, light: &str, faces: volume::Faces) -> Built {
+        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let shells = topology.shells();
+        let proofs = ShellProof::of(mesh, &topology, &shells);
+        let caster = Caster { mesh, topology: &topology, shells: &shells, proofs: &proofs };
+        let light = light.parse().unwrap();
+        let light = SceneLight { name: String::new(), light, colour: [1.0; 3], intensity: 1.0, spot: None };
+        caster.build(light, faces, volume::Caps::Both)
+    }
+
+    #[test]
+    fn volume_layers_share_their_vertices_and_close_together() {
+        let built = built(&solid::cube(), "point:2,3,5", volume::Faces::Auto);
+        let layers = layers(&built.volume, 100.0, "");
+        assert_eq!(
+            layers.iter().map(|layer| layer.name.as_str()).collect::<Vec<_>>(),
+            ["light_cap", "sides", "dark_cap"]
+        );
+        assert!(layers.iter().all(|layer| layer.positions == layers[0].positions && layer.w == layers[0].w));
+        let triangles = layers.iter().flat_map(|layer| match &layer.elements {
+            Elements::Triangles(triangles) => triangles.clone(),
+            _ => panic!("a volume is triangles"),
+        });
+        let whole = Mesh::new(layers[0].positions.clone(), triangles.collect()).unwrap();
+        let topology = Topology::build(whole.vertex_count(), whole.triangles().to_vec());
+        assert!(CrackReport::of(&whole, &topology).counts.sound());
+    }
+
+    #[test]
+    fn volume_towards_a_directional_light_has_no_dark_cap_layer() {
+        let built = built(&solid::cube(), "directional:-1,-2,-3", volume::Faces::All);
+        assert_eq!(layers(&built.volume, 10.0, " 1").len(), 2);
+        assert!(built.closed);
+    }
+
+    #[test]
+    fn volume_reasons_are_counted_over_shells() {
+        let two = Mesh::concat(&[solid::cube(), solid::open_cube(), solid::open_cube()]).unwrap();
+        let built = built(&two, "point:9,9,9", volume::Faces::Auto);
+        let counts: Vec<usize> = grouped(&built.plan.choices).iter().map(|group| group.1).collect();
+        assert_eq!(counts.iter().sum::<usize>(), 3);
+    }
+}

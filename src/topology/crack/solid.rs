@@ -1,0 +1,315 @@
+//! Shells as solids: their volumes, which lies in which, and which are inside out.
+
+use super::ShellReport;
+use crate::geom::Aabb;
+use crate::geom::bvh::Bvh;
+use crate::geom::predicate::{Sign, orient3d, turn};
+use crate::geom::volume::{ExactVolume, VolumeSum};
+use crate::mesh::{FaceId, Mesh, VertexId};
+use crate::topology::{Shells, Topology};
+
+/// Everything about the shells, and how many vertices they have together. `fans` has one face of each fan at
+/// the vertices with several, ascending.
+pub(super) fn shells(
+    mesh: &Mesh,
+    topology: &Topology,
+    shells: &Shells,
+    fans: &[(VertexId, FaceId)],
+) -> (Vec<ShellReport>, usize) {
+    let (mut list, vertices) = combinatorics(topology, shells, fans);
+    let signs = measure(mesh, topology, shells, &mut list);
+    nest(mesh, shells, &signs, &mut list);
+    for (shell, sign) in list.iter_mut().zip(signs) {
+        let expected = if shell.depth % 2 == 0 { Sign::Positive } else { Sign::Negative };
+        shell.inside_out = shell.watertight && sign == -expected;
+    }
+    (list, vertices)
+}
+
+/// Counts and what follows from them; volumes and nesting are still to come.
+fn combinatorics(
+    topology: &Topology,
+    shells: &Shells,
+    fans: &[(VertexId, FaceId)],
+) -> (Vec<ShellReport>, usize) {
+    let blank = ShellReport {
+        first_face: FaceId(u32::MAX),
+        faces: 0,
+        edges: 0,
+        vertices: 0,
+        euler_characteristic: 0,
+        genus: None,
+        signed_volume: 0.0,
+        watertight: true,
+        balanced: true,
+        inside_out: false,
+        depth: 0,
+        parent: None,
+        bounds: Aabb::EMPTY,
+    };
+    let mut list = vec![blank; shells.count];
+    let shell_of =
+        |face: FaceId| shells.of_face[face.index()].expect("a face with edges has a shell") as usize;
+
+    for edge in topology.edges() {
+        let mut uses = topology.uses(edge);
+        let shell = match (shells.count, uses.next()) {
+            (1, _) => &mut list[0],
+            (_, Some((face, _))) => &mut list[shell_of(face)],
+            (_, None) => continue,
+        };
+        let sum: i32 = topology.uses(edge).map(|(_, direction)| direction).sum();
+        shell.edges += 1;
+        shell.balanced &= sum == 0;
+        shell.watertight &= sum == 0 && topology.valence(edge) == 2;
+    }
+
+    // A vertex with one fan belongs to one shell, that of any of its faces; the others are told by their fans.
+    let mut seen = vec![0_u64; topology.vertex_count().div_ceil(64)];
+    let mut first_time = |vertex: u32| {
+        let (word, bit) = (&mut seen[vertex as usize / 64], 1 << (vertex % 64));
+        let first = *word & bit == 0;
+        *word |= bit;
+        first
+    };
+    let mut pinched = vec![false; shells.count];
+    let mut shared = 0;
+    for fans in fans.chunk_by(|a, b| a.0 == b.0) {
+        first_time(fans[0].0.0);
+        let mut at: Vec<usize> = fans.iter().map(|&(_, face)| shell_of(face)).collect();
+        at.sort_unstable();
+        for same in at.chunk_by(|a, b| a == b) {
+            list[same[0]].vertices += 1;
+            shared += 1;
+            pinched[same[0]] |= same.len() > 1;
+        }
+        shared -= 1;
+    }
+    for (face, corners) in topology.triangles().iter().enumerate() {
+        let Some(shell) = shells.of_face[face] else { continue };
+        let shell = &mut list[shell as usize];
+        if shell.faces == 0 {
+            shell.first_face = FaceId::new(face);
+        }
+        shell.faces += 1;
+        shell.vertices += corners.iter().filter(|&&vertex| first_time(vertex)).count();
+    }
+    for (shell, pinched) in list.iter_mut().zip(pinched) {
+        let [v, e, f] = [shell.vertices, shell.edges, shell.faces].map(|n| n as i64); // below 2^32
+        shell.euler_characteristic = v - e + f;
+        if shell.watertight && !pinched {
+            shell.genus = u64::try_from((2 - shell.euler_characteristic) / 2).ok();
+        }
+    }
+    let vertices = list.iter().map(|shell| shell.vertices).sum::<usize>() - shared;
+    (list, vertices)
+}
+
+/// Fills in boxes and volumes. Gives the exact signs of the watertight shells' volumes; zero for the others.
+fn measure(mesh: &Mesh, topology: &Topology, shells: &Shells, list: &mut [ShellReport]) -> Vec<Sign> {
+    // A closed surface has the same volume about any point, and the smallest terms about one of its own.
+    let about = |shell: &ShellReport| match shell.balanced {
+        true => mesh.corners(shell.first_face)[0],
+        false => [0.0; 3],
+    };
+    let mut sums: Vec<VolumeSum> = list.iter().map(|shell| VolumeSum::new(about(shell))).collect();
+    let faces =
+        || topology.faces().zip(&shells.of_face).filter_map(|(face, shell)| Some((face, (*shell)? as usize)));
+    for (face, shell) in faces() {
+        let corners = mesh.corners(face);
+        sums[shell].add(corners);
+        list[shell].bounds = list[shell].bounds.join(&Aabb::around(corners));
+    }
+    let mut unsure = vec![None; list.len()];
+    for ((shell, sum), unsure) in list.iter_mut().zip(&sums).zip(&mut unsure) {
+        shell.signed_volume = sum.value();
+        if shell.watertight && sum.sign().is_none() {
+            *unsure = Some(Box::new(ExactVolume::new()));
+        }
+    }
+    if unsure.iter().any(Option::is_some) {
+        for (face, shell) in faces() {
+            if let Some(exact) = &mut unsure[shell] {
+                exact.add(mesh.corners(face));
+            }
+        }
+    }
+    let sign = |((shell, sum), exact): ((&ShellReport, &VolumeSum), Option<Box<ExactVolume>>)| match exact {
+        _ if !shell.watertight => Sign::Zero,
+        Some(exact) => exact.sign(),
+        None => sum.sign().expect("what is unsure was added exactly"),
+    };
+    list.iter().zip(&sums).zip(unsure).map(sign).collect()
+}
+
+/// Fills in depth and parent of the watertight shells.
+fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport]) {
+    // Only a shell whose box lies in another's can be nested, and only those others can hold it.
+    let closed: Vec<usize> = (0..list.len()).filter(|&shell| list[shell].watertight).collect();
+    if closed.len() < 2 {
+        return;
+    }
+    let boxes: Vec<Aabb> = closed.iter().map(|&shell| list[shell].bounds).collect();
+    let bvh = Bvh::build(&boxes);
+    let mut inner = vec![false; list.len()];
+    let mut outer = vec![false; list.len()];
+    for (index, &shell) in closed.iter().enumerate() {
+        bvh.for_each_overlapping(&boxes[index], |other| {
+            let other = other as usize;
+            if other != index && !signs[closed[other]].is_zero() && boxes[other].contains_box(&boxes[index]) {
+                inner[shell] = true;
+                outer[closed[other]] = true;
+            }
+        });
+    }
+    if !inner.contains(&true) {
+        return;
+    }
+    let solids = Solids::new(mesh, shells, &outer);
+    // The vertices of the inner shells, shell by shell.
+    let mut starts = vec![0; list.len() + 1];
+    for shell in 0..list.len() {
+        starts[shell + 1] = starts[shell] + if inner[shell] { list[shell].faces } else { 0 };
+    }
+    let mut faces = vec![FaceId(0); starts[list.len()]];
+    let mut next = starts.clone();
+    for (face, shell) in shells.of_face.iter().enumerate() {
+        if let Some(shell) = shell.map(|shell| shell as usize).filter(|&shell| inner[shell]) {
+            faces[next[shell]] = FaceId::new(face);
+            next[shell] += 1;
+        }
+    }
+    let mut around: Vec<Vec<u32>> = vec![Vec::new(); list.len()];
+    for &shell in closed.iter().filter(|&&shell| inner[shell]) {
+        let points = || faces[starts[shell]..starts[shell + 1]].iter().flat_map(|&face| mesh.corners(face));
+        // A point that lies on another shell tells nothing about it; the next one may.
+        let mut found = solids.around(mesh, points().next().expect("a shell has faces"));
+        if !found.touching.is_empty() {
+            if let Some(clear) =
+                points().map(|point| solids.around(mesh, point)).find(|found| found.touching.is_empty())
+            {
+                found = clear;
+            }
+        }
+        found.shells.retain(|&other| {
+            other as usize != shell && list[other as usize].bounds.contains_box(&list[shell].bounds)
+        });
+        // Before the depth makes it inside out, all of it must lie inside: else it merely cuts the other.
+        let odd = found.shells.len() % 2 == 1;
+        if !found.shells.is_empty() && (signs[shell] == Sign::Positive) == odd {
+            for point in points() {
+                let here = solids.around(mesh, point);
+                let holds = |shells: &[u32], other: &u32| shells.binary_search(other).is_ok();
+                found.shells.retain(|other| holds(&here.shells, other) || holds(&here.touching, other));
+                if found.shells.is_empty() {
+                    break;
+                }
+            }
+        }
+        list[shell].depth = found.shells.len();
+        around[shell] = found.shells;
+    }
+    // The innermost is the deepest; of two as deep as each other, the one with the smaller volume.
+    for shell in 0..list.len() {
+        let volume = |other: &u32| list[*other as usize].signed_volume.abs();
+        let innermost = around[shell].iter().copied().min_by(|a, b| {
+            let depth = |other: &u32| list[*other as usize].depth;
+            depth(b).cmp(&depth(a)).then(volume(a).total_cmp(&volume(b))).then(a.cmp(b))
+        });
+        list[shell].parent = innermost.map(|other| other as usize);
+    }
+}
+
+/// The faces of some shells, to be asked which of them surround a point.
+struct Solids {
+    faces: Vec<FaceId>,
+    shell_of: Vec<u32>,
+    bvh: Bvh,
+}
+
+/// Shells around a point, and shells whose surface passes through it; ascending.
+struct Around {
+    shells: Vec<u32>,
+    touching: Vec<u32>,
+}
+
+impl Solids {
+    fn new(mesh: &Mesh, shells: &Shells, wanted: &[bool]) -> Self {
+        let (mut faces, mut shell_of) = (Vec::new(), Vec::new());
+        for (face, shell) in (0..).map(FaceId).zip(&shells.of_face) {
+            if let Some(shell) = shell.filter(|&shell| wanted[shell as usize]) {
+                faces.push(face);
+                shell_of.push(shell);
+            }
+        }
+        let boxes: Vec<Aabb> = faces.iter().map(|&face| Aabb::around(mesh.corners(face))).collect();
+        Self { bvh: Bvh::build(&boxes), faces, shell_of }
+    }
+
+    /// A shell is around `point` if its faces' signed crossings with the ray towards +x do not cancel.
+    fn around(&self, mesh: &Mesh, point: [f32; 3]) -> Around {
+        let ray = Aabb { low: point, high: [f32::MAX, point[1], point[2]] };
+        let mut crossings: Vec<(u32, i32)> = Vec::new();
+        let mut touching = Vec::new();
+        self.bvh.for_each_overlapping(&ray, |slot| {
+            let shell = self.shell_of[slot as usize];
+            match crossing(mesh.corners(self.faces[slot as usize]), point) {
+                Crossing::None => {}
+                Crossing::Signed(sign) => crossings.push((shell, sign)),
+                Crossing::At => touching.push(shell),
+            }
+        });
+        crossings.sort_unstable();
+        touching.sort_unstable();
+        touching.dedup();
+        let inside =
+            crossings.chunk_by(|a, b| a.0 == b.0).filter(|c| c.iter().map(|c| c.1).sum::<i32>() != 0);
+        let shells = inside.map(|c| c[0].0).filter(|shell| touching.binary_search(shell).is_err()).collect();
+        Around { shells, touching }
+    }
+}
+
+/// How the ray from a point towards +x meets a triangle.
+enum Crossing {
+    None,
+    /// +1 on the way out through a face that looks towards +x, −1 through one that looks back.
+    Signed(i32),
+    /// The point lies on the triangle.
+    At,
+}
+
+/// Exact, with the ray's start moved by (0, ε, ε²) so that it meets no vertex and no edge. A simulation of
+/// simplicity of one point (Herbert Edelsbrunner and Ernst Peter Mücke, 1990): where a sign is zero, that of
+/// its derivative by ε, then by ε², takes its place.
+fn crossing([a, b, c]: [[f32; 3]; 3], p: [f32; 3]) -> Crossing {
+    let side = |u: [f32; 3], v: [f32; 3]| {
+        let compare = |x: f32, y: f32| x.partial_cmp(&y).map_or(0, |order| order as i32);
+        match turn(u, v, p, 0).value() {
+            0 if u[2] != v[2] => compare(u[2], v[2]),
+            0 => compare(v[1], u[1]),
+            sign => sign,
+        }
+    };
+    let plane = orient3d(a, b, c, p);
+    if plane.is_zero() && on_triangle([a, b, c], p) {
+        return Crossing::At;
+    }
+    let facing = side(a, b);
+    if facing == 0 || side(b, c) != facing || side(c, a) != facing {
+        return Crossing::None;
+    }
+    // The face looks towards +x where `facing` is positive; the point must then lie below it.
+    if plane.value() == facing { Crossing::Signed(facing) } else { Crossing::None }
+}
+
+/// Whether a point of the triangle's plane lies in the closed triangle.
+fn on_triangle([a, b, c]: [[f32; 3]; 3], p: [f32; 3]) -> bool {
+    if !Aabb::around([a, b, c]).contains(p) {
+        return false;
+    }
+    // Inside or on the edge in every projection; a projection that is a line tells nothing by its turns.
+    (0..3).all(|axis| {
+        let turns = [(a, b), (b, c), (c, a)].map(|(u, v)| turn(u, v, p, axis));
+        !(turns.contains(&Sign::Positive) && turns.contains(&Sign::Negative))
+    })
+}

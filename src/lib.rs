@@ -109,6 +109,7 @@ pub mod topology;
 pub mod silhouette;
 pub mod volume;
 pub mod oracle;
+pub mod picture;
 #[cfg(feature = "reference")]
 pub mod verify;
 

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use serde_json::{Value, json};
-use umbrage::geom::Aabb;
 use umbrage::oracle::Verdict;
 use umbrage::scene::SceneLight;
 use umbrage::verify::{Judge, Options, Stratum, Verification, Verifier};
@@ -107,8 +106,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     args.threads.apply()?;
     let mut baked = args.mesh.read(&args.file)?;
     let mesh = args.mesh.caster(std::mem::take(&mut baked.meshes), &args.file)?;
-    let bounds = mesh.bounds().map_or(Aabb::EMPTY, |[low, high]| Aabb { low, high });
-    let lights = args.lights.resolve(baked.lights, bounds);
+    let lights = args.lights.resolve(baked.lights, &mesh);
 
     let progress = Progress::spinner("topology, proofs and tree");
     let verifier = Verifier::new(&mesh);
@@ -126,7 +124,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         let format = baked.format.map(|format| format.name());
         output.json(&document(&args.file.to_string_lossy(), format, &lights, &results))?;
     } else {
-        print(&mut output, &lights, &results)?;
+        output.text(text(&lights, &results))?;
     }
     output.flush()?;
     let agreed = results.iter().all(|result| result.total().disagree == 0);
@@ -152,38 +150,35 @@ fn total(strata: &[Stratum]) -> Stratum {
     strata.iter().fold(Stratum { name: "all", ..Stratum::default() }, |sum, row| sum.plus(row))
 }
 
-fn print(output: &mut Output, lights: &[SceneLight], results: &[Verification]) -> Result<(), Failure> {
+fn text(lights: &[SceneLight], results: &[Verification]) -> String {
     let (strata, judges) = summed(results);
     let lit: Vec<String> = lights.iter().map(|light| light.light.to_string()).collect();
-    output.line(format_args!("lights: {}", lit.join("  ")))?;
-    let mut table = Table::new(&["points", "judged", "agree", "grazing", "disagree", "rate below (95 %)"]);
+    let mut points = Table::new(&["points", "judged", "agree", "grazing", "disagree", "rate below (95 %)"]);
     for row in strata.iter().chain([&total(&strata)]) {
         let bound = row.bound_95().map_or("-".to_owned(), |bound| format!("{bound:.1e}"));
         let counts = [row.points, row.agree, row.grazing, row.disagree].map(|count| count.to_string());
-        let mut cells = vec![row.name.to_owned()];
-        cells.extend(counts);
-        cells.push(bound);
-        table.row(cells);
+        points.row([row.name.to_owned()].into_iter().chain(counts).chain([bound]).collect());
     }
-    output.line(table)?;
-    let mut table = Table::new(&["judge", "asked", "abstained", "contradicts the ray cast"]);
+    let mut asked = Table::new(&["judge", "asked", "abstained", "contradicts the ray cast"]);
     for judge in &judges {
-        let mut cells = vec![judge.name.to_owned()];
-        cells.extend([judge.points, judge.abstain, judge.disagree].map(|count| count.to_string()));
-        table.row(cells);
+        let counts = [judge.points, judge.abstain, judge.disagree].map(|count| count.to_string());
+        asked.row([judge.name.to_owned()].into_iter().chain(counts).collect());
     }
-    output.line(table)?;
+    let mut places = String::new();
     for (light, result) in lights.iter().zip(results) {
         for found in &result.disagreements {
             let [x, y, z] = found.point;
-            let (stratum, what) = (found.stratum, &found.what);
-            output.line(format_args!("disagreement: {} at {x},{y},{z} ({stratum}): {what}", light.light))?;
+            places += &format!(
+                "disagreement: {} at {x},{y},{z} ({}): {}\n",
+                light.light, found.stratum, found.what
+            );
         }
     }
-    let disagree = total(&strata).disagree;
-    let verdict =
-        if disagree == 0 { "all judges agree".to_owned() } else { format!("{disagree} disagreements") };
-    output.line(format_args!("verdict: {verdict}"))
+    let verdict = match total(&strata).disagree {
+        0 => "all judges agree".to_owned(),
+        count => format!("{count} disagreements"),
+    };
+    format!("lights: {}\n\n{points}\n\n{asked}\n\n{places}verdict: {verdict}\n", lit.join("  "))
 }
 
 fn document(file: &str, format: Option<&str>, lights: &[SceneLight], results: &[Verification]) -> Value {

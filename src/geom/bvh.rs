@@ -134,6 +134,39 @@ impl Bvh {
         }
     }
 
+    /// Visits every slot whose leaf box `enter` gives a distance for, nearer boxes first; `enter` is asked again
+    /// before a box that was put off is opened, so that it may have become out of reach.
+    #[inline]
+    pub(crate) fn walk_nearest_first(
+        &self,
+        mut enter: impl FnMut(&Aabb) -> Option<f64>,
+        mut visit: impl FnMut(usize),
+    ) {
+        let mut put_off: Vec<u32> = Vec::new();
+        let mut next = (self.nodes.len() > 1 && enter(&self.nodes[0].aabb).is_some()).then_some(0);
+        while let Some(at) = next.take().or_else(|| {
+            std::iter::from_fn(|| put_off.pop()).find(|&at| enter(&self.nodes[at as usize].aabb).is_some())
+        }) {
+            let left = at + 1;
+            let [node, first] = [at, left].map(|at| self.nodes[at as usize]);
+            if node.skip == left {
+                (node.first..first.first).for_each(|slot| visit(slot as usize));
+                continue;
+            }
+            let right = first.skip;
+            next = match (enter(&first.aabb), enter(&self.nodes[right as usize].aabb)) {
+                (Some(l), Some(r)) => {
+                    let (near, far) = if r < l { (right, left) } else { (left, right) };
+                    put_off.push(far);
+                    Some(near)
+                }
+                (Some(_), None) => Some(left),
+                (None, Some(_)) => Some(right),
+                (None, None) => None,
+            };
+        }
+    }
+
     /// Visits the index of every box that may meet `segment` (and of some that do not).
     #[inline]
     pub fn for_each_along(&self, segment: &Segment, mut visit: impl FnMut(u32)) {

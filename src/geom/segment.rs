@@ -49,6 +49,7 @@ impl Segment {
     fn new(origin: [f64; 3], direction: [f64; 3], end: f64) -> Self {
         Self { origin, direction, inverse: direction.map(f64::recip), end }
     }
+
     /// The same line, no farther than `t`.
     #[must_use]
     pub(crate) fn until(self, t: f64) -> Self {
@@ -59,13 +60,20 @@ impl Segment {
     #[inline]
     #[must_use]
     pub fn may_meet(&self, aabb: &Aabb) -> bool {
+        self.entry(aabb).is_some()
+    }
+
+    /// Where the segment may enter the box, rounded; `None` only if it does not meet it.
+    #[inline]
+    #[must_use]
+    pub(crate) fn entry(&self, aabb: &Aabb) -> Option<f64> {
         let (mut entry, mut exit) = (0.0_f64, self.end);
         for i in 0..3 {
             let (low, high) =
                 (f64::from(aabb.low[i]) - self.origin[i], f64::from(aabb.high[i]) - self.origin[i]);
             if self.direction[i] == 0.0 {
                 if low > 0.0 || high < 0.0 {
-                    return false;
+                    return None;
                 }
                 continue;
             }
@@ -74,7 +82,7 @@ impl Segment {
             exit = exit.min(t0.max(t1));
         }
         // The sign of an exit is exact, so a box behind the origin has a negative one.
-        entry <= exit * WIDEN
+        (entry <= exit * WIDEN).then_some(entry)
     }
 }
 

@@ -7,10 +7,12 @@
 mod meet;
 #[cfg(feature = "reference")]
 mod reference;
+mod visible;
 
 pub use meet::{Meeting, meet};
 #[cfg(feature = "reference")]
 pub use reference::{Reference, reference};
+pub use visible::Visible;
 
 use crate::geom::bvh::Bvh;
 use crate::geom::{Aabb, Light, Segment};
@@ -145,44 +147,4 @@ impl Oracle {
     pub fn bounds(&self) -> Aabb {
         self.tree.bounds()
     }
-
-    /// The first face that the ray from `origin` along `direction` properly crosses, for pictures: which face it
-    /// is is decided exactly, except that of two faces at nearly the same distance the rounded distance picks.
-    #[must_use]
-    pub fn first_hit(&self, origin: [f32; 3], direction: [f32; 3]) -> Option<Hit> {
-        let towards = Light::directional(direction.map(|x| -x)).ok()?;
-        let mut segment = Segment::along(origin, direction);
-        let mut first: Option<Hit> = None;
-        // Both closures look at how far the segment still reaches.
-        let end = std::cell::Cell::new(f64::INFINITY);
-        self.tree.walk(
-            |aabb| {
-                segment = segment.until(end.get());
-                segment.may_meet(aabb)
-            },
-            |slot| {
-                let triangle = self.triangles[slot];
-                if let Meeting::Crossing(_) = meet(origin, &towards, triangle) {
-                    let t = distance(origin, direction, triangle);
-                    let face = FaceId(self.tree.order()[slot]);
-                    // Of equal distances the lowest face, whatever the order of the tree.
-                    if first.is_none_or(|hit| (t, face) < (hit.t, hit.face)) {
-                        first = Some(Hit { face, t });
-                        // A little beyond, so that a face at the same rounded distance is still met.
-                        end.set(t * (1.0 + 1024.0 * f64::EPSILON));
-                    }
-                }
-                true
-            },
-        );
-        first
-    }
-}
-
-/// Where a ray meets the plane of a triangle that it is known to cross, in `f64`.
-fn distance(origin: [f32; 3], direction: [f32; 3], [a, b, c]: [[f32; 3]; 3]) -> f64 {
-    let wide = |p: [f32; 3]| glam::DVec3::from(p.map(f64::from));
-    let normal = (wide(b) - wide(a)).cross(wide(c) - wide(a));
-    let t = normal.dot(wide(a) - wide(origin)) / normal.dot(wide(direction));
-    if t.is_finite() { t.max(0.0) } else { 0.0 }
 }

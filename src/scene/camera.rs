@@ -1,6 +1,11 @@
 //! Where a picture is taken from.
 
-use glam::Vec3;
+use std::f32::consts::PI;
+
+use glam::{DVec3, Vec3};
+
+use super::{Pinhole, Size, Up};
+use crate::geom::Aabb;
 
 /// A perspective camera in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,4 +18,191 @@ pub struct Camera {
     pub up: Vec3,
     /// Vertical field of view, radians, in (0, π).
     pub fov_y_rad: f32,
+}
+
+/// Why a place and a target make no [`Camera`].
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// A coordinate is NaN or infinite.
+    #[error("the camera's eye and target need finite coordinates, not {0}")]
+    NotFinite(f32),
+    /// The eye is where it looks to.
+    #[error("the camera's eye is its target, {0},{1},{2}; move one of them")]
+    EyeIsTarget(f32, f32, f32),
+    /// The field of view is not an angle that a plane picture can have.
+    #[error("the field of view is {} degrees; it must be more than 0 and less than 180", .0.to_degrees())]
+    FieldOfView(f32),
+}
+
+/// The field of view where nothing else is said: 35 degrees, that of a mild telephoto lens.
+const FOV_Y_RAD: f32 = 35.0 * PI / 180.0;
+
+/// From the middle of things towards the eye of a fitted camera, as right, up, back: three-quarter from the
+/// front, 21 degrees above the horizon.
+const THREE_QUARTER: [f64; 3] = [0.6, 0.45, 1.0];
+
+/// How much wider than its content a fitted picture is.
+const MARGIN: f64 = 1.08;
+
+impl Camera {
+    /// The field of view of a camera for which none is asked, radians.
+    pub const DEFAULT_FOV_Y_RAD: f32 = FOV_Y_RAD;
+
+    /// A camera at `eye` that looks to `target`, with `up` upright (or, looking along it, the next axis).
+    ///
+    /// # Errors
+    ///
+    /// [`CameraError`] if a coordinate is not finite, the two places are one, or `fov_y_rad` is not in (0, π).
+    pub fn look_at(eye: [f32; 3], target: [f32; 3], fov_y_rad: f32, up: Up) -> Result<Self, CameraError> {
+        if let Some(&x) = eye.iter().chain(&target).find(|x| !x.is_finite()) {
+            return Err(CameraError::NotFinite(x));
+        }
+        if !(fov_y_rad > 0.0 && fov_y_rad < PI) {
+            return Err(CameraError::FieldOfView(fov_y_rad));
+        }
+        if eye == target {
+            return Err(CameraError::EyeIsTarget(eye[0], eye[1], eye[2]));
+        }
+        // In f64 the difference of two different f32 is not zero and its square neither over- nor underflows.
+        let forward = (wide(target) - wide(eye)).normalize();
+        let mut upright = wide(up.turn([0.0, 1.0, 0.0]).map(|x| x as f32));
+        if !spans(forward, upright) {
+            upright = wide(up.turn([0.0, 0.0, -1.0]).map(|x| x as f32));
+        }
+        Ok(Self { eye: eye.into(), forward: forward.as_vec3(), up: upright.as_vec3(), fov_y_rad })
+    }
+
+    /// A camera that shows all of `bounds`: the default view, three-quarter from the front, from the right and
+    /// from 21 degrees above, 35 degrees of field of view, as near as leaves a margin of 8 %.
+    ///
+    /// `aspect` is width over height. An empty box is taken as the origin, a point as a box one unit around it.
+    /// A box so large that the eye would leave `f32` is seen from the nearest place within.
+    #[must_use]
+    pub fn fit(bounds: &Aabb, up: Up, aspect: f64) -> Self {
+        let centre = wide(bounds.centre());
+        let half = match bounds.diagonal() {
+            0.0 => DVec3::splat(0.5),
+            _ => (wide(bounds.high) - wide(bounds.low)) * 0.5,
+        };
+        let towards = DVec3::from(up.turn(THREE_QUARTER)).normalize();
+        let upright = DVec3::from(up.turn([0.0, 1.0, 0.0]));
+        let (right, top) = basis(-towards, upright);
+        let tan_y = f64::from(0.5 * FOV_Y_RAD).tan();
+        let tan_x = tan_y * aspect;
+        // Each corner asks for a distance at which it just touches a side of the picture.
+        let distance = (0..8)
+            .map(|corner| {
+                let sign = |axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                let at = half * DVec3::new(sign(0), sign(1), sign(2));
+                let aside = (at.dot(right).abs() / tan_x).max(at.dot(top).abs() / tan_y);
+                at.dot(towards) + MARGIN * aside
+            })
+            .fold(0.0, f64::max);
+        let most = f64::from(f32::MAX);
+        let eye = (centre + towards * distance).clamp(DVec3::splat(-most), DVec3::splat(most));
+        Self {
+            eye: eye.as_vec3(),
+            forward: (-towards).as_vec3(),
+            up: upright.as_vec3(),
+            fov_y_rad: FOV_Y_RAD,
+        }
+    }
+
+    /// The direction, near unit length, from the eye through the place `x_px`, `y_px` of a picture of `size`: from
+    /// 0, 0 at its upper left corner; the middle of a pixel lies half a pixel further. Many of them: [`Pinhole`].
+    #[must_use]
+    pub fn ray(&self, x_px: f64, y_px: f64, size: Size) -> [f32; 3] {
+        Pinhole::new(self, size).ray(x_px, y_px)
+    }
+
+    /// Unit vectors to the right and upwards in the picture.
+    pub(super) fn basis(&self) -> (DVec3, DVec3) {
+        let forward = self.forward.as_dvec3();
+        let up = self.up.as_dvec3();
+        // A file may give any pair; without a plane, an axis that the view is farthest from serves.
+        basis(forward, if spans(forward, up) { up } else { DVec3::AXES[forward.abs().min_position()] })
+    }
+}
+
+/// Whether two directions tell right from left. `f32` components of unit length are off by up to 2⁻²⁵: a sine
+/// below 2⁻²⁰ would leave the roll of the picture to rounding.
+fn spans(forward: DVec3, up: DVec3) -> bool {
+    forward.cross(up.normalize_or_zero()).length() >= (-20_f64).exp2()
+}
+
+fn basis(forward: DVec3, up: DVec3) -> (DVec3, DVec3) {
+    let right = forward.cross(up).normalize();
+    (right, right.cross(forward))
+}
+
+fn wide(p: [f32; 3]) -> DVec3 {
+    DVec3::from(p.map(f64::from))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn look_at_refuses_what_is_no_camera() {
+        let look = |eye, target, fov| Camera::look_at(eye, target, fov, Up::Y);
+        assert_eq!(look([1.0; 3], [1.0; 3], 0.5), Err(CameraError::EyeIsTarget(1.0, 1.0, 1.0)));
+        assert!(matches!(look([f32::NAN; 3], [1.0; 3], 0.5), Err(CameraError::NotFinite(_))));
+        for fov in [0.0, -1.0, PI, f32::NAN, f32::INFINITY] {
+            assert!(matches!(look([0.0; 3], [1.0; 3], fov), Err(CameraError::FieldOfView(_))), "{fov}");
+        }
+        for far in [f32::MAX, f32::from_bits(1)] {
+            let camera = look([-far; 3], [far; 3], 0.5).unwrap();
+            assert!((camera.forward.length() - 1.0).abs() < 1e-6, "{camera:?}");
+        }
+    }
+
+    #[test]
+    fn look_at_along_up_still_knows_left_from_right() {
+        let size = Size::new(64, 48).unwrap();
+        for (up, eye) in [(Up::Y, [0.0, 5.0, 0.0]), (Up::Z, [0.0, 0.0, 5.0])] {
+            let camera = Camera::look_at(eye, [0.0; 3], 1.0, up).unwrap();
+            let (left, right) = (camera.ray(0.0, 24.0, size), camera.ray(64.0, 24.0, size));
+            assert!(left[0] < -0.1 && right[0] > 0.1, "{left:?} {right:?}");
+        }
+    }
+
+    #[test]
+    fn fit_shows_every_corner_and_fills_the_picture() {
+        let boxes = [
+            ([-1.0; 3], [1.0; 3]),
+            ([0.0; 3], [10.0, 0.1, 0.1]),
+            ([0.0, 0.0, 5.0], [0.0, 9.0, 5.0]),
+            ([1e-30; 3], [3e-30; 3]),
+            ([1e5; 3], [1e5 + 64.0; 3]),
+        ];
+        for (low, high) in boxes {
+            for (up, (width, height)) in [(Up::Y, (960, 540)), (Up::Z, (300, 900))] {
+                let size = Size::new(width, height).unwrap();
+                let bounds = Aabb { low, high };
+                let pinhole = Pinhole::new(&Camera::fit(&bounds, up, size.aspect()), size);
+                let mut widest = 0.0_f64;
+                for corner in 0..8 {
+                    let p = std::array::from_fn(|i| if corner >> i & 1 == 0 { low[i] } else { high[i] });
+                    let at = pinhole.project(p).expect("in front of the eye");
+                    let (x, y) = (at.x_px / f64::from(width) - 0.5, at.y_px / f64::from(height) - 0.5);
+                    widest = widest.max(x.abs()).max(y.abs());
+                }
+                assert!((0.4..0.5).contains(&widest), "{bounds:?} {size}: {widest}");
+            }
+        }
+        for bounds in [Aabb::EMPTY, Aabb { low: [f32::MIN; 3], high: [f32::MAX; 3] }] {
+            assert!(Camera::fit(&bounds, Up::Y, 1.0).eye.is_finite());
+        }
+    }
+
+    #[test]
+    fn ray_through_the_middle_looks_forward_and_y_runs_downwards() {
+        let size = Size::new(8, 4).unwrap();
+        let camera = Camera::look_at([0.0, 0.0, 5.0], [0.0; 3], 1.0, Up::Y).unwrap();
+        assert_eq!(camera.ray(4.0, 2.0, size), [0.0, 0.0, -1.0]);
+        let [x, y, z] = camera.ray(0.0, 0.0, size);
+        assert!((y / -z - 0.5_f32.tan()).abs() < 1e-6 && (x / y + 2.0).abs() < 1e-6);
+    }
 }

@@ -2,11 +2,17 @@
 
 mod camera;
 mod light;
+mod pinhole;
+mod size;
+mod up;
 
 use glam::Mat4;
 
-pub use camera::Camera;
+pub use camera::{Camera, CameraError};
 pub use light::{SceneLight, SpotCone};
+pub use pinhole::{Pinhole, Projected};
+pub use size::{Size, SizeError};
+pub use up::Up;
 
 use crate::mesh::{Mesh, MeshError, Part};
 use crate::read::Format;

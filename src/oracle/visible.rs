@@ -1,0 +1,219 @@
+//! What an eye sees along a ray, and the point that stands for it.
+
+use std::cell::Cell;
+
+use super::meet::{Meeting, meet};
+use super::{Hit, Oracle};
+use crate::geom::predicate::{Sign, side_of_point};
+use crate::geom::{Light, Segment};
+use crate::mesh::FaceId;
+
+/// The first face along a ray, and a point just before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Visible {
+    /// Which face.
+    pub face: FaceId,
+    /// Its corners.
+    pub corners: [[f32; 3]; 3],
+    /// Which side of it the eye is on: positive in front, negative behind, never zero.
+    pub side: Sign,
+    /// How far, in lengths of the ray's direction. Rounded: for drawing, not for deciding.
+    pub t: f64,
+    /// The visible point: strictly on the eye's side of the face, so that the face itself never shadows it.
+    pub point: [f32; 3],
+}
+
+impl Oracle {
+    /// The first face that the ray from `origin` along `direction` passes through, be it at an edge or a corner;
+    /// faces that the ray lies in are edge-on and not seen. Which faces it passes is decided exactly, the order
+    /// of two at nearly the same distance by the rounded distance, and at the same distance by the face's id.
+    ///
+    /// `None` also for a direction that is zero or not finite.
+    #[must_use]
+    pub fn first_hit(&self, origin: [f32; 3], direction: [f32; 3]) -> Option<Hit> {
+        self.first_slot(origin, direction).map(|(slot, t)| Hit { face: FaceId(self.tree.order()[slot]), t })
+    }
+
+    /// What the eye at `origin` sees along `direction`: [`Oracle::first_hit`] with its visible point.
+    ///
+    /// Rounding alone would put half of all hit points behind their own face. The visible point is the hit if
+    /// that lies strictly on the eye's side of its face, else the first such point going back towards the eye
+    /// in steps of the hit's last place.
+    #[must_use]
+    pub fn first_visible(&self, origin: [f32; 3], direction: [f32; 3]) -> Option<Visible> {
+        let (slot, t) = self.first_slot(origin, direction)?;
+        let corners = self.triangles[slot];
+        let side = side_of_point(corners, origin);
+        let point = before(corners, side, origin, direction, t);
+        Some(Visible { face: FaceId(self.tree.order()[slot]), corners, side, t, point })
+    }
+
+    /// The place in `triangles` of the first face, and its distance.
+    fn first_slot(&self, origin: [f32; 3], direction: [f32; 3]) -> Option<(usize, f64)> {
+        let towards = Light::directional(direction.map(|x| -x)).ok()?;
+        let segment = Segment::along(origin, direction);
+        let mut first: Option<(f64, u32, usize)> = None;
+        // Both closures look at how far the segment still reaches.
+        let end = Cell::new(f64::INFINITY);
+        self.tree.walk_nearest_first(
+            |aabb| segment.until(end.get()).entry(aabb),
+            |slot| {
+                let triangle = self.triangles[slot];
+                let passes = match meet(origin, &towards, triangle) {
+                    Meeting::None => false,
+                    Meeting::Crossing(_) => true,
+                    Meeting::Touching => !side_of_point(triangle, origin).is_zero(),
+                };
+                if passes {
+                    let t = distance(origin, direction, triangle);
+                    let face = self.tree.order()[slot];
+                    // Of equal distances the lowest face, whatever the order of the tree.
+                    if first.is_none_or(|(least, id, _)| (t, face) < (least, id)) {
+                        first = Some((t, face, slot));
+                        // A little beyond, so that a face at the same rounded distance is still met.
+                        end.set(t * (1.0 + 1024.0 * f64::EPSILON));
+                    }
+                }
+            },
+        );
+        first.map(|(t, _, slot)| (slot, t))
+    }
+}
+
+/// The first `f32` point, going from the hit at `t` back to the eye, on its `side` of the face: steps of one unit
+/// in the last place of the hit's largest coordinate, found by doubling and halving. At worst the eye itself.
+fn before(corners: [[f32; 3]; 3], side: Sign, eye: [f32; 3], direction: [f32; 3], t: f64) -> [f32; 3] {
+    let at = |t: f64| eye_point(eye, direction, t);
+    let seen = |p: [f32; 3]| p.iter().all(|x| x.is_finite()) && side_of_point(corners, p) == side;
+    let hit = at(t);
+    if seen(hit) {
+        return hit;
+    }
+    let largest = hit.iter().fold(0.0_f32, |most, x| most.max(x.abs())).min(f32::MAX);
+    let ulp = f64::from(largest) - f64::from(largest.next_down());
+    let (mut behind, mut step) = (0.0, ulp);
+    while !seen(at(t - step)) {
+        if step >= t {
+            return eye;
+        }
+        (behind, step) = (step, 2.0 * step);
+    }
+    while step - behind > ulp {
+        let middle = 0.5 * (behind + step);
+        if seen(at(t - middle)) {
+            step = middle;
+        } else {
+            behind = middle;
+        }
+    }
+    at(t - step)
+}
+
+fn eye_point(eye: [f32; 3], direction: [f32; 3], t: f64) -> [f32; 3] {
+    std::array::from_fn(|i| (f64::from(eye[i]) + t.max(0.0) * f64::from(direction[i])) as f32)
+}
+
+/// Where a ray meets the plane of a triangle that it is known to pass through, in `f64`.
+fn distance(origin: [f32; 3], direction: [f32; 3], [a, b, c]: [[f32; 3]; 3]) -> f64 {
+    let wide = |p: [f32; 3]| glam::DVec3::from(p.map(f64::from));
+    let normal = (wide(b) - wide(a)).cross(wide(c) - wide(a));
+    let t = normal.dot(wide(a) - wide(origin)) / normal.dot(wide(direction));
+    if t.is_finite() { t.max(0.0) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::solid;
+
+    /// Rays from a ring of eyes into the middle of things, fanned out a little.
+    fn rays() -> impl Iterator<Item = ([f32; 3], [f32; 3])> {
+        (0..4000_u32).map(|i| {
+            let noise = |k: u32| (i.wrapping_mul(k) >> 12) as f32 / (1 << 20) as f32 - 0.5;
+            let turn = i as f32 * 0.01;
+            let eye = [4.0 * turn.cos(), 1.5 + noise(2_654_435_761), 4.0 * turn.sin()];
+            (
+                eye,
+                [
+                    -eye[0] + noise(2_246_822_519),
+                    -eye[1] + noise(3_266_489_917),
+                    -eye[2] + noise(668_265_263),
+                ],
+            )
+        })
+    }
+
+    #[test]
+    fn first_hit_is_what_a_loop_over_all_faces_finds() {
+        for mesh in [solid::torus_knot(2, 3, 60, 8, 0.3), solid::menger_sponge(1), solid::double_sheet()] {
+            let oracle = Oracle::build(&mesh);
+            let mut hits = 0;
+            for (origin, direction) in rays() {
+                let towards = Light::directional(direction.map(|x| -x)).unwrap();
+                let naive = (0..mesh.face_count())
+                    .map(FaceId::new)
+                    .filter(|&face| match meet(origin, &towards, mesh.corners(face)) {
+                        Meeting::None => false,
+                        Meeting::Crossing(_) => true,
+                        Meeting::Touching => !side_of_point(mesh.corners(face), origin).is_zero(),
+                    })
+                    .map(|face| Hit { face, t: distance(origin, direction, mesh.corners(face)) })
+                    .min_by(|a, b| a.t.total_cmp(&b.t));
+                assert_eq!(oracle.first_hit(origin, direction), naive);
+                hits += usize::from(naive.is_some());
+            }
+            assert!(hits > 100, "{hits} hits");
+        }
+    }
+
+    #[test]
+    fn first_hit_at_an_edge_or_a_corner_does_not_fall_through() {
+        let oracle = Oracle::build(&solid::cube());
+        let bounds = oracle.bounds();
+        let (high, middle) = (bounds.high, bounds.centre());
+        // The middle of a side lies on its diagonal; then a corner, along the body diagonal.
+        let side = [middle[0], middle[1], high[2] + 4.0];
+        assert_eq!(oracle.first_hit(side, [0.0, 0.0, -1.0]).map(|hit| hit.t), Some(4.0));
+        let corner = high.map(|x| x + 4.0);
+        assert_eq!(oracle.first_hit(corner, [-1.0; 3]).map(|hit| hit.t), Some(4.0));
+        assert_eq!(oracle.first_hit(corner, [0.0; 3]), None);
+    }
+
+    #[test]
+    fn visible_point_lies_before_its_face_and_within_the_last_places_of_the_hit() {
+        for offset in [0.0, 1000.0] {
+            let mesh = solid::translated(&solid::torus_knot(2, 3, 60, 8, 0.3), [offset; 3]);
+            let oracle = Oracle::build(&mesh);
+            let (mut seen, mut behind) = (0, 0);
+            for (eye, direction) in rays() {
+                let eye = eye.map(|x| x + offset);
+                let Some(visible) = oracle.first_visible(eye, direction) else { continue };
+                seen += 1;
+                assert_eq!(
+                    side_of_point(visible.corners, visible.point),
+                    side_of_point(visible.corners, eye)
+                );
+                let hit = eye_point(eye, direction, visible.t);
+                behind += i32::from(side_of_point(visible.corners, hit) != visible.side);
+                let slack = (0..3).map(|i| (hit[i] - visible.point[i]).abs()).fold(0.0, f32::max);
+                assert!(slack <= 1e-4 * (1.0 + offset), "{slack}");
+            }
+            // What the step back is for.
+            assert!(behind * 4 > seen && seen > 1000, "{behind} of {seen} hits are behind their face");
+        }
+    }
+
+    #[test]
+    fn visible_point_exists_at_the_ends_of_the_range() {
+        for scale in [1e-38, 1e-3, 1e37] {
+            let mesh = solid::scaled(&solid::icosphere(1), scale);
+            let oracle = Oracle::build(&mesh);
+            for (eye, direction) in rays().take(200) {
+                let eye = eye.map(|x| x * scale);
+                if let Some(visible) = oracle.first_visible(eye, direction) {
+                    assert_eq!(side_of_point(visible.corners, visible.point), visible.side);
+                }
+            }
+        }
+    }
+}

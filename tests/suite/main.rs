@@ -1,5 +1,6 @@
 //! Every integration test, one file a stage, named as in `src`.
 
+mod data;
 mod facts;
 mod gltf;
 mod oracle;

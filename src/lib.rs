@@ -114,3 +114,6 @@ pub mod picture;
 pub mod verify;
 
 mod random;
+
+// Transforms and cameras speak glam; this is the version they speak.
+pub use glam;

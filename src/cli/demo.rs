@@ -1,14 +1,173 @@
-//! `umbrage demo`.
+//! `umbrage demo`: all of it on a generated scene.
 
-use super::{Failure, Outcome, unbuilt};
+use std::f32::consts::FRAC_PI_2;
+use std::path::{Path, PathBuf};
 
-/// All of it on a generated scene (not built yet)
+use umbrage::glam::{Mat4, Vec3};
+use umbrage::mesh::{Mesh, solid};
+use umbrage::oracle::Oracle;
+use umbrage::picture::{self, CLAY, Lamp, View};
+use umbrage::scene::{Camera, Instance, Scene, SceneLight, Scope, Size, Up};
+use umbrage::topology::Topology;
+use umbrage::verify::{Options, Verification, Verifier};
+use umbrage::write::{self, Layer, Model, write_atomic};
+
+use super::load::MeshArgs;
+use super::machine::{AdapterArgs, ThreadArgs};
+use super::output::Output;
+use super::progress::Progress;
+use super::{Failure, Outcome, check, output, silhouette, verify, volume};
+
+/// All of it on a generated scene: report, silhouettes, volumes, picture, verification
+///
+/// A torus knot, a sphere and an open sheet over a ground, with a point light and a directional light. Open the
+/// .glb files in any glTF viewer.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
+    /// The folder that everything is written into; made if it is missing
+    #[arg(long, value_name = "DIR", default_value = "umbrage-demo")]
+    out: PathBuf,
+
     #[command(flatten)]
-    rest: unbuilt::Rest,
+    threads: ThreadArgs,
+
+    #[command(flatten)]
+    adapter: AdapterArgs,
 }
 
+/// Points judged for each light, and the size of the picture.
+const POINTS: usize = 20_000;
+const SIZE: (u32, u32) = (960, 540);
+
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
-    unbuilt::run("demo", args.rest)
+    args.adapter.refuse()?;
+    args.threads.apply()?;
+    std::fs::create_dir_all(&args.out).map_err(|error| {
+        let problem = format!("the folder cannot be made: {error}");
+        Failure::new(problem, "choose another place with --out").in_file(&args.out)
+    })?;
+    let at = |name: &str| args.out.join(name);
+    let mut out = Output::new();
+
+    // 1. The scene goes through a file, as any other would.
+    let file = at("scene.glb");
+    let meshes = scene().bake(Scope::Mesh).expect("the scene is finite and small");
+    write::write(&Model { layers: meshes.iter().map(Layer::from).collect() }, &file)?;
+    let load = MeshArgs::default();
+    let mesh = load.caster(load.read(&file)?.meshes, &file)?;
+    let lights = lights();
+
+    // 2. The crack report.
+    let (report, document, marks) = check::full(&file)?;
+    out.text(format_args!("Cracks: {report}\n"))?;
+    out.flush()?;
+    write_atomic(at("report.json"), |writer| writeln!(writer, "{document:#}"))?;
+    write::write(&marks, at("marked.glb"))?;
+
+    // 3. Silhouettes and volumes.
+    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let (table, model) = silhouette::of_lights(&file, &mesh, &topology, &lights);
+    out.text(format_args!("Silhouettes: {table}\n\n"))?;
+    write::write(&model, at("silhouettes.glb"))?;
+    let (table, models, closed) = volume::of_lights(&file, &mesh, &topology, &lights);
+    out.text(format_args!("Volumes: {table}\n"))?;
+    for (index, model) in models.iter().enumerate() {
+        write::write(model, at(&format!("volume-{index}.glb")))?;
+    }
+    out.flush()?;
+
+    // 4. The picture.
+    draw(&mesh, &lights, &at("picture.png"))?;
+
+    // 5. The judges.
+    let results = judge(&mesh, &lights);
+    let table = verify::text(&lights, &results);
+    out.text(format_args!("Verification: {table}\n"))?;
+    write_atomic(at("verification.txt"), |writer| writer.write_all(table.as_bytes()))?;
+    out.text(format_args!(
+        "Written to {}: scene, marked, silhouettes, volume-0, volume-1 (.glb), report.json, picture.png, \
+         verification.txt\n",
+        output::plain(&args.out.to_string_lossy())
+    ))?;
+    out.flush()?;
+    output::say("note: the picture comes from the ray cast: this version has no stencil pass");
+    let agreed = results.iter().all(|result| result.total().disagree == 0);
+    Ok(if agreed && closed { Outcome::Sound } else { Outcome::Unsound })
+}
+
+/// A knot, a sphere, a sheet that stands open, and the ground; y is up.
+fn scene() -> Scene {
+    let upright = Mat4::from_rotation_x(-FRAC_PI_2);
+    let parts: [(&str, Mesh, Mat4); 4] = [
+        (
+            "torus knot",
+            solid::torus_knot(2, 3, 240, 24, 0.32),
+            Mat4::from_translation(Vec3::new(-1.4, 1.75, 0.0))
+                * upright
+                * Mat4::from_scale(Vec3::splat(0.55)),
+        ),
+        ("sphere", solid::icosphere(4), Mat4::from_translation(Vec3::new(1.7, 1.0, 0.9))),
+        (
+            "sheet",
+            solid::sheet(8),
+            Mat4::from_translation(Vec3::new(1.3, 1.35, -1.9))
+                * Mat4::from_rotation_y(-0.5)
+                * Mat4::from_rotation_x(-0.25)
+                * Mat4::from_scale(Vec3::splat(1.2)),
+        ),
+        ("ground", solid::sheet(1), upright * Mat4::from_scale(Vec3::splat(6.0))),
+    ];
+    let mut scene = Scene::default();
+    for (mesh, (name, shape, world_from_mesh)) in parts.into_iter().enumerate() {
+        scene.meshes.push(shape.with_name(name));
+        scene.instances.push(Instance { mesh, name: name.to_owned(), world_from_mesh });
+    }
+    scene
+}
+
+/// A warm lamp above to the left, and a cooler sun from the right.
+fn lights() -> Vec<SceneLight> {
+    [("lamp", "point:-4.5,6.5,4.5", [1.0, 0.92, 0.8]), ("sun", "directional:-0.75,-1,-0.55", [0.8, 0.9, 1.0])]
+        .map(|(name, light, colour)| SceneLight {
+            name: name.to_owned(),
+            light: light.parse().expect("written above"),
+            colour,
+            intensity: 1.0,
+            spot: None,
+        })
+        .to_vec()
+}
+
+fn draw(mesh: &Mesh, lights: &[SceneLight], path: &Path) -> Result<(), Failure> {
+    let size = Size::new(SIZE.0, SIZE.1).expect("a small picture");
+    let fov = 34_f32.to_radians();
+    let camera =
+        Camera::look_at([5.4, 4.6, 9.2], [0.1, 1.0, -0.2], fov, Up::Y).expect("the eye is not the target");
+    let colour = |light: &SceneLight| light.colour;
+    let mut lamps = Lamp::equal(&lights.iter().map(|light| light.light).collect::<Vec<_>>());
+    for (lamp, tint) in lamps.iter_mut().zip(lights.iter().map(colour)) {
+        lamp.colour = [0, 1, 2].map(|i| lamp.colour[i] * tint[i]);
+    }
+    let paint = |face| match mesh.part_name(face) {
+        Some(name) if name.starts_with("torus knot") => [0.72, 0.36, 0.22],
+        Some(name) if name.starts_with("sphere") => [0.30, 0.48, 0.66],
+        Some(name) if name.starts_with("sheet") => [0.62, 0.62, 0.30],
+        _ => CLAY,
+    };
+    let view = View { camera, size, lamps: &lamps, up: Up::Y, ground: None, paint: &paint, edge_samples: 4 };
+    let progress = Progress::bar("drawing", view.steps());
+    let picture = picture::render(&Oracle::build(mesh), &view, &|steps| progress.done(steps));
+    drop(progress);
+    picture.write_png(path)?;
+    Ok(())
+}
+
+fn judge(mesh: &Mesh, lights: &[SceneLight]) -> Vec<Verification> {
+    let verifier = Verifier::new(mesh);
+    let options = Options { points: POINTS, ..Options::default() };
+    let progress = Progress::bar("judging points", (lights.len() * POINTS) as u64);
+    lights
+        .iter()
+        .map(|light| verifier.verify(&light.light, &options, &|points| progress.done(points)))
+        .collect()
 }

@@ -77,6 +77,12 @@ pub(crate) struct WeldedMesh {
     pub(crate) unreferenced: usize,
 }
 
+impl Default for MeshArgs {
+    fn default() -> Self {
+        Self { weld: Weld::Exact, scope: ScopeArg::Mesh }
+    }
+}
+
 impl MeshArgs {
     /// Reads and bakes a file. What the reader has to say goes to standard error.
     pub(crate) fn read(&self, file: &Path) -> Result<Baked, Failure> {

@@ -116,6 +116,18 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     Ok(Outcome::Sound)
 }
 
+/// The silhouettes of several lights: a table, and a layer of lines for each.
+pub(super) fn of_lights(
+    file: &Path,
+    mesh: &Mesh,
+    topology: &Topology,
+    lights: &[SceneLight],
+) -> (String, Model) {
+    let found: Vec<Found> = lights.iter().map(|light| find(mesh, topology, light.clone())).collect();
+    let layers = found.iter().enumerate().map(|(index, found)| lines(mesh, topology, index, found));
+    (table(file, topology, &found), Model { layers: layers.collect() })
+}
+
 fn find(mesh: &Mesh, topology: &Topology, SceneLight { name, light, .. }: SceneLight) -> Found {
     let facing = classify(mesh, &light);
     let count = |wanted| facing.iter().filter(|&&facing| facing == wanted).count();

@@ -150,7 +150,8 @@ fn total(strata: &[Stratum]) -> Stratum {
     strata.iter().fold(Stratum { name: "all", ..Stratum::default() }, |sum, row| sum.plus(row))
 }
 
-fn text(lights: &[SceneLight], results: &[Verification]) -> String {
+/// The tables of strata and judges, each disagreement, the verdict.
+pub(super) fn text(lights: &[SceneLight], results: &[Verification]) -> String {
     let (strata, judges) = summed(results);
     let lit: Vec<String> = lights.iter().map(|light| light.light.to_string()).collect();
     let mut points = Table::new(&["points", "judged", "agree", "grazing", "disagree", "rate below (95 %)"]);

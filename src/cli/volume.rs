@@ -164,6 +164,24 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     Ok(if sound { Outcome::Sound } else { Outcome::Unsound })
 }
 
+/// The capped volumes of several lights, half the faces where that is proven to be enough: a table with the
+/// reasons, the layers of each volume, and whether all are closed.
+pub(super) fn of_lights(
+    file: &Path,
+    mesh: &Mesh,
+    topology: &Topology,
+    lights: &[SceneLight],
+) -> (String, Vec<Model>, bool) {
+    let shells = topology.shells();
+    let proofs = ShellProof::of(mesh, topology, &shells);
+    let caster = Caster { mesh, topology, shells: &shells, proofs: &proofs };
+    let build = |light: &SceneLight| caster.build(light.clone(), volume::Faces::Auto, volume::Caps::Both);
+    let built: Vec<Built> = lights.iter().map(build).collect();
+    let far = default_far(mesh);
+    let models = built.iter().map(|built| Model { layers: layers(&built.volume, far, "") }).collect();
+    (text(file, &built), models, built.iter().all(|built| built.closed))
+}
+
 /// What throws the shadow, and what is known of it whatever the light.
 struct Caster<'a> {
     mesh: &'a Mesh,

@@ -6,10 +6,11 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::read::Format;
 use umbrage::topology::{Counts, CrackReport, Defect, DefectKind, NearMiss, ShellReport, Topology};
-use umbrage::write;
+use umbrage::write::{self, Model};
 
 use super::load::{MeshArgs, WeldedMesh};
 use super::output::{self, Output};
@@ -165,6 +166,25 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         write::write(&marks.into_model(), path)?;
     }
     Ok(outcome)
+}
+
+/// The report of one file as text, as JSON, and as a marked mesh, self-intersections included.
+pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
+    let args = Args {
+        files: vec![file.to_owned()],
+        mesh: MeshArgs::default(),
+        require: None,
+        fast: false,
+        self_intersections: true,
+        limit: 5,
+        json: false,
+        picture: None,
+        mark: None,
+    };
+    let mut marks = Marks::default();
+    let report = examine(file, &args, Some(&mut marks))?;
+    let text = text::Report { report: &report, limit: args.limit }.to_string();
+    Ok((text, json::document(&args.files, &[Ok(report)]), marks.into_model()))
 }
 
 /// What can be told before any work is done.

@@ -95,27 +95,18 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     Ok(if agreed && closed { Outcome::Sound } else { Outcome::Unsound })
 }
 
-/// A knot, a sphere, a sheet that stands open, and the ground; y is up.
+/// A knot that stands, a sphere, a sheet that leans and is open, and the ground; y is up.
 fn scene() -> Scene {
-    let upright = Mat4::from_rotation_x(-FRAC_PI_2);
+    let move_to = |x, y, z| Mat4::from_translation(Vec3::new(x, y, z));
+    let scale = |factor| Mat4::from_scale(Vec3::splat(factor));
+    // A sheet of n × n unit quads in the plane z = 0, as a unit square around the origin.
+    let square = |n: f32| scale(1.0 / n) * move_to(-0.5 * n, -0.5 * n, 0.0);
+    let lean = Mat4::from_rotation_y(-0.45) * Mat4::from_rotation_x(-0.3);
     let parts: [(&str, Mesh, Mat4); 4] = [
-        (
-            "torus knot",
-            solid::torus_knot(2, 3, 240, 24, 0.32),
-            Mat4::from_translation(Vec3::new(-1.4, 1.75, 0.0))
-                * upright
-                * Mat4::from_scale(Vec3::splat(0.55)),
-        ),
-        ("sphere", solid::icosphere(4), Mat4::from_translation(Vec3::new(1.7, 1.0, 0.9))),
-        (
-            "sheet",
-            solid::sheet(8),
-            Mat4::from_translation(Vec3::new(1.3, 1.35, -1.9))
-                * Mat4::from_rotation_y(-0.5)
-                * Mat4::from_rotation_x(-0.25)
-                * Mat4::from_scale(Vec3::splat(1.2)),
-        ),
-        ("ground", solid::sheet(1), upright * Mat4::from_scale(Vec3::splat(6.0))),
+        ("torus knot", solid::torus_knot(2, 3, 240, 24, 0.4), move_to(-1.5, 1.75, 0.0) * scale(0.52)),
+        ("sphere", solid::icosphere(4), move_to(1.25, 0.9, 1.3) * scale(0.9)),
+        ("sheet", solid::sheet(8), move_to(1.9, 1.3, -1.3) * lean * scale(2.2) * square(8.0)),
+        ("ground", solid::sheet(1), Mat4::from_rotation_x(-FRAC_PI_2) * scale(16.0) * square(1.0)),
     ];
     let mut scene = Scene::default();
     for (mesh, (name, shape, world_from_mesh)) in parts.into_iter().enumerate() {
@@ -127,7 +118,7 @@ fn scene() -> Scene {
 
 /// A warm lamp above to the left, and a cooler sun from the right.
 fn lights() -> Vec<SceneLight> {
-    [("lamp", "point:-4.5,6.5,4.5", [1.0, 0.92, 0.8]), ("sun", "directional:-0.75,-1,-0.55", [0.8, 0.9, 1.0])]
+    [("lamp", "point:-3.5,6,5", [1.0, 0.92, 0.8]), ("sun", "directional:-0.9,-1,-0.75", [0.8, 0.9, 1.0])]
         .map(|(name, light, colour)| SceneLight {
             name: name.to_owned(),
             light: light.parse().expect("written above"),
@@ -142,7 +133,7 @@ fn draw(mesh: &Mesh, lights: &[SceneLight], path: &Path) -> Result<(), Failure> 
     let size = Size::new(SIZE.0, SIZE.1).expect("a small picture");
     let fov = 34_f32.to_radians();
     let camera =
-        Camera::look_at([5.4, 4.6, 9.2], [0.1, 1.0, -0.2], fov, Up::Y).expect("the eye is not the target");
+        Camera::look_at([2.2, 3.9, 9.6], [0.1, 1.15, 0.0], fov, Up::Y).expect("the eye is not the target");
     let colour = |light: &SceneLight| light.colour;
     let mut lamps = Lamp::equal(&lights.iter().map(|light| light.light).collect::<Vec<_>>());
     for (lamp, tint) in lamps.iter_mut().zip(lights.iter().map(colour)) {

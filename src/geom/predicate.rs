@@ -407,7 +407,6 @@ mod tests {
     use super::*;
 
     /// Sign of the same determinant in whole numbers of 2⁻¹⁴⁹, by cofactors of the first row.
-    #[cfg(feature = "reference")]
     fn reference(rows: [Row; 3]) -> i32 {
         use num_bigint::{BigInt, Sign as BigSign};
         let whole = |x: f32| {
@@ -442,7 +441,6 @@ mod tests {
         [finite(), finite(), finite()]
     }
 
-    #[cfg(feature = "reference")]
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(4096))]
 

@@ -287,7 +287,7 @@ impl Bench<'_> {
         }
 
         // 3. Whole numbers, on a sample.
-        if index / STRATA.len() % self.reference_every == 0 {
+        if (index / STRATA.len()).is_multiple_of(self.reference_every) {
             let truth = reference(self.verifier.mesh, p, self.light).crossings;
             let row = &mut tally.judges[3];
             row.points += 1;

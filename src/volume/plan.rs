@@ -109,11 +109,9 @@ impl ShellProof {
             for_each_self_intersection(mesh, topology, |pair| {
                 let [a, b] = pair.map(of_face);
                 // Two shells may well meet each other: each keeps its own count.
-                if let (Some(shell), true) = (a, a == b) {
-                    if proofs[shell].is_sound() {
-                        proofs[shell] = Self::MeetsItself;
-                        sound -= 1;
-                    }
+                if let Some(shell) = a.filter(|&shell| a == b && proofs[shell].is_sound()) {
+                    proofs[shell] = Self::MeetsItself;
+                    sound -= 1;
                 }
                 if sound == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });

@@ -104,7 +104,7 @@ impl<'volume> WindingIndex<'volume> {
             let known = known?;
             near.clear();
             self.tree.for_each_along(&Segment::between(p, *anchor), |piece| {
-                near.push(self.pieces[piece as usize])
+                near.push(self.pieces[piece as usize]);
             });
             near.sort_unstable();
             near.dedup();
@@ -282,7 +282,8 @@ fn for_each_piece(volume: &ShadowVolume, triangle: [u32; 3], within: &Aabb, mut 
     }
     let length = |d: [f64; 4]| (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
     let longest = end * length(rays[0].1).max(length(rays[1].1));
-    let pieces = (PIECES * longest / within.diagonal()).ceil().max(1.0).min(PIECES);
+    // (`min` and `max` let go of NaN, which a box that is a single point would make.)
+    let pieces = PIECES.min((PIECES * longest / within.diagonal()).ceil()).max(1.0);
     for k in 0..pieces as u32 {
         let span = [f64::from(k), f64::from(k + 1)].map(|k| end * (k / pieces));
         let mut aabb = Aabb::EMPTY;

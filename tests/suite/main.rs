@@ -1,6 +1,5 @@
 //! Every integration test, one file a stage, named as in `src`.
 
-#[cfg(feature = "cli")]
 mod cli;
 mod crack;
 mod facts;

@@ -196,7 +196,7 @@ fn examine(file: &Path, args: &Args, mut marks: Option<&mut Marks>) -> Result<Fi
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let mut report = CrackReport::of(&mesh, &topology);
         if args.self_intersections {
-            let keep = if marks.is_some() { mark::PAIRS_MARKED } else { args.limit };
+            let keep = if marks.is_some() { mark::PAIRS_MARKED } else { args.limit.min(mark::PAIRS_MARKED) };
             report.add_self_intersections(&mesh, &topology, keep);
             if let Some(found) = report.self_intersections.as_ref().filter(|found| !found.complete) {
                 let (file, pairs) = (file.display(), found.pairs);

@@ -1,7 +1,6 @@
 //! Which lights a command works with.
 
 use umbrage::geom::{Aabb, Light};
-use umbrage::mesh::Mesh;
 use umbrage::scene::SceneLight;
 
 use super::output;
@@ -18,16 +17,15 @@ pub(crate) struct LightArgs {
 }
 
 impl LightArgs {
-    /// The lights asked for; else those of the file; else one that is computed from the box around
-    /// `mesh` and announced.
-    pub(crate) fn resolve(&self, of_file: Vec<SceneLight>, mesh: &Mesh) -> Vec<SceneLight> {
+    /// The lights asked for; else those of the file; else one that is computed from `bounds` and announced.
+    pub(crate) fn resolve(&self, of_file: Vec<SceneLight>, bounds: Aabb) -> Vec<SceneLight> {
         if !self.lights.is_empty() {
             return self.lights.iter().map(|&light| white(light)).collect();
         }
         if !of_file.is_empty() {
             return of_file;
         }
-        let light = default_light(mesh.bounds().map_or(Aabb::EMPTY, |[low, high]| Aabb { low, high }));
+        let light = default_light(bounds);
         output::say(format_args!("note: no --light, and none in the file: using {light}"));
         vec![white(light)]
     }
@@ -56,8 +54,8 @@ mod tests {
     fn lights_asked_for_come_before_those_of_the_file() {
         let own = white("point:1,1,1".parse().unwrap());
         let asked = LightArgs { lights: vec!["directional:0,-1,0".parse().unwrap()] };
-        assert_eq!(asked.resolve(vec![own.clone()], &Mesh::default())[0].light, asked.lights[0]);
-        assert_eq!(LightArgs { lights: vec![] }.resolve(vec![own.clone()], &Mesh::default()), [own]);
+        assert_eq!(asked.resolve(vec![own.clone()], Aabb::EMPTY)[0].light, asked.lights[0]);
+        assert_eq!(LightArgs { lights: vec![] }.resolve(vec![own.clone()], Aabb::EMPTY), [own]);
     }
 
     #[test]

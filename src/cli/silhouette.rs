@@ -11,7 +11,7 @@ use umbrage::topology::Topology;
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
 use super::lights::LightArgs;
-use super::load::MeshArgs;
+use super::load::{self, MeshArgs};
 use super::machine::AdapterArgs;
 use super::output::{Output, Table, plain, short};
 use super::progress::Progress;
@@ -92,7 +92,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     }
     let baked = args.mesh.read(&args.file)?;
     let mesh = args.mesh.caster(baked.meshes, &args.file)?;
-    let lights = args.lights.resolve(baked.lights, &mesh);
+    let lights = args.lights.resolve(baked.lights, load::bounds(&mesh));
 
     let progress = Progress::spinner("finding silhouettes");
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());

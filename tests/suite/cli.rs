@@ -5,12 +5,14 @@ mod silhouette;
 mod volume;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::{Map, Value};
 use umbrage::mesh::{Mesh, solid};
 use umbrage::write::{Layer, Model, write};
+
+use super::support::real_meshes;
 
 /// A folder with a few meshes, in which the command runs.
 struct Folder(tempfile::TempDir);
@@ -105,18 +107,9 @@ fn assert_shape(name: &str, value: &Value) {
     });
 }
 
-/// A real mesh, if they are there; says so aloud where they are not.
+/// A real mesh, if they are there.
 fn real(name: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("UMBRAGE_MESHES").map_or_else(
-        || Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes")).into(),
-        PathBuf::from,
-    );
-    let path = folder.join(name);
-    if path.is_file() {
-        return fs::canonicalize(path).ok();
-    }
-    eprintln!("SKIPPED: {} is not there; set UMBRAGE_MESHES to the folder of real meshes", path.display());
-    None
+    real_meshes().map(|folder| fs::canonicalize(folder.join(name)).unwrap())
 }
 
 #[test]
@@ -152,7 +145,7 @@ fn cli_help_names_every_default() {
         let valued: Vec<&String> = blocks.iter().filter(|block| block.contains('<')).collect();
         assert!(valued.len() > 4, "{}", run.stdout);
         for block in valued {
-            let said = ["[default: ", "not built yet", "one input file only"];
+            let said = ["[default: ", "not built yet"];
             assert!(said.iter().any(|words| block.contains(words)), "{command}: {block}");
         }
     }

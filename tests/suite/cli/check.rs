@@ -173,3 +173,21 @@ fn check_scope_of_a_solid_stored_in_pieces() {
         assert_eq!(report["total"]["boundary_edges"], boundary);
     }
 }
+
+#[test]
+fn check_takes_meshes_at_the_ends_of_the_range() {
+    let folder = Folder::new();
+    let huge = "v 3e38 3e38 3e38\nv -3e38 -3e38 -3e38\nv 0 3e38 0\nv 1e-45 0 0\nf 1 2 3\nf 2 3 4\n";
+    fs::write(folder.path("huge.obj"), huge).unwrap();
+    fs::write(folder.path("point.obj"), "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n").unwrap();
+    fs::write(folder.path("empty.stl"), "solid\nendsolid\n").unwrap();
+    for (file, code) in [("huge.obj", 1), ("point.obj --weld none", 1), ("empty.stl", 0)] {
+        assert_eq!(folder.code(&format!("check {file} --self-intersections --mark a.glb")), code, "{file}");
+        // `json` asserts that it parses: no NaN and no infinity in it.
+        let total = &folder.json(&format!("check {file}"))["files"][0]["total"];
+        assert!(total["signed_volume"].is_number(), "{file}: {total}");
+        let volume = folder.json(&format!("volume {file} -o b.glb"));
+        assert_eq!(volume["lights"][0]["closed"], true, "{file}");
+    }
+    assert!(folder.run("check empty.stl").stderr.contains("there are no faces"));
+}

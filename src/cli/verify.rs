@@ -8,7 +8,7 @@ use umbrage::scene::SceneLight;
 use umbrage::verify::{Judge, Options, Stratum, Verification, Verifier};
 
 use super::lights::LightArgs;
-use super::load::MeshArgs;
+use super::load::{self, MeshArgs};
 use super::machine::{AdapterArgs, ThreadArgs};
 use super::output::{Output, Table, number, number32};
 use super::progress::Progress;
@@ -106,7 +106,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     args.threads.apply()?;
     let mut baked = args.mesh.read(&args.file)?;
     let mesh = args.mesh.caster(std::mem::take(&mut baked.meshes), &args.file)?;
-    let lights = args.lights.resolve(baked.lights, &mesh);
+    let lights = args.lights.resolve(baked.lights, load::bounds(&mesh));
 
     let progress = Progress::spinner("topology, proofs and tree");
     let verifier = Verifier::new(&mesh);

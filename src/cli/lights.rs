@@ -18,6 +18,11 @@ pub(crate) struct LightArgs {
 }
 
 impl LightArgs {
+    /// Whether the command line names any, so that [`LightArgs::resolve`] gives those.
+    pub(crate) fn were_asked_for(&self) -> bool {
+        !self.lights.is_empty()
+    }
+
     /// The lights asked for; else those of the file; else one that is computed from the box around
     /// `mesh` and announced.
     pub(crate) fn resolve(&self, of_file: Vec<SceneLight>, mesh: &Mesh) -> Vec<SceneLight> {

@@ -14,7 +14,6 @@ pub(crate) struct ThreadArgs {
 
 impl ThreadArgs {
     /// Prepares the threads; call it once, before the work.
-    #[expect(dead_code, reason = "the commands that may be long call it")]
     pub(crate) fn apply(self) -> Result<(), Failure> {
         let Some(threads) = self.threads else { return Ok(()) };
         start(threads.get())

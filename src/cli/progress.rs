@@ -23,7 +23,6 @@ impl Progress {
     }
 
     /// Work of `total` steps; [`Progress::done`] counts them, from any thread.
-    #[expect(dead_code, reason = "the commands that take many steps count them")]
     pub(crate) fn bar(what: impl Into<String>, total: u64) -> Self {
         Self::start(what.into(), Some(total))
     }
@@ -51,7 +50,6 @@ impl Progress {
     }
 
     /// Counts `steps` as done.
-    #[expect(dead_code, reason = "the commands that take many steps count them")]
     pub(crate) fn done(&self, steps: u64) {
         self.bar.inc(steps);
     }

@@ -2,4 +2,5 @@
 
 mod cli;
 mod gltf;
+mod picture;
 mod read;

@@ -258,8 +258,9 @@ fn overlay_lines_are_bright_in_front_and_dim_behind() {
     let Aabb { low, high } = oracle.bounds();
     let size = size("160x120");
     let red = [255, 0, 0];
-    // The vertical edge nearest to the fitted camera, and the one that it hides.
-    let edge = |x: f32, z: f32| Line { ends: [[x, low[1], z], [x, high[1], z]], colour: red };
+    // The vertical edge nearest to the fitted camera, and the one that is hidden: a part away from corners.
+    let heights = [0.25, 0.5].map(|part| low[1] + part * (high[1] - low[1]));
+    let edge = |x: f32, z: f32| Line { ends: heights.map(|y| [x, y, z]), colour: red };
     let plain = Overlay::default().render(&oracle, Up::Y, size, QUIET);
     let redness = |line: Line| {
         let picture = Overlay { lines: vec![line], ..Overlay::default() }.render(&oracle, Up::Y, size, QUIET);

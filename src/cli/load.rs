@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use umbrage::geom::Aabb;
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::read::{self, Format};
 use umbrage::scene::{Camera, Scene, SceneLight, Scope};
@@ -115,6 +116,11 @@ impl MeshArgs {
         }
         Mesh::concat(&welded).map_err(|error| Failure::new(error, "split the file").in_file(file))
     }
+}
+
+/// The box around all faces.
+pub(crate) fn bounds(mesh: &Mesh) -> Aabb {
+    mesh.bounds().map_or(Aabb::EMPTY, |[low, high]| Aabb { low, high })
 }
 
 #[cfg(test)]

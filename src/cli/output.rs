@@ -28,9 +28,14 @@ impl Output {
         write!(self.writer, "{text}").map_err(unwritable)
     }
 
+    /// Writes text as it is, and a line break.
+    pub(crate) fn line(&mut self, text: impl Display) -> Result<(), Failure> {
+        self.text(format_args!("{text}\n"))
+    }
+
     /// Writes a document, indented.
     pub(crate) fn json(&mut self, value: &Value) -> Result<(), Failure> {
-        self.text(format_args!("{value:#}\n"))
+        self.line(format_args!("{value:#}"))
     }
 
     /// Hands everything on to the reader.

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use umbrage::geom::{Aabb, Light};
+use umbrage::geom::Light;
 use umbrage::oracle::Oracle;
 use umbrage::picture::{self, CLAY, Ground, Lamp, View};
 use umbrage::scene::{Camera, Size, Up};
 
 use super::lights::LightArgs;
-use super::load::MeshArgs;
+use super::load::{self, MeshArgs};
 use super::machine::ThreadArgs;
 use super::output;
 use super::progress::Progress;
@@ -123,13 +123,13 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     if mesh.face_count() == 0 {
         output::say(format_args!("note: {}: there are no faces", args.file.display()));
     }
-    let bounds = mesh.bounds().map_or(Aabb::EMPTY, |[low, high]| Aabb { low, high });
+    let bounds = load::bounds(&mesh);
     let camera = match asked {
         Some(_) => camera(&args, up)?,
         None => baked.camera,
     };
     let camera = camera.unwrap_or_else(|| Camera::fit(&bounds, up, args.size.aspect()));
-    let lights = args.lights.resolve(baked.lights, &mesh);
+    let lights = args.lights.resolve(baked.lights, bounds, up);
     let lamps = if args.lights.were_asked_for() {
         Lamp::equal(&lights.iter().map(|light| light.light).collect::<Vec<Light>>())
     } else {

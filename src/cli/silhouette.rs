@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use umbrage::geom::Light;
 use umbrage::mesh::{Mesh, VertexId};
-use umbrage::scene::SceneLight;
+use umbrage::scene::{SceneLight, Up};
 use umbrage::silhouette::{Casters, Facing, Silhouette, classify};
 use umbrage::topology::Topology;
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
 use super::lights::LightArgs;
-use super::load::MeshArgs;
+use super::load::{self, MeshArgs};
 use super::machine::AdapterArgs;
 use super::output::{Output, Table, plain, short};
 use super::progress::Progress;
@@ -92,7 +92,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     }
     let baked = args.mesh.read(&args.file)?;
     let mesh = args.mesh.caster(baked.meshes, &args.file)?;
-    let lights = args.lights.resolve(baked.lights, &mesh);
+    let lights = args.lights.resolve(baked.lights, load::bounds(&mesh), Up::of(baked.format));
 
     let progress = Progress::spinner("finding silhouettes");
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());

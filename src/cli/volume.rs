@@ -3,16 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use umbrage::geom::{Aabb, Light};
+use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
-use umbrage::scene::SceneLight;
+use umbrage::scene::{SceneLight, Up};
 use umbrage::silhouette::{Silhouette, classify};
 use umbrage::topology::{Shells, Topology};
 use umbrage::volume::{self, Plan, ShadowVolume, ShellChoice, ShellProof};
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
 use super::lights::LightArgs;
-use super::load::MeshArgs;
+use super::load::{self, MeshArgs};
 use super::output::{self, Output, Table, plain, short, significant};
 use super::progress::Progress;
 use super::{Failure, Outcome};
@@ -123,7 +123,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     }
     let baked = args.mesh.read(&args.file)?;
     let mesh = args.mesh.caster(baked.meshes, &args.file)?;
-    let lights = args.lights.resolve(baked.lights, &mesh);
+    let lights = args.lights.resolve(baked.lights, load::bounds(&mesh), Up::of(baked.format));
 
     let progress = Progress::spinner("building shadow volumes");
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
@@ -186,7 +186,7 @@ impl Caster<'_> {
 
 /// Ten diagonals, so that the clamped end is well out of a picture of the mesh.
 fn default_far(mesh: &Mesh) -> f32 {
-    let diagonal = mesh.bounds().map_or(0.0, |[low, high]| Aabb { low, high }.diagonal());
+    let diagonal = load::bounds(mesh).diagonal();
     if diagonal > 0.0 { (10.0 * diagonal).min(f64::from(f32::MAX)) as f32 } else { 1.0 }
 }
 

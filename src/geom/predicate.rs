@@ -164,11 +164,14 @@ pub fn orient3d_homogeneous(points: [Homogeneous; 4]) -> Sign {
     let pivot = points[k].plus;
     // Subtracting the pivot from the finite rows leaves its own w as the only one in the last column, so the
     // determinant is (−1)^(k+3) times that of the other three rows.
-    let mut others = [0, 1, 2];
-    for (place, row) in (0..4).filter(|&row| row != k).enumerate() {
-        others[place] = row;
-    }
-    let sign = sign_of_det(others.map(|row| points[row].row(pivot)));
+    let others = match k {
+        0 => [1, 2, 3],
+        1 => [0, 2, 3],
+        2 => [0, 1, 3],
+        _ => [0, 1, 2],
+    };
+    let row = |i: usize| points[others[i]].row(pivot);
+    let sign = sign_of_det([row(0), row(1), row(2)]);
     if k % 2 == 1 { sign } else { -sign }
 }
 
@@ -236,7 +239,7 @@ const EPSILON: f64 = f64::EPSILON / 2.0;
 const FILTER: f64 = (7.0 + 56.0 * EPSILON) * EPSILON;
 
 /// Step 1: the filter. Everything else is rare and lives behind one call.
-#[inline]
+#[inline(always)]
 fn sign_of_det(rows: [Row; 3]) -> Sign {
     let [a, b, c] = [rows[0].rounded(), rows[1].rounded(), rows[2].rounded()];
     let (bxcy, cxby) = (b[0] * c[1], c[0] * b[1]);
@@ -404,7 +407,6 @@ mod tests {
     use super::*;
 
     /// Sign of the same determinant in whole numbers of 2⁻¹⁴⁹, by cofactors of the first row.
-    #[cfg(feature = "reference")]
     fn reference(rows: [Row; 3]) -> i32 {
         use num_bigint::{BigInt, Sign as BigSign};
         let whole = |x: f32| {
@@ -439,7 +441,6 @@ mod tests {
         [finite(), finite(), finite()]
     }
 
-    #[cfg(feature = "reference")]
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(4096))]
 

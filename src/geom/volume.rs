@@ -17,8 +17,8 @@ pub(crate) struct VolumeSum {
 
 impl VolumeSum {
     /// Of a closed surface any reference gives the same volume; one on the surface keeps the terms small.
-    pub(crate) fn new(reference: [f32; 3]) -> Self {
-        Self { reference: reference.map(f64::from), sum: 0.0, permanent: 0.0, terms: 0 }
+    pub(crate) fn new(reference: [f64; 3]) -> Self {
+        Self { reference, sum: 0.0, permanent: 0.0, terms: 0 }
     }
 
     #[inline]
@@ -42,7 +42,7 @@ impl VolumeSum {
 
     /// The sign, if the error cannot change it.
     ///
-    /// A term errs by at most 8ε times its permanent (the bound of the predicate's filter, rounded up), and
+    /// This asks for a reference that is exact in `f32`. A term errs by at most 8ε times its permanent (the bound of the predicate's filter, rounded up), and
     /// adding n numbers one after the other by at most (n − 1)ε times the sum of their magnitudes (Nicholas J.
     /// Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 4.2). The permanents are added
     /// with the same relative error, which doubling the bound covers for all n that 32 bits can count.
@@ -159,7 +159,7 @@ mod tests {
             assert_eq!(sign(&faces), expected, "{points:?}");
             let inverted = faces.map(|[a, b, c]| [a, c, b]);
             assert_eq!(sign(&inverted), -expected);
-            let mut sum = VolumeSum::new(points[0]);
+            let mut sum = VolumeSum::new(points[0].map(f64::from));
             faces.iter().for_each(|&face| sum.add(face));
             assert!(sum.sign().is_none_or(|sign| sign == expected));
         }

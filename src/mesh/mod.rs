@@ -58,8 +58,8 @@ pub enum MeshError {
         /// How many vertices there are.
         vertex_count: usize,
     },
-    /// More triangles or vertices than 32-bit ids can name.
-    #[error("{count} {what} are more than 32-bit ids can name (at most {most})")]
+    /// More triangles or vertices than 32-bit ids can name, or than instances may add up to.
+    #[error("{count} {what} are too many (at most {most})")]
     TooLarge {
         /// "triangles" or "vertices".
         what: &'static str,

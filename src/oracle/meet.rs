@@ -38,8 +38,8 @@ pub fn meet(p: [f32; 3], light: &Light, triangle: [[f32; 3]; 3]) -> Meeting {
     if here.is_zero() || there.is_zero() {
         return Meeting::None;
     }
-    let [a, b, c] = triangle.map(Homogeneous::point);
-    let (p, l) = (Homogeneous::point(p), Homogeneous::light(light));
+    let [a, b, c] = [point(triangle[0]), point(triangle[1]), point(triangle[2])];
+    let (p, l) = (point(p), Homogeneous::light(light));
     let first = orient3d_homogeneous([p, l, a, b]);
     let second = orient3d_homogeneous([p, l, b, c]);
     if first == -second && !first.is_zero() {

@@ -57,6 +57,9 @@ pub enum Scope {
     Scene,
 }
 
+/// How many triangles or vertices instancing may multiply a scene to: 2²⁷, some gigabytes.
+pub const MOST_INSTANCED: usize = 1 << 27;
+
 impl Scene {
     /// A scene of one mesh where it is.
     #[must_use]
@@ -72,9 +75,20 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`MeshError`] if a transform carries a position beyond `f32`, or a scene-wide mesh has too many
-    /// vertices or triangles.
+    /// [`MeshError`] if a transform carries a position beyond `f32`, if all instances together have more than
+    /// [`MOST_INSTANCED`] triangles or vertices where the meshes themselves have fewer (a small file must not fill
+    /// the memory), or if a scene-wide mesh has too many for 32-bit ids.
     pub fn bake(mut self, scope: Scope) -> Result<Vec<Mesh>, MeshError> {
+        for (what, size) in
+            [("triangles", Mesh::face_count as fn(&Mesh) -> usize), ("vertices", Mesh::vertex_count)]
+        {
+            let own: usize = self.meshes.iter().map(size).sum();
+            let placed = self.instances.iter().map(|instance| size(&self.meshes[instance.mesh]));
+            let count = placed.fold(0, usize::saturating_add);
+            if count > own.max(MOST_INSTANCED) {
+                return Err(MeshError::TooLarge { what, count, most: own.max(MOST_INSTANCED) });
+            }
+        }
         let mut uses = vec![0_usize; self.meshes.len()];
         for instance in &self.instances {
             uses[instance.mesh] += 1;

@@ -244,7 +244,7 @@ impl Topology {
     #[inline]
     #[must_use]
     pub fn prev(&self, half_edge: HalfEdgeId) -> HalfEdgeId {
-        HalfEdgeId(if half_edge.0 % 3 == 0 { half_edge.0 + 2 } else { half_edge.0 - 1 })
+        HalfEdgeId(if half_edge.0.is_multiple_of(3) { half_edge.0 + 2 } else { half_edge.0 - 1 })
     }
 
     /// The vertex that a half-edge leaves.
@@ -284,7 +284,7 @@ impl Topology {
             }
             counts.boundary += usize::from(entries.len() == 1);
             counts.non_manifold += usize::from(entries.len() > 2);
-            counts.even &= entries.len() % 2 == 0;
+            counts.even &= entries.len().is_multiple_of(2);
             counts.balanced &= entries.iter().map(|entry| entry.direction()).sum::<i32>() == 0;
         }
         counts

@@ -117,22 +117,21 @@ impl Topology {
         const NONE: u32 = u32::MAX;
         let mut number_of = vec![NONE; self.vertex_count()];
         let mut ends: Vec<u32> = Vec::new();
-        let mut number = Vec::with_capacity(count);
         for edge in boundary() {
-            let place = &mut number_of[vertices.find(self.vertices(edge)[0].0) as usize];
-            if *place == NONE {
-                *place = ends.len() as u32;
+            let number = &mut number_of[vertices.find(self.vertices(edge)[0].0) as usize];
+            if *number == NONE {
+                *number = ends.len() as u32;
                 ends.push(0);
             }
-            ends[*place as usize] += 1;
-            number.push(*place);
+            ends[*number as usize] += 1;
         }
         let mut sum = 0;
         for end in &mut ends {
             (sum, *end) = (sum + *end, sum);
         }
         let mut edges = vec![EdgeId(0); count];
-        for (edge, number) in boundary().zip(number) {
+        for edge in boundary() {
+            let number = number_of[vertices.find(self.vertices(edge)[0].0) as usize];
             let place = &mut ends[number as usize];
             edges[*place as usize] = edge;
             *place += 1;

@@ -161,7 +161,7 @@ impl ShadowVolume {
     /// The corners of a triangle, exactly.
     #[inline]
     pub(crate) fn corners(&self, triangle: [u32; 3]) -> [Homogeneous; 3] {
-        triangle.map(|index| self.vertex(index))
+        [self.vertex(triangle[0]), self.vertex(triangle[1]), self.vertex(triangle[2])]
     }
 
     /// Vertices as `f32` for drawing: `[x, y, z, w]`, `w` 1 or 0, one entry a vertex.

@@ -7,13 +7,14 @@
 //! watertight and may have a positive volume, and its other lobe would stay lit.
 
 use std::fmt;
+use std::ops::ControlFlow;
 
 use super::winding::{Crossing, crossing, scattered};
 use crate::geom::Light;
 use crate::geom::predicate::Homogeneous;
 use crate::mesh::{FaceId, Mesh};
 use crate::silhouette::Facing;
-use crate::topology::{CrackReport, Shells, Topology, self_intersections};
+use crate::topology::{CrackReport, Shells, Topology, for_each_self_intersection};
 
 /// Which faces of a shell cast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -103,16 +104,17 @@ impl ShellProof {
                 proofs[shell] = Self::ZeroAreaFace;
             }
         }
-        if proofs.iter().any(|proof| proof.is_sound()) {
-            for pair in self_intersections(mesh, topology) {
+        let mut sound = proofs.iter().filter(|proof| proof.is_sound()).count();
+        if sound > 0 {
+            for_each_self_intersection(mesh, topology, |pair| {
                 let [a, b] = pair.map(of_face);
                 // Two shells may well meet each other: each keeps its own count.
-                if let (Some(shell), true) = (a, a == b) {
-                    if proofs[shell].is_sound() {
-                        proofs[shell] = Self::MeetsItself;
-                    }
+                if let Some(shell) = a.filter(|&shell| a == b && proofs[shell].is_sound()) {
+                    proofs[shell] = Self::MeetsItself;
+                    sound -= 1;
                 }
-            }
+                if sound == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
         }
         proofs
     }

@@ -11,6 +11,7 @@ use super::ShadowVolume;
 use crate::geom::bvh::Bvh;
 use crate::geom::predicate::{Homogeneous, Sign, directions_turn, orient3d_homogeneous};
 use crate::geom::{Aabb, Light, Segment};
+use crate::random::SplitMix64;
 
 /// The winding number of `volume` at `p`, by looking at every triangle; `None` if `p` lies on a triangle.
 ///
@@ -91,13 +92,19 @@ impl<'volume> WindingIndex<'volume> {
         if !self.within.contains(p) {
             return winding_number(self.volume, p);
         }
+        // The nearest anchor first: what lies on a short way is soon looked at.
+        let distance = |anchor: [f32; 3]| -> f64 {
+            (0..3).map(|i| (f64::from(anchor[i]) - f64::from(p[i])).powi(2)).sum()
+        };
+        let mut nearest: Vec<&([f32; 3], OnceLock<Option<i32>>)> = self.anchors.iter().collect();
+        nearest.sort_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
         let mut near = Vec::new();
-        self.anchors.iter().find_map(|(anchor, known)| {
+        nearest.into_iter().find_map(|(anchor, known)| {
             let known = *known.get_or_init(|| winding_number(self.volume, *anchor));
             let known = known?;
             near.clear();
             self.tree.for_each_along(&Segment::between(p, *anchor), |piece| {
-                near.push(self.pieces[piece as usize])
+                near.push(self.pieces[piece as usize]);
             });
             near.sort_unstable();
             near.dedup();
@@ -178,7 +185,13 @@ pub(super) fn crossing([a, b, c]: [Homogeneous; 3], p: Homogeneous, q: Homogeneo
     if from == to {
         return if from.is_zero() { Crossing::Tie } else { Crossing::Miss };
     }
-    let edges = [(a, b), (b, c), (c, a)].map(|(a, b)| orient3d_homogeneous([p, q, a, b]));
+    // Most candidates pass two edges on different hands.
+    let first = orient3d_homogeneous([p, q, a, b]);
+    let second = orient3d_homogeneous([p, q, b, c]);
+    if first == -second && !first.is_zero() {
+        return Crossing::Miss;
+    }
+    let edges = [first, second, orient3d_homogeneous([p, q, c, a])];
     if edges.contains(&Sign::Positive) && edges.contains(&Sign::Negative) {
         Crossing::Miss
     } else if from.is_zero() {
@@ -269,7 +282,8 @@ fn for_each_piece(volume: &ShadowVolume, triangle: [u32; 3], within: &Aabb, mut 
     }
     let length = |d: [f64; 4]| (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
     let longest = end * length(rays[0].1).max(length(rays[1].1));
-    let pieces = (PIECES * longest / within.diagonal()).ceil().max(1.0).min(PIECES);
+    // (`min` and `max` let go of NaN, which a box that is a single point would make.)
+    let pieces = PIECES.min((PIECES * longest / within.diagonal()).ceil()).max(1.0);
     for k in 0..pieces as u32 {
         let span = [f64::from(k), f64::from(k + 1)].map(|k| end * (k / pieces));
         let mut aabb = Aabb::EMPTY;
@@ -292,29 +306,17 @@ fn for_each_piece(volume: &ShadowVolume, triangle: [u32; 3], within: &Aabb, mut 
     }
 }
 
-/// SplitMix64's finaliser (Guy Steele, Doug Lea, Christine Flood, *Fast Splittable Pseudorandom Number Generators*,
-/// 2014): bits without a pattern that a mesh could share.
-fn bits(i: u32) -> u64 {
-    let mut z = u64::from(i + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
-/// A number in (0, 1), one of 2²³.
-fn unit(i: u32) -> f32 {
-    ((bits(i) >> 41) as f32 + 0.5) / (1_u32 << 23) as f32
-}
-
 /// A direction without a pattern; never zero.
 pub(super) fn scattered(i: u32) -> [f32; 3] {
-    [0, 1, 2].map(|axis| 2.0 * unit(3 * i + axis + 1000) - 1.0)
+    let mut random = SplitMix64(u64::from(i) + 1000);
+    [(); 3].map(|()| (2.0 * random.unit() - 1.0) as f32)
 }
 
 fn scattered_in(within: &Aabb, i: u32) -> [f32; 3] {
+    let mut random = SplitMix64(u64::from(i));
     [0, 1, 2].map(|axis| {
         let (low, high) = (f64::from(within.low[axis]), f64::from(within.high[axis]));
-        let at = (low + (high - low) * f64::from(unit(3 * i + axis as u32))) as f32;
+        let at = (low + (high - low) * random.unit()) as f32;
         at.clamp(within.low[axis], within.high[axis])
     })
 }

@@ -1,1 +1,267 @@
+//! The command: exit codes, JSON keys, refusals, and what is left behind when something fails.
 
+mod check;
+mod silhouette;
+mod volume;
+
+use std::fs;
+use std::path::PathBuf;
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use serde_json::{Map, Value};
+use umbrage::mesh::{Mesh, solid};
+use umbrage::write::{Layer, Model, write};
+
+use super::support::real_meshes;
+
+/// A folder with a few meshes, in which the command runs.
+struct Folder(tempfile::TempDir);
+
+/// What the command did.
+struct Run {
+    code: i32,
+    stdout: String,
+    stderr: String,
+}
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    /// The cube, closed and open, a file that is no mesh, and a folder.
+    fn with_cubes() -> Self {
+        let folder = Self::new();
+        folder.mesh("cube.obj", &solid::cube());
+        folder.mesh("open.obj", &solid::open_cube());
+        fs::write(folder.path("garbled.stl"), b"solid\nfacet normal 0 0\n").unwrap();
+        fs::create_dir(folder.path("folder")).unwrap();
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn mesh(&self, name: &str, mesh: &Mesh) {
+        write(&Model { layers: vec![Layer::from(mesh)] }, self.path(name)).unwrap();
+    }
+
+    /// Runs the command; arguments are separated by spaces.
+    fn run(&self, arguments: &str) -> Run {
+        let output =
+            cargo_bin_cmd!("umbrage").current_dir(self.0.path()).args(arguments.split(' ')).output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        let run = Run {
+            code: output.status.code().expect("no signal ends it"),
+            stdout: text(output.stdout),
+            stderr: text(output.stderr),
+        };
+        assert!(!run.stderr.contains("panicked"), "{arguments}: {}", run.stderr);
+        run
+    }
+
+    fn code(&self, arguments: &str) -> i32 {
+        self.run(arguments).code
+    }
+
+    /// Runs the command, which must be able to, and parses what it prints.
+    fn json(&self, arguments: &str) -> Value {
+        let run = self.run(&format!("{arguments} --json"));
+        assert_ne!(run.code, 2, "{arguments}: {}", run.stderr);
+        serde_json::from_str(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}", run.stdout))
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path()).unwrap();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+/// The keys of an object, in order, as DESIGN lists them.
+fn keys(value: &Value) -> String {
+    let Value::Object(object) = value else { panic!("not an object: {value}") };
+    object.keys().map(String::as_str).collect::<Vec<_>>().join(" ")
+}
+
+/// A document with every number, text and truth replaced by its type, and arrays cut to their first entry.
+fn shape(value: &Value) -> Value {
+    match value {
+        Value::Null => Value::Null,
+        Value::Bool(_) => "bool".into(),
+        Value::Number(_) => "number".into(),
+        Value::String(_) => "text".into(),
+        Value::Array(entries) => entries.iter().take(1).map(shape).collect(),
+        Value::Object(object) => Value::Object(
+            object.iter().map(|(key, value)| (key.clone(), shape(value))).collect::<Map<_, _>>(),
+        ),
+    }
+}
+
+fn assert_shape(name: &str, value: &Value) {
+    insta::with_settings!({ snapshot_path => "../snapshots", prepend_module_to_snapshot => false }, {
+        insta::assert_json_snapshot!(name, shape(value));
+    });
+}
+
+/// A real mesh, if they are there.
+fn real(name: &str) -> Option<PathBuf> {
+    real_meshes().map(|folder| fs::canonicalize(folder.join(name)).unwrap())
+}
+
+#[test]
+fn cli_usage_errors_exit_with_two() {
+    let folder = Folder::with_cubes();
+    for arguments in
+        ["check", "chekc cube.obj", "check --no-such-option cube.obj", "check cube.obj --limit x"]
+    {
+        let run = folder.run(arguments);
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{arguments}");
+        assert!(!run.stderr.is_empty());
+    }
+    assert_eq!(folder.code("--version"), 0);
+}
+
+#[test]
+fn cli_help_names_every_default() {
+    let folder = Folder::new();
+    assert!(folder.run("--help").stdout.contains("Exit codes: 0 sound"));
+    for command in ["check", "silhouette", "volume"] {
+        let run = folder.run(&format!("{command} --help"));
+        assert_eq!(run.code, 0);
+        // An option starts a block, which goes on to the next one.
+        let mut blocks: Vec<String> = Vec::new();
+        for line in run.stdout.lines() {
+            if line.starts_with("      --") || line.starts_with("  -") {
+                blocks.push(String::new());
+            }
+            if let Some(block) = blocks.last_mut() {
+                block.push_str(line);
+            }
+        }
+        let valued: Vec<&String> = blocks.iter().filter(|block| block.contains('<')).collect();
+        assert!(valued.len() > 4, "{}", run.stdout);
+        for block in valued {
+            let said = ["[default: ", "not built yet"];
+            assert!(said.iter().any(|words| block.contains(words)), "{command}: {block}");
+        }
+    }
+}
+
+#[test]
+fn cli_refuses_by_name_what_is_not_built() {
+    let folder = Folder::with_cubes();
+    for (arguments, named) in [
+        ("check cube.obj --fast", "--fast"),
+        ("check cube.obj --picture a.png", "--picture a.png"),
+        ("silhouette cube.obj --method gpu", "--method gpu"),
+        ("silhouette cube.obj --method tree", "--method tree"),
+        ("silhouette cube.obj --adapter llvmpipe", "--adapter llvmpipe"),
+        ("torture --queries 10", "torture"),
+        ("accuracy facing cube.obj", "accuracy"),
+    ] {
+        let run = folder.run(arguments);
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{arguments}");
+        assert!(run.stderr.contains(&format!("{named} is not built yet; ")), "{arguments}: {}", run.stderr);
+        assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+    }
+}
+
+#[test]
+fn cli_refuses_values_that_mean_nothing() {
+    let folder = Folder::with_cubes();
+    for (arguments, named) in [
+        ("check cube.obj --weld -1", "-1"),
+        ("check cube.obj --weld nan", "nan"),
+        ("check cube.obj --weld 1mm", "1mm"),
+        ("check cube.obj --scope planet", "planet"),
+        ("check cube.obj --require closed", "closed"),
+        ("check cube.obj --mark a.stl", ".stl"),
+        ("check cube.obj open.obj --mark a.glb", "--mark"),
+        ("silhouette cube.obj --light spot:1,2,3", "spot:1,2,3"),
+        ("silhouette cube.obj --light point:1,2", "point:1,2"),
+        ("silhouette cube.obj --light directional:0,0,0", "0,0,0"),
+        ("silhouette cube.obj --light point:1,2,inf", "inf"),
+        ("silhouette cube.obj -o a.png", ".png"),
+        ("volume cube.obj --far 0", "0"),
+        ("volume cube.obj --caps one", "one"),
+        ("volume cube.obj -o a", "extension"),
+    ] {
+        let run = folder.run(arguments);
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{arguments}");
+        assert!(run.stderr.contains(named), "{arguments}: {}", run.stderr);
+    }
+    assert_eq!(folder.names(), ["cube.obj", "folder", "garbled.stl", "open.obj"]);
+}
+
+#[test]
+fn cli_errors_are_one_line_that_names_the_file() {
+    let folder = Folder::with_cubes();
+    for command in ["check", "silhouette", "volume"] {
+        for (file, problem) in
+            [("missing.obj", "cannot be opened"), ("garbled.stl", ""), ("folder", "is a directory")]
+        {
+            let run = folder.run(&format!("{command} {file}"));
+            assert_eq!(run.code, 2, "{command} {file}");
+            assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+            assert!(run.stderr.starts_with(&format!("umbrage: {file}")), "{}", run.stderr);
+            assert!(run.stderr.contains(problem) && run.stderr.contains("; "), "{}", run.stderr);
+        }
+    }
+}
+
+#[test]
+fn cli_leaves_nothing_half_written() {
+    let folder = Folder::with_cubes();
+    fs::write(folder.path("old.glb"), "old").unwrap();
+    let before = folder.names();
+    for arguments in [
+        "check missing.obj --mark old.glb",
+        "check garbled.stl --mark new.glb",
+        "check open.obj --mark nowhere/new.glb",
+        "silhouette missing.obj -o old.glb",
+        "silhouette cube.obj -o nowhere/new.obj",
+        "volume garbled.stl -o new.glb",
+        "volume cube.obj -o folder/nowhere/new.ply",
+    ] {
+        assert_eq!(folder.code(arguments), 2, "{arguments}");
+        assert_eq!(folder.names(), before, "{arguments}");
+        assert_eq!(fs::read(folder.path("old.glb")).unwrap(), b"old", "{arguments}");
+    }
+}
+
+#[test]
+fn cli_is_quiet_when_the_pipe_is_closed() {
+    let folder = Folder::new();
+    // More than a pipe holds, so that the command meets the closed end while it writes.
+    folder.mesh("soup.obj", &solid::soup(&solid::icosphere(4)));
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("umbrage"))
+        .current_dir(folder.0.path())
+        .args(["check", "soup.obj", "--weld", "none", "--json"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+    assert_eq!(output.status.code(), Some(1), "the verdict is the same, read or not");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn cli_says_when_standard_output_is_full() {
+    let folder = Folder::with_cubes();
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output = std::process::Command::new(assert_cmd::cargo::cargo_bin!("umbrage"))
+        .current_dir(folder.0.path())
+        .args(["check", "cube.obj"])
+        .stdout(full)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("standard output cannot be written"));
+}

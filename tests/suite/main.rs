@@ -1,6 +1,12 @@
 //! Every integration test, one file a stage, named as in `src`.
 
 mod cli;
+mod crack;
+mod facts;
 mod gltf;
+mod oracle;
 mod picture;
 mod read;
+mod support;
+mod verify;
+mod volume;

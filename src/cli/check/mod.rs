@@ -65,7 +65,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "OUT.png")]
     picture: Option<PathBuf>,
 
-    /// Write the mesh and its defects as coloured geometry, for any glTF viewer; one input file only
+    /// Write the mesh and its defects as coloured geometry, for any glTF viewer; for one input file
+    /// [default: nothing is written]
     ///
     /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow; vertices and faces too small
     /// to see get an octahedron 0.5 % of the diagonal in size.
@@ -216,6 +217,10 @@ fn examine(
         if args.self_intersections {
             let keep = if marks.is_some() || sketch.is_some() { mark::PAIRS_MARKED } else { args.limit };
             report.add_self_intersections(&mesh, &topology, keep);
+            if let Some(found) = report.self_intersections.as_ref().filter(|found| !found.complete) {
+                let (file, pairs) = (file.display(), found.pairs);
+                output::say(format_args!("note: {file}: counting self-intersections stopped at {pairs}"));
+            }
         }
         if let Some(marks) = &mut marks {
             marks.add(&report, &mesh, &topology).map_err(|failure| failure.in_file(file))?;

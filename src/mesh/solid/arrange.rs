@@ -1,8 +1,8 @@
 //! The same mesh in another order, place or storage.
 
 use super::Mesh;
-use super::random::SplitMix64;
 use crate::mesh::MeshError;
+use crate::random::SplitMix64;
 
 /// `mesh` with new vertex numbers, its faces in another order, and each face's corners rotated, all drawn
 /// from `seed`. Same shape, same windings, same counts; without parts, as they are mixed.

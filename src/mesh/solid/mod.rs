@@ -20,7 +20,6 @@ mod circle;
 mod closed;
 mod defect;
 mod open;
-mod random;
 mod voxel;
 
 #[cfg(test)]

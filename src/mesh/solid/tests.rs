@@ -261,7 +261,7 @@ fn uv_capsule_closes_when_equal_positions_are_merged() {
 
 #[test]
 fn voxels_are_balanced_for_random_cells() {
-    let mut random = random::SplitMix64(5);
+    let mut random = crate::random::SplitMix64(5);
     let cells: Vec<bool> = (0..6 * 5 * 4).map(|_| random.below(2) == 1).collect();
     let mesh = voxels([6, 5, 4], |[x, y, z]| cells[((z * 5 + y) * 6 + x) as usize]);
     assert!(faces_per_edge(&mesh).values().all(|ways| ways[0] == ways[1] && ways[0] <= 2));

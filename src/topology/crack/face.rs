@@ -30,10 +30,10 @@ pub(super) fn duplicates(topology: &Topology) -> Vec<Duplicate> {
     for edge in topology.edges().filter(|&edge| topology.valence(edge) > 1) {
         let apex = |half_edge| topology.tail(topology.prev(half_edge));
         let mut half_edges = topology.half_edges(edge);
-        if let (2, Some(a), Some(b)) = (half_edges.len(), half_edges.next(), half_edges.next()) {
-            if apex(a) != apex(b) {
-                continue; // nearly every edge of nearly every mesh
-            }
+        if let (2, Some(a), Some(b)) = (half_edges.len(), half_edges.next(), half_edges.next())
+            && apex(a) != apex(b)
+        {
+            continue; // nearly every edge of nearly every mesh
         }
         let larger = topology.vertices(edge)[1];
         apexes.clear();

@@ -12,6 +12,7 @@ pub use defect::{Defect, DefectKind};
 
 use std::ops::ControlFlow;
 
+use super::fan::Fans;
 use super::{Topology, for_each_self_intersection};
 use crate::geom::Aabb;
 use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
@@ -143,8 +144,8 @@ pub struct ShellReport {
     pub euler_characteristic: i64,
     /// (2 − χ) / 2 of a watertight shell with one fan at each vertex; otherwise `None`.
     pub genus: Option<u64>,
-    /// Volume in cubic mesh units, positive with faces outwards. That of a shell that is not balanced depends
-    /// on the origin of the coordinates.
+    /// Volume in cubic mesh units, positive with faces outwards. Of a shell that is not balanced it is that of
+    /// the cones over its faces from one point for the whole mesh, the mean of all corners.
     pub signed_volume: f64,
     /// Every edge has exactly two faces, in opposite directions.
     pub watertight: bool,
@@ -181,6 +182,14 @@ pub struct SelfIntersections {
     pub faces: usize,
     /// The first pairs, in order, up to the number that was asked for.
     pub first: Vec<[FaceId; 2]>,
+    /// Whether these are all; `false` if the count stopped at [`SelfIntersections::MOST`].
+    pub complete: bool,
+}
+
+impl SelfIntersections {
+    /// Where counting stops: 67,108,864 pairs, some ten seconds. Where all faces overlap all others, their
+    /// number is no longer news.
+    pub const MOST: usize = 1 << 26;
 }
 
 /// What cannot be read off the topology again at once: ids only, no coordinates.
@@ -200,8 +209,10 @@ struct Places {
 impl CrackReport {
     /// Looks for every defect but self-intersections.
     ///
-    /// `mesh` is the welded mesh from whose triangles `topology` was built. Linear time in faces for a mesh
-    /// without defects; boundaries are searched in k·log k for k boundary edges.
+    /// `mesh` is the welded mesh from whose triangles `topology` was built. Linear time for a mesh without
+    /// defects, with 12 bytes a triangle at most beside the topology; a boundary of k edges is searched in
+    /// k·log k with about 200 bytes an edge, and shells whose boxes lie in another's through a tree over that
+    /// one's faces.
     ///
     /// # Panics
     ///
@@ -220,17 +231,19 @@ impl CrackReport {
         assert!(mesh.triangles() == topology.triangles(), "the topology is that of another mesh");
         let uses = topology.edge_counts();
         let shells = topology.shells();
-        let fans = topology.fans_of_non_manifold_vertices();
-        let (shell_list, vertices) = solid::shells(mesh, topology, &shells, &fans);
+        let Fans { several: fans, vertices, folded } = topology.fans();
+        let shell_list = solid::shells(mesh, topology, &shells, &fans, vertices, &uses);
         drop(shells);
 
         let zero_area = face::zero_area(mesh, topology);
-        let duplicates = face::duplicates(topology);
+        let may_repeat = folded || uses.non_manifold > 0;
+        let duplicates = if may_repeat { face::duplicates(topology) } else { Vec::new() };
         let same_winding = duplicates.iter().filter(|duplicate| duplicate.same_winding).count();
 
-        let (loop_edges, loop_ends) = topology.grouped_boundary();
+        let (mut loop_edges, mut loop_ends) = (Vec::new(), Vec::new());
         let (mut near_miss, mut near_miss_edges, mut t_junctions) = (Vec::new(), Vec::new(), Vec::new());
-        if !loop_edges.is_empty() {
+        if uses.boundary > 0 {
+            (loop_edges, loop_ends) = topology.grouped_boundary();
             let bounds = shell_list.iter().fold(Aabb::EMPTY, |all, shell| all.join(&shell.bounds));
             let boundary = seam::Boundary::new(mesh, topology, &loop_edges);
             (near_miss, near_miss_edges) = boundary.near_miss(bounds.diagonal());
@@ -278,9 +291,13 @@ impl CrackReport {
     ///
     /// Panics if `topology` has other triangles than `mesh`.
     pub fn add_self_intersections(&mut self, mesh: &Mesh, topology: &Topology, keep: usize) {
-        let mut found = SelfIntersections { pairs: 0, faces: 0, first: Vec::new() };
+        let mut found = SelfIntersections { pairs: 0, faces: 0, first: Vec::new(), complete: true };
         let mut involved = vec![false; topology.face_count()];
         for_each_self_intersection(mesh, topology, |pair| {
+            if found.pairs == SelfIntersections::MOST {
+                found.complete = false;
+                return ControlFlow::Break(());
+            }
             found.pairs += 1;
             for face in pair {
                 found.faces += usize::from(!std::mem::replace(&mut involved[face.index()], true));

@@ -6,33 +6,11 @@ use crate::geom::bvh::Bvh;
 use crate::geom::predicate::{Sign, orient3d, turn};
 use crate::geom::volume::{ExactVolume, VolumeSum};
 use crate::mesh::{FaceId, Mesh, VertexId};
-use crate::topology::{Shells, Topology};
+use crate::topology::{EdgeCounts, Shells, Topology};
 
-/// Everything about the shells, and how many vertices they have together. `fans` has one face of each fan at
-/// the vertices with several, ascending.
-pub(super) fn shells(
-    mesh: &Mesh,
-    topology: &Topology,
-    shells: &Shells,
-    fans: &[(VertexId, FaceId)],
-) -> (Vec<ShellReport>, usize) {
-    let (mut list, vertices) = combinatorics(topology, shells, fans);
-    let signs = measure(mesh, topology, shells, &mut list);
-    nest(mesh, shells, &signs, &mut list);
-    for (shell, sign) in list.iter_mut().zip(signs) {
-        let expected = if shell.depth % 2 == 0 { Sign::Positive } else { Sign::Negative };
-        shell.inside_out = shell.watertight && sign == -expected;
-    }
-    (list, vertices)
-}
-
-/// Counts and what follows from them; volumes and nesting are still to come.
-fn combinatorics(
-    topology: &Topology,
-    shells: &Shells,
-    fans: &[(VertexId, FaceId)],
-) -> (Vec<ShellReport>, usize) {
-    let blank = ShellReport {
+impl ShellReport {
+    /// A shell of which nothing is known yet.
+    const BLANK: Self = Self {
         first_face: FaceId(u32::MAX),
         faces: 0,
         edges: 0,
@@ -47,18 +25,51 @@ fn combinatorics(
         parent: None,
         bounds: Aabb::EMPTY,
     };
-    let mut list = vec![blank; shells.count];
+}
+
+/// Everything about the shells. `fans` has one face of each fan at the vertices with several, ascending;
+/// `vertices` is how many vertices have a face, and `uses` sums up all edges.
+pub(super) fn shells(
+    mesh: &Mesh,
+    topology: &Topology,
+    shells: &Shells,
+    fans: &[(VertexId, FaceId)],
+    vertices: usize,
+    uses: &EdgeCounts,
+) -> Vec<ShellReport> {
+    let mut list = vec![ShellReport::BLANK; shells.count];
+    match &mut list[..] {
+        // What is known of the whole is known of its only shell.
+        [only] => {
+            let first = shells.of_face.iter().position(Option::is_some);
+            only.first_face = FaceId::new(first.expect("a shell has faces"));
+            only.faces = topology.face_count() - topology.collapsed_face_count();
+            only.edges = topology.edge_count();
+            only.vertices = vertices;
+            only.watertight = uses.watertight();
+            only.balanced = uses.balanced;
+        }
+        several => count(topology, shells, fans, several),
+    }
+    characterise(shells, fans, &mut list);
+    let signs = measure(mesh, topology, shells, &mut list);
+    nest(mesh, shells, &signs, &mut list);
+    for (shell, sign) in list.iter_mut().zip(signs) {
+        let expected = if shell.depth % 2 == 0 { Sign::Positive } else { Sign::Negative };
+        shell.inside_out = shell.watertight && sign == -expected;
+    }
+    list
+}
+
+/// Fills in the counts of each shell.
+fn count(topology: &Topology, shells: &Shells, fans: &[(VertexId, FaceId)], list: &mut [ShellReport]) {
     let shell_of =
         |face: FaceId| shells.of_face[face.index()].expect("a face with edges has a shell") as usize;
-
     for edge in topology.edges() {
         let mut uses = topology.uses(edge);
-        let shell = match (shells.count, uses.next()) {
-            (1, _) => &mut list[0],
-            (_, Some((face, _))) => &mut list[shell_of(face)],
-            (_, None) => continue,
-        };
-        let sum: i32 = topology.uses(edge).map(|(_, direction)| direction).sum();
+        let Some((face, direction)) = uses.next() else { continue };
+        let sum = direction + uses.map(|(_, direction)| direction).sum::<i32>();
+        let shell = &mut list[shell_of(face)];
         shell.edges += 1;
         shell.balanced &= sum == 0;
         shell.watertight &= sum == 0 && topology.valence(edge) == 2;
@@ -72,18 +83,12 @@ fn combinatorics(
         *word |= bit;
         first
     };
-    let mut pinched = vec![false; shells.count];
-    let mut shared = 0;
     for fans in fans.chunk_by(|a, b| a.0 == b.0) {
         first_time(fans[0].0.0);
         let mut at: Vec<usize> = fans.iter().map(|&(_, face)| shell_of(face)).collect();
         at.sort_unstable();
-        for same in at.chunk_by(|a, b| a == b) {
-            list[same[0]].vertices += 1;
-            shared += 1;
-            pinched[same[0]] |= same.len() > 1;
-        }
-        shared -= 1;
+        at.dedup();
+        at.into_iter().for_each(|shell| list[shell].vertices += 1);
     }
     for (face, corners) in topology.triangles().iter().enumerate() {
         let Some(shell) = shells.of_face[face] else { continue };
@@ -94,31 +99,53 @@ fn combinatorics(
         shell.faces += 1;
         shell.vertices += corners.iter().filter(|&&vertex| first_time(vertex)).count();
     }
-    for (shell, pinched) in list.iter_mut().zip(pinched) {
+}
+
+/// Fills in what follows from the counts. A shell with two fans at one vertex is no surface there, and has no
+/// genus; two shells may well share a vertex.
+fn characterise(shells: &Shells, fans: &[(VertexId, FaceId)], list: &mut [ShellReport]) {
+    for shell in list.iter_mut() {
         let [v, e, f] = [shell.vertices, shell.edges, shell.faces].map(|n| n as i64); // below 2^32
         shell.euler_characteristic = v - e + f;
-        if shell.watertight && !pinched {
+        if shell.watertight {
             shell.genus = u64::try_from((2 - shell.euler_characteristic) / 2).ok();
         }
     }
-    let vertices = list.iter().map(|shell| shell.vertices).sum::<usize>() - shared;
-    (list, vertices)
+    for fans in fans.chunk_by(|a, b| a.0 == b.0) {
+        let mut at: Vec<Option<u32>> = fans.iter().map(|&(_, face)| shells.of_face[face.index()]).collect();
+        at.sort_unstable();
+        for twice in at.windows(2).filter(|pair| pair[0] == pair[1]) {
+            if let Some(shell) = twice[0] {
+                list[shell as usize].genus = None;
+            }
+        }
+    }
 }
 
 /// Fills in boxes and volumes. Gives the exact signs of the watertight shells' volumes; zero for the others.
 fn measure(mesh: &Mesh, topology: &Topology, shells: &Shells, list: &mut [ShellReport]) -> Vec<Sign> {
-    // A closed surface has the same volume about any point, and the smallest terms about one of its own.
+    // A closed surface has the same volume about any point, and the smallest terms about one of its own. Of an
+    // open one the volume is that under a cone over its border; one apex for all of them, which moves with the
+    // mesh, lets the patches of a solid add up.
+    let apex = if list.iter().all(|shell| shell.balanced) { [0.0; 3] } else { mean_corner(mesh, topology) };
     let about = |shell: &ShellReport| match shell.balanced {
-        true => mesh.corners(shell.first_face)[0],
-        false => [0.0; 3],
+        true => mesh.corners(shell.first_face)[0].map(f64::from),
+        false => apex,
     };
     let mut sums: Vec<VolumeSum> = list.iter().map(|shell| VolumeSum::new(about(shell))).collect();
-    let faces =
-        || topology.faces().zip(&shells.of_face).filter_map(|(face, shell)| Some((face, (*shell)? as usize)));
-    for (face, shell) in faces() {
-        let corners = mesh.corners(face);
-        sums[shell].add(corners);
-        list[shell].bounds = list[shell].bounds.join(&Aabb::around(corners));
+    // Shells come in runs; within one the sums stay in registers.
+    let mut next = 0;
+    for run in shells.of_face.chunk_by(|a, b| a == b) {
+        let faces = next..next + run.len() as u32;
+        next = faces.end;
+        let Some(shell) = run[0].map(|shell| shell as usize) else { continue };
+        let (mut sum, mut bounds) = (sums[shell], list[shell].bounds);
+        for face in faces.map(FaceId) {
+            let corners = mesh.corners(face);
+            sum.add(corners);
+            bounds = bounds.join(&Aabb::around(corners));
+        }
+        (sums[shell], list[shell].bounds) = (sum, bounds);
     }
     let mut unsure = vec![None; list.len()];
     for ((shell, sum), unsure) in list.iter_mut().zip(&sums).zip(&mut unsure) {
@@ -128,8 +155,8 @@ fn measure(mesh: &Mesh, topology: &Topology, shells: &Shells, list: &mut [ShellR
         }
     }
     if unsure.iter().any(Option::is_some) {
-        for (face, shell) in faces() {
-            if let Some(exact) = &mut unsure[shell] {
+        for (face, shell) in topology.faces().zip(&shells.of_face) {
+            if let Some(exact) = shell.and_then(|shell| unsure[shell as usize].as_mut()) {
                 exact.add(mesh.corners(face));
             }
         }
@@ -140,6 +167,20 @@ fn measure(mesh: &Mesh, topology: &Topology, shells: &Shells, list: &mut [ShellR
         None => sum.sign().expect("what is unsure was added exactly"),
     };
     list.iter().zip(&sums).zip(unsure).map(sign).collect()
+}
+
+/// The mean over the corners of all faces that have not collapsed.
+fn mean_corner(mesh: &Mesh, topology: &Topology) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for face in topology.faces().filter(|&face| !topology.is_collapsed(face)) {
+        for corner in mesh.corners(face) {
+            for axis in 0..3 {
+                sum[axis] += f64::from(corner[axis]);
+            }
+        }
+    }
+    let corners = 3 * (topology.face_count() - topology.collapsed_face_count());
+    sum.map(|sum| sum / corners as f64)
 }
 
 /// Fills in depth and parent of the watertight shells.
@@ -183,22 +224,19 @@ fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport]) 
     for &shell in closed.iter().filter(|&&shell| inner[shell]) {
         let points = || faces[starts[shell]..starts[shell + 1]].iter().flat_map(|&face| mesh.corners(face));
         // A point that lies on another shell tells nothing about it; the next one may.
-        let mut found = solids.around(mesh, points().next().expect("a shell has faces"));
-        if !found.touching.is_empty() {
-            if let Some(clear) =
-                points().map(|point| solids.around(mesh, point)).find(|found| found.touching.is_empty())
-            {
-                found = clear;
-            }
+        let around_point = |point| solids.around(mesh, point, shell);
+        let mut found = around_point(points().next().expect("a shell has faces"));
+        if !found.touching.is_empty()
+            && let Some(clear) = points().map(around_point).find(|found| found.touching.is_empty())
+        {
+            found = clear;
         }
-        found.shells.retain(|&other| {
-            other as usize != shell && list[other as usize].bounds.contains_box(&list[shell].bounds)
-        });
+        found.shells.retain(|&other| list[other as usize].bounds.contains_box(&list[shell].bounds));
         // Before the depth makes it inside out, all of it must lie inside: else it merely cuts the other.
         let odd = found.shells.len() % 2 == 1;
         if !found.shells.is_empty() && (signs[shell] == Sign::Positive) == odd {
             for point in points() {
-                let here = solids.around(mesh, point);
+                let here = around_point(point);
                 let holds = |shells: &[u32], other: &u32| shells.binary_search(other).is_ok();
                 found.shells.retain(|other| holds(&here.shells, other) || holds(&here.touching, other));
                 if found.shells.is_empty() {
@@ -246,13 +284,17 @@ impl Solids {
         Self { bvh: Bvh::build(&boxes), faces, shell_of }
     }
 
-    /// A shell is around `point` if its faces' signed crossings with the ray towards +x do not cancel.
-    fn around(&self, mesh: &Mesh, point: [f32; 3]) -> Around {
+    /// A shell is around `point` if its faces' signed crossings with the ray towards +x do not cancel. Shell
+    /// `own` is left out.
+    fn around(&self, mesh: &Mesh, point: [f32; 3], own: usize) -> Around {
         let ray = Aabb { low: point, high: [f32::MAX, point[1], point[2]] };
         let mut crossings: Vec<(u32, i32)> = Vec::new();
         let mut touching = Vec::new();
         self.bvh.for_each_overlapping(&ray, |slot| {
             let shell = self.shell_of[slot as usize];
+            if shell as usize == own {
+                return;
+            }
             match crossing(mesh.corners(self.faces[slot as usize]), point) {
                 Crossing::None => {}
                 Crossing::Signed(sign) => crossings.push((shell, sign)),

@@ -4,27 +4,32 @@
 ///
 /// Steele, Lea & Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014.
 #[derive(Clone, Debug)]
-pub(super) struct SplitMix64(
+pub(crate) struct SplitMix64(
     /// The counter; any value is a good seed.
-    pub(super) u64,
+    pub(crate) u64,
 );
 
 impl SplitMix64 {
     /// The next 64 bits.
-    pub(super) fn next(&mut self) -> u64 {
+    pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)
     }
 
+    /// A number in [0, 1), one of 2⁵³.
+    pub(crate) fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
     /// An integer below `bound`, which is not zero. Uneven by less than `bound` / 2⁶⁴.
-    pub(super) fn below(&mut self, bound: usize) -> usize {
+    pub(crate) fn below(&mut self, bound: usize) -> usize {
         ((u128::from(self.next()) * bound as u128) >> 64) as usize
     }
 
     /// The numbers 0 … `count` − 1 in random order (Fisher & Yates).
-    pub(super) fn permutation(&mut self, count: usize) -> Vec<u32> {
+    pub(crate) fn permutation(&mut self, count: usize) -> Vec<u32> {
         let mut order: Vec<u32> = (0..count).map(|i| u32::try_from(i).expect("ids have 32 bits")).collect();
         for last in (1..count).rev() {
             order.swap(last, self.below(last + 1));

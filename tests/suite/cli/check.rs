@@ -1,0 +1,175 @@
+//! `umbrage check`.
+
+use std::fs;
+
+use serde_json::Value;
+use umbrage::mesh::{Mesh, solid};
+
+use super::{Folder, assert_shape, keys, real};
+
+/// The keys of M in DESIGN, then its two lists.
+const MESH_KEYS: &str = "name vertices welded_vertices faces edges shells closed_shells euler_characteristic \
+    boundary_edges boundary_loops non_manifold_edges max_faces_per_edge misoriented_edges non_manifold_vertices \
+    collapsed_faces zero_area_faces duplicate_faces unreferenced_vertices near_miss_edges t_junctions \
+    inside_out_shells self_intersections signed_volume watertight balanced even shell_list defects";
+
+#[test]
+fn check_exit_code_is_the_verdict_and_two_outranks_one() {
+    let folder = Folder::with_cubes();
+    for (arguments, code) in [
+        ("check cube.obj", 0),
+        ("check open.obj", 1),
+        ("check cube.obj open.obj", 1),
+        ("check missing.obj", 2),
+        ("check garbled.stl", 2),
+        ("check folder", 2),
+        ("check open.obj missing.obj cube.obj", 2),
+        ("check folder cube.obj", 2),
+    ] {
+        assert_eq!(folder.code(arguments), code, "{arguments}");
+        assert_eq!(folder.code(&format!("{arguments} --json")), code, "{arguments} --json");
+    }
+}
+
+#[test]
+fn check_reports_the_other_files_beside_an_unreadable_one() {
+    let folder = Folder::with_cubes();
+    let run = folder.run("check missing.obj cube.obj garbled.stl --json");
+    let document: Value = serde_json::from_str(&run.stdout).unwrap();
+    let files = document["files"].as_array().unwrap();
+    assert_eq!(files.len(), 3);
+    for (entry, name, format) in
+        [(&files[0], "missing.obj", Value::Null), (&files[2], "garbled.stl", Value::from("stl"))]
+    {
+        assert_eq!((&entry["file"], &entry["format"]), (&Value::from(name), &format));
+        assert!(entry["error"].as_str().unwrap().starts_with(name), "{entry}");
+        assert_eq!((&entry["meshes"], &entry["total"]), (&Value::Array(vec![]), &Value::Null));
+    }
+    assert_eq!((&files[1]["error"], &files[1]["total"]["faces"]), (&Value::Null, &Value::from(12)));
+    assert_eq!(document["verdict"], Value::Null, "what could not be read is not sound");
+    assert_eq!(run.stderr.lines().count(), 2);
+    let run = folder.run("check missing.obj open.obj --json");
+    assert_eq!(serde_json::from_str::<Value>(&run.stdout).unwrap()["verdict"], "cracked");
+    let text = folder.run("check missing.obj cube.obj garbled.stl").stdout;
+    assert!(text.contains("cube.obj (obj)") && text.contains("sound: the mesh is watertight"), "{text}");
+}
+
+#[test]
+fn check_json_has_the_agreed_keys_in_order() {
+    let folder = Folder::with_cubes();
+    let document = folder.json("check open.obj cube.obj");
+    assert_eq!(keys(&document), "files verdict");
+    let file = &document["files"][0];
+    assert_eq!(keys(file), "file format error meshes total");
+    assert_eq!(keys(&file["meshes"][0]), MESH_KEYS);
+    assert_eq!(keys(&file["total"]), MESH_KEYS);
+    let defect = &file["meshes"][0]["defects"][0];
+    assert_eq!(keys(defect), "kind count effect at");
+    assert_eq!(keys(&defect["at"][0]), "position name faces");
+    assert_eq!((&document["verdict"], &file["format"]), (&Value::from("cracked"), &Value::from("obj")));
+    assert_shape("check", &document);
+}
+
+#[test]
+fn check_counts_of_an_open_cube_are_those_of_a_hole() {
+    let folder = Folder::with_cubes();
+    let document = folder.json("check open.obj");
+    let mesh = &document["files"][0]["meshes"][0];
+    for (key, value) in [("faces", 10), ("edges", 17), ("boundary_edges", 4), ("boundary_loops", 1)] {
+        assert_eq!(mesh[key], value, "{key}");
+    }
+    assert_eq!(mesh["self_intersections"], Value::Null, "nobody looked");
+    let document = folder.json("check open.obj --self-intersections");
+    assert_eq!(document["files"][0]["meshes"][0]["self_intersections"], 0);
+}
+
+#[test]
+fn check_require_names_a_weaker_property() {
+    let folder = Folder::new();
+    folder.mesh("touching.obj", &solid::cubes_sharing_edge());
+    folder.mesh("turned.obj", &solid::misoriented_cube());
+    folder.mesh("inward.obj", &solid::inside_out(&solid::cube()));
+    folder.mesh("open.obj", &solid::open_cube());
+    // What is required: soundness, watertight, balanced, even.
+    for (name, codes) in [
+        ("touching", [1, 1, 0, 0]),
+        ("turned", [1, 1, 1, 0]),
+        ("inward", [1, 0, 0, 0]),
+        ("open", [1, 1, 1, 1]),
+    ] {
+        let options = ["", " --require watertight", " --require balanced", " --require even"];
+        let got = options.map(|option| folder.code(&format!("check {name}.obj{option}")));
+        assert_eq!(got, codes, "{name}");
+    }
+}
+
+#[test]
+fn check_weld_decides_what_is_one_vertex() {
+    let folder = Folder::new();
+    folder.mesh("soup.ply", &solid::soup(&solid::cube()));
+    folder.mesh("seam.obj", &solid::seam(4));
+    assert_eq!(folder.code("check soup.ply"), 0);
+    assert_eq!(folder.code("check soup.ply --weld none"), 1);
+    assert_eq!(folder.code("check seam.obj"), 1);
+    // The report says which distance closes it, and it does.
+    let text = folder.run("check seam.obj").stdout;
+    let remedy = text.lines().find(|line| line.contains("--weld")).unwrap_or_else(|| panic!("{text}"));
+    let option: Vec<&str> = remedy.split_whitespace().take(2).collect();
+    assert_eq!(folder.code(&format!("check seam.obj {}", option.join(" "))), 0, "{remedy}");
+}
+
+#[test]
+fn check_limit_bounds_what_is_listed() {
+    let folder = Folder::new();
+    let pieces: Vec<Mesh> =
+        (0..9_u8).map(|i| solid::translated(&solid::open_cube(), [f32::from(i) * 3.0, 0.0, 0.0])).collect();
+    folder.mesh("nine.obj", &Mesh::concat(&pieces).unwrap());
+    for (option, listed) in [("", 5), (" --limit 2", 2), (" --limit 0", 0), (" --limit 50", 9)] {
+        let document = folder.json(&format!("check nine.obj{option}"));
+        let defect = &document["files"][0]["meshes"][0]["defects"][0];
+        assert_eq!((defect["at"].as_array().unwrap().len(), &defect["count"]), (listed, &Value::from(9)));
+        let text = folder.run(&format!("check nine.obj{option}")).stdout;
+        assert_eq!(text.matches("    at ").count(), listed, "{text}");
+        assert_eq!(text.contains(&format!("    {} more\n", 9 - listed)), listed < 9, "{text}");
+    }
+}
+
+#[test]
+fn check_mark_is_geometry_that_can_be_read_and_always_the_same() {
+    let folder = Folder::with_cubes();
+    let code = folder.code("check open.obj --mark a.glb");
+    assert_eq!((code, folder.code("check open.obj --mark b.glb")), (1, 1));
+    assert_eq!(fs::read(folder.path("a.glb")).unwrap(), fs::read(folder.path("b.glb")).unwrap());
+    let marked = folder.json("check a.glb --scope scene");
+    assert_eq!(marked["files"][0]["total"]["faces"], 10, "the grey mesh, and no face beside it");
+}
+
+#[test]
+fn check_keeps_commands_to_the_terminal_out_of_its_text() {
+    let folder = Folder::new();
+    fs::write(folder.path("a.obj"), "o \x1b[31mred\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let run = folder.run("check a.obj");
+    assert_eq!(run.code, 1);
+    assert!(!run.stdout.contains('\x1b') && run.stdout.contains("[31mred"), "{}", run.stdout);
+}
+
+#[test]
+fn check_of_many_sound_meshes_is_a_few_lines() {
+    let Some(file) = real("many-cubes.gltf") else { return };
+    let run = Folder::new().run(&format!("check {}", file.display()));
+    assert_eq!(run.code, 0);
+    assert!(run.stdout.lines().count() < 8 && run.stdout.contains("all 501 meshes"), "{}", run.stdout);
+}
+
+#[test]
+fn check_scope_of_a_solid_stored_in_pieces() {
+    let Some(file) = real("strips_mode5.gltf") else { return };
+    let folder = Folder::new();
+    let file = file.display();
+    for (scope, meshes, boundary) in [("mesh", 54, 2656), ("scene", 1, 0)] {
+        let document = folder.json(&format!("check {file} --scope {scope}"));
+        let report = &document["files"][0];
+        assert_eq!(report["meshes"].as_array().unwrap().len(), meshes);
+        assert_eq!(report["total"]["boundary_edges"], boundary);
+    }
+}

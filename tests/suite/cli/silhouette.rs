@@ -1,0 +1,93 @@
+//! `umbrage silhouette`.
+
+use serde_json::Value;
+use umbrage::mesh::solid;
+
+use super::{Folder, assert_shape, keys, real};
+
+const LIGHT_KEYS: &str = "light faces front_faces edge_on_faces edges silhouette_edges outline_edges \
+    max_multiplicity loops method reason unsure_faces";
+
+#[test]
+fn silhouette_json_has_the_agreed_keys_in_order() {
+    let folder = Folder::with_cubes();
+    let document = folder.json("silhouette cube.obj --light point:2,3,5");
+    assert_eq!(keys(&document), "file format lights");
+    assert_eq!(keys(&document["lights"][0]), LIGHT_KEYS);
+    assert_shape("silhouette", &document);
+}
+
+#[test]
+fn silhouette_of_a_cube_along_its_diagonal_is_a_hexagon() {
+    let folder = Folder::with_cubes();
+    let document = folder.json("silhouette cube.obj --light directional:-1,-1,-1 --light directional:0,-1,0");
+    let [diagonal, axis] = [&document["lights"][0], &document["lights"][1]];
+    for (key, value) in [
+        ("faces", 12),
+        ("front_faces", 6),
+        ("edge_on_faces", 0),
+        ("edges", 18),
+        ("silhouette_edges", 6),
+        ("outline_edges", 6),
+        ("max_multiplicity", 2),
+        ("loops", 1),
+        ("unsure_faces", 0),
+    ] {
+        assert_eq!(diagonal[key], value, "{key}");
+    }
+    assert_eq!((&diagonal["light"], &diagonal["method"]), (&"directional:-1,-1,-1".into(), &"scan".into()));
+    // Four sides are edge-on: the top and the bottom each keep their border.
+    assert_eq!((&axis["front_faces"], &axis["edge_on_faces"]), (&2.into(), &8.into()));
+    assert_eq!(
+        (&axis["silhouette_edges"], &axis["outline_edges"], &axis["loops"]),
+        (&8.into(), &4.into(), &2.into())
+    );
+}
+
+#[test]
+fn silhouette_without_a_light_says_which_it_takes() {
+    let folder = Folder::with_cubes();
+    let run = folder.run("silhouette cube.obj --json");
+    let document: Value = serde_json::from_str(&run.stdout).unwrap();
+    let light = document["lights"][0]["light"].as_str().unwrap();
+    assert!(light.starts_with("point:") && run.stderr.contains(light), "{light}: {}", run.stderr);
+    assert_eq!(folder.run("silhouette cube.obj --light point:1,2,3").stderr, "");
+}
+
+#[test]
+fn silhouette_takes_the_lights_of_the_file() {
+    let Some(file) = real("sphere_lights.glb") else { return };
+    let document = Folder::new().json(&format!("silhouette {}", file.display()));
+    let lights = document["lights"].as_array().unwrap();
+    let is = |kind| lights.iter().filter(|light| light["light"].as_str().unwrap().starts_with(kind)).count();
+    assert_eq!((is("directional:"), is("point:")), (1, 3), "spot lights are point lights");
+}
+
+#[test]
+fn silhouette_output_holds_the_edges_as_lines() {
+    let folder = Folder::with_cubes();
+    for name in ["a.obj", "a.ply", "a.glb"] {
+        assert_eq!(
+            folder.code(&format!("silhouette cube.obj --light directional:-1,-1,-1 -o {name}")),
+            0,
+            "{name}"
+        );
+    }
+    let text = std::fs::read_to_string(folder.path("a.obj")).unwrap();
+    let count = |letter: &str| text.lines().filter(|line| line.split(' ').next() == Some(letter)).count();
+    assert_eq!((count("v"), count("l"), count("f")), (6, 6, 0), "{text}");
+}
+
+#[test]
+fn silhouette_of_meshes_that_touch_keeps_them_apart() {
+    // Two cubes in one file that share a face: one mesh welds them together, two would not.
+    let folder = Folder::new();
+    let right = solid::cuboid([1.0, -1.0, -1.0], [3.0, 1.0, 1.0]);
+    let both = umbrage::mesh::Mesh::concat(&[solid::cube(), right]).unwrap();
+    folder.mesh("both.obj", &both);
+    let edges = |scope: &str| {
+        folder.json(&format!("silhouette both.obj --light point:9,8,7{scope}"))["lights"][0]["edges"].clone()
+    };
+    assert_eq!(edges(" --scope primitive"), 36);
+    assert!(edges("").as_u64().unwrap() < 36);
+}

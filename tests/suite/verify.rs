@@ -1,0 +1,49 @@
+//! Every judge against every other on the real meshes, with the lights that are hardest.
+
+use umbrage::geom::{Aabb, Light};
+use umbrage::mesh::{Mesh, Weld, weld};
+use umbrage::scene::Scope;
+use umbrage::verify::{Options, Verifier};
+
+use crate::support::real_meshes;
+
+/// Outside, inside the bounding box, on a vertex, and directional along an axis.
+fn lights(mesh: &Mesh) -> [Light; 4] {
+    let [low, high] = mesh.bounds().expect("a real mesh has faces");
+    let bounds = Aabb { low, high };
+    let centre = bounds.centre();
+    let size = bounds.diagonal() as f32;
+    let vertex = mesh.positions()[mesh.vertex_count() / 2];
+    [
+        Light::point([centre[0] + 0.7 * size, centre[1] + 1.1 * size, centre[2] + 0.4 * size]),
+        Light::point([0, 1, 2].map(|i| centre[i] + 0.21 * (high[i] - low[i]))),
+        Light::point(vertex),
+        Light::directional([0.0, -1.0, 0.0]),
+    ]
+    .map(|light| light.expect("finite and not zero"))
+}
+
+#[test]
+fn verify_all_judges_agree_on_every_real_mesh() {
+    let Some(folder) = real_meshes() else { return };
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let mut judged = 0;
+    for file in files {
+        let Ok(scene) = umbrage::read::read(&file) else { continue };
+        let meshes: Vec<Mesh> =
+            scene.bake(Scope::Mesh).unwrap().iter().map(|mesh| weld(mesh, Weld::Exact).mesh).collect();
+        let mesh = Mesh::concat(&meshes).unwrap();
+        let verifier = Verifier::new(&mesh);
+        for light in lights(&mesh) {
+            let options = Options { points: 1000, ..Options::default() };
+            let start = std::time::Instant::now();
+            let result = verifier.verify(&light, &options, &|_| {});
+            eprintln!("{} {light} {:?} {:?}", file.display(), start.elapsed(), result.total());
+            assert_eq!(result.total().disagree, 0, "{} {light}: {:?}", file.display(), result.disagreements);
+            assert_eq!(result.total().points, 1000);
+        }
+        judged += 1;
+    }
+    assert_eq!(judged, 29);
+}

@@ -37,7 +37,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "target", allow_hyphen_values = true)]
     eye: Option<[f32; 3]>,
 
-    /// Where the eye looks to, in mesh units
+    /// Where the eye looks to, in mesh units, together with --eye [default: as for --eye]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "eye", allow_hyphen_values = true)]
     target: Option<[f32; 3]>,
 
@@ -57,7 +57,7 @@ pub(crate) struct Args {
     #[arg(long)]
     ground: bool,
 
-    /// Where the picture is written, as PNG in sRGB
+    /// Where the picture is written, as PNG in sRGB (required)
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
 

@@ -58,7 +58,8 @@ pub(crate) struct Args {
     #[arg(long)]
     json: bool,
 
-    /// Draw the mesh with its defects over it, 960x540 pixels; one input file only
+    /// Draw the mesh with its defects over it, 960x540 pixels; for one input file
+    /// [default: nothing is drawn]
     ///
     /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow, dimmed where the mesh hides
     /// them; standard error says what further colours mean.

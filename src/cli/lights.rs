@@ -1,7 +1,7 @@
 //! Which lights a command works with.
 
 use umbrage::geom::{Aabb, Light};
-use umbrage::scene::SceneLight;
+use umbrage::scene::{SceneLight, Up};
 
 use super::output;
 
@@ -11,21 +11,26 @@ pub(crate) struct LightArgs {
     /// `point:X,Y,Z` or `directional:X,Y,Z` (the way the light travels), in mesh units; may be repeated
     ///
     /// [default: the file's own lights; without those, a point light 1.5 diagonals of the bounding box away from
-    /// its centre, above and to the side, towards (1,2,1)]
+    /// its centre, above and to the side, towards (1,2,1), or (1,-1,2) for stl and md2, where z is up]
     #[arg(long = "light", value_name = "LIGHT")]
     lights: Vec<Light>,
 }
 
 impl LightArgs {
+    /// Whether the command line names any, so that [`LightArgs::resolve`] gives those.
+    pub(crate) fn were_asked_for(&self) -> bool {
+        !self.lights.is_empty()
+    }
+
     /// The lights asked for; else those of the file; else one that is computed from `bounds` and announced.
-    pub(crate) fn resolve(&self, of_file: Vec<SceneLight>, bounds: Aabb) -> Vec<SceneLight> {
+    pub(crate) fn resolve(&self, of_file: Vec<SceneLight>, bounds: Aabb, up: Up) -> Vec<SceneLight> {
         if !self.lights.is_empty() {
             return self.lights.iter().map(|&light| white(light)).collect();
         }
         if !of_file.is_empty() {
             return of_file;
         }
-        let light = default_light(bounds);
+        let light = default_light(bounds, up);
         output::say(format_args!("note: no --light, and none in the file: using {light}"));
         vec![white(light)]
     }
@@ -35,14 +40,14 @@ fn white(light: Light) -> SceneLight {
     SceneLight { name: String::new(), light, colour: [1.0; 3], intensity: 1.0, spot: None }
 }
 
-/// 1.5 diagonals from the centre towards (1, 2, 1): above (y up) and to the side of everything.
-fn default_light(bounds: Aabb) -> Light {
+/// 1.5 diagonals from the centre towards (1, 2, 1) of a y-up model: above, in front and to the side of everything.
+fn default_light(bounds: Aabb, up: Up) -> Light {
     let (centre, diagonal) = (bounds.centre(), bounds.diagonal());
     let reach = if diagonal > 0.0 { 1.5 * diagonal } else { 1.0 };
     let step = reach / 6_f64.sqrt(); // the length of (1, 2, 1)
     let largest = f64::from(f32::MAX);
-    let at = [(0, 1.0), (1, 2.0), (2, 1.0)]
-        .map(|(i, towards)| (f64::from(centre[i]) + towards * step).clamp(-largest, largest) as f32);
+    let towards = up.turn([1.0, 2.0, 1.0]);
+    let at = [0, 1, 2].map(|i| (f64::from(centre[i]) + towards[i] * step).clamp(-largest, largest) as f32);
     Light::point(at).expect("clamped to finite coordinates")
 }
 
@@ -54,18 +59,19 @@ mod tests {
     fn lights_asked_for_come_before_those_of_the_file() {
         let own = white("point:1,1,1".parse().unwrap());
         let asked = LightArgs { lights: vec!["directional:0,-1,0".parse().unwrap()] };
-        assert_eq!(asked.resolve(vec![own.clone()], Aabb::EMPTY)[0].light, asked.lights[0]);
-        assert_eq!(LightArgs { lights: vec![] }.resolve(vec![own.clone()], Aabb::EMPTY), [own]);
+        assert_eq!(asked.resolve(vec![own.clone()], Aabb::EMPTY, Up::Y)[0].light, asked.lights[0]);
+        assert_eq!(LightArgs { lights: vec![] }.resolve(vec![own.clone()], Aabb::EMPTY, Up::Y), [own]);
     }
 
     #[test]
     fn default_light_lies_one_and_a_half_diagonals_away() {
         let bounds = Aabb { low: [-1.0; 3], high: [1.0; 3] };
-        let [x, y, z] = default_light(bounds).xyz().map(f64::from);
+        let [x, y, z] = default_light(bounds, Up::Y).xyz().map(f64::from);
         assert!(((x * x + y * y + z * z).sqrt() - 1.5 * 12_f64.sqrt()).abs() < 1e-5, "{x} {y} {z}");
         assert!(y > 1.0 && x > 1.0 && z > 1.0);
+        assert_eq!(default_light(bounds, Up::Z).xyz().map(f64::from), [x, -z, y]);
         for extreme in [Aabb::EMPTY, Aabb { low: [f32::MIN; 3], high: [f32::MAX; 3] }] {
-            assert!(default_light(extreme).xyz().iter().all(|x| x.is_finite()));
+            assert!(default_light(extreme, Up::Y).xyz().iter().all(|x| x.is_finite()));
         }
     }
 }

@@ -64,7 +64,6 @@ pub(crate) struct Baked {
     /// One for each scope.
     pub(crate) meshes: Vec<Mesh>,
     pub(crate) lights: Vec<SceneLight>,
-    #[expect(dead_code, reason = "the commands that make pictures look through it")]
     pub(crate) camera: Option<Camera>,
 }
 

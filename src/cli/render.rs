@@ -1,14 +1,184 @@
-//! `umbrage render`.
+//! `umbrage render`: a picture with exact shadows.
 
-use super::{Failure, Outcome, unbuilt};
+use std::path::{Path, PathBuf};
 
-/// A picture with exact shadows (not built yet)
+use umbrage::geom::Light;
+use umbrage::oracle::Oracle;
+use umbrage::picture::{self, CLAY, Ground, Lamp, View};
+use umbrage::scene::{Camera, Size, Up};
+
+use super::lights::LightArgs;
+use super::load::{self, MeshArgs};
+use super::machine::ThreadArgs;
+use super::output;
+use super::progress::Progress;
+use super::{Failure, Outcome};
+
+/// Picture: every pixel's visible point and its shadow by exact ray cast, flat faces, plain shading
+///
+/// Shading is for the eye, shadows are exact: a light is as strong far away as near. Lights asked for share one
+/// brightness; those of a file keep the ratio that their candela and lux have at the centre of the scene, a spot
+/// light within its cone. A point that a ray only grazes is drawn lit.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
+    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content
+    file: PathBuf,
+
     #[command(flatten)]
-    rest: unbuilt::Rest,
+    mesh: MeshArgs,
+
+    #[command(flatten)]
+    lights: LightArgs,
+
+    /// Where the eye is, in mesh units
+    ///
+    /// [default: the file's own camera; without one, a three-quarter view from the front, the right and above that
+    /// shows everything]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "target", allow_hyphen_values = true)]
+    eye: Option<[f32; 3]>,
+
+    /// Where the eye looks to, in mesh units, together with --eye [default: as for --eye]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "eye", allow_hyphen_values = true)]
+    target: Option<[f32; 3]>,
+
+    /// Vertical field of view in degrees, together with --eye [default: 35]
+    #[arg(long, value_name = "DEG", requires = "eye")]
+    fov: Option<f32>,
+
+    /// Width and height in pixels, each at most 16384
+    #[arg(long, value_name = "WxH", default_value = "960x540")]
+    size: Size,
+
+    /// How shadows are found
+    #[arg(long, value_enum, default_value_t = Method::Auto)]
+    method: Method,
+
+    /// Add a large floor below everything: lowest in z for stl and md2, lowest in y for every other format
+    #[arg(long)]
+    ground: bool,
+
+    /// Where the picture is written, as PNG in sRGB (required)
+    #[arg(short, long, value_name = "OUT.png")]
+    output: PathBuf,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Method {
+    /// The fastest that is built
+    Auto,
+    /// Stencil counting in front of what is seen (not built yet)
+    Zpass,
+    /// Stencil counting behind what is seen (not built yet)
+    Zfail,
+    /// Exact ray cast
+    Rays,
+}
+
+impl Method {
+    fn settle(self) -> Result<(), Failure> {
+        let refuse = |name| Err(Failure::not_built(format_args!("--method {name}"), "use --method rays"));
+        match self {
+            Self::Auto => {
+                output::say("note: --method auto: no GPU pass in this build: rays");
+                Ok(())
+            }
+            Self::Rays => Ok(()),
+            Self::Zpass => refuse("zpass"),
+            Self::Zfail => refuse("zfail"),
+        }
+    }
+}
+
+/// Rays along each side of a pixel at an edge.
+const EDGE_SAMPLES: u32 = 3;
+
+fn parse_point(text: &str) -> Result<[f32; 3], String> {
+    let numbers: Option<Vec<f32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
+    let point: Option<[f32; 3]> = numbers.and_then(|numbers| numbers.try_into().ok());
+    point
+        .filter(|point| point.iter().all(|x| x.is_finite()))
+        .ok_or_else(|| "write three finite numbers X,Y,Z in mesh units".to_owned())
+}
+
+/// Whether a picture can be written under this name, as far as the name tells.
+pub(crate) fn require_png(path: &Path) -> Result<(), Failure> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        return Ok(());
+    }
+    Err(Failure::new("pictures are written as PNG only", "name a file that ends in .png").in_file(path))
 }
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
-    unbuilt::run("render", args.rest)
+    require_png(&args.output)?;
+    let asked = camera(&args, Up::Y)?; // nonsense is refused before the file is read
+    args.method.settle()?;
+    args.threads.apply()?;
+
+    let baked = args.mesh.read(&args.file)?;
+    let up = Up::of(baked.format);
+    let mesh = args.mesh.caster(baked.meshes, &args.file)?;
+    if mesh.face_count() == 0 {
+        output::say(format_args!("note: {}: there are no faces", args.file.display()));
+    }
+    let bounds = load::bounds(&mesh);
+    let camera = match asked {
+        Some(_) => camera(&args, up)?,
+        None => baked.camera,
+    };
+    let camera = camera.unwrap_or_else(|| Camera::fit(&bounds, up, args.size.aspect()));
+    let lights = args.lights.resolve(baked.lights, bounds, up);
+    let lamps = if args.lights.were_asked_for() {
+        Lamp::equal(&lights.iter().map(|light| light.light).collect::<Vec<Light>>())
+    } else {
+        Lamp::balanced(&lights, &bounds)
+    };
+    let (mesh, ground) = if args.ground {
+        let (mesh, ground) = Ground::under(mesh, up)
+            .map_err(|error| Failure::new(error, "leave out --ground").in_file(&args.file))?;
+        (mesh, Some(ground))
+    } else {
+        (mesh, None)
+    };
+
+    let view = View {
+        camera,
+        size: args.size,
+        lamps: &lamps,
+        up,
+        ground,
+        paint: &|_| CLAY,
+        edge_samples: EDGE_SAMPLES,
+    };
+    let oracle = Oracle::build(&mesh);
+    drop(mesh);
+    let progress = Progress::bar("rendering", view.steps());
+    let picture = picture::render(&oracle, &view, &|steps| progress.done(steps));
+    drop(progress);
+    picture.write_png(&args.output)?;
+    Ok(Outcome::Sound)
+}
+
+/// The camera that was asked for.
+fn camera(args: &Args, up: Up) -> Result<Option<Camera>, Failure> {
+    let (Some(eye), Some(target)) = (args.eye, args.target) else { return Ok(None) };
+    let fov = args.fov.map_or(Camera::DEFAULT_FOV_Y_RAD, f32::to_radians);
+    Camera::look_at(eye, target, fov, up)
+        .map(Some)
+        .map_err(|error| Failure::new(error, "change --eye, --target or --fov"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_are_three_finite_numbers() {
+        assert_eq!(parse_point("1, -2.5,3e2"), Ok([1.0, -2.5, 300.0]));
+        for text in ["", "1,2", "1,2,3,4", "1,2,nan", "1,2,inf", "a,b,c"] {
+            assert!(parse_point(text).is_err(), "{text}");
+        }
+    }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use umbrage::geom::Light;
 use umbrage::mesh::{Mesh, VertexId};
-use umbrage::scene::SceneLight;
+use umbrage::scene::{SceneLight, Up};
 use umbrage::silhouette::{Casters, Facing, Silhouette, classify};
 use umbrage::topology::Topology;
 use umbrage::write::{self, Elements, Layer, Model, Target};
@@ -92,7 +92,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     }
     let baked = args.mesh.read(&args.file)?;
     let mesh = args.mesh.caster(baked.meshes, &args.file)?;
-    let lights = args.lights.resolve(baked.lights, load::bounds(&mesh));
+    let lights = args.lights.resolve(baked.lights, load::bounds(&mesh), Up::of(baked.format));
 
     let progress = Progress::spinner("finding silhouettes");
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());

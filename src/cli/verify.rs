@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 use umbrage::oracle::Verdict;
-use umbrage::scene::SceneLight;
+use umbrage::scene::{SceneLight, Up};
 use umbrage::verify::{Judge, Options, Stratum, Verification, Verifier};
 
 use super::lights::LightArgs;
@@ -106,7 +106,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     args.threads.apply()?;
     let mut baked = args.mesh.read(&args.file)?;
     let mesh = args.mesh.caster(std::mem::take(&mut baked.meshes), &args.file)?;
-    let lights = args.lights.resolve(baked.lights, load::bounds(&mesh));
+    let lights = args.lights.resolve(baked.lights, load::bounds(&mesh), Up::of(baked.format));
 
     let progress = Progress::spinner("topology, proofs and tree");
     let verifier = Verifier::new(&mesh);

@@ -1,5 +1,7 @@
 //! Lines, spots and tinted faces over a picture: where something is, drawn for people.
 
+use std::ops::Range;
+
 use glam::DVec2;
 
 use super::{CLAY, Lamp, Picture, View, render, rows};
@@ -8,7 +10,7 @@ use crate::mesh::FaceId;
 use crate::oracle::Oracle;
 use crate::scene::{Camera, Pinhole, Projected, Size, Up};
 
-/// What is to be drawn over a mesh; later things cover earlier ones, spots cover lines.
+/// What is to be drawn over a mesh: lines colour by colour, then spots in their order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlay {
     /// Straight lines in world space.
@@ -70,17 +72,25 @@ impl Overlay {
     }
 
     fn draw(&self, picture: &mut Picture, pinhole: &Pinhole, depths: &[f32], skin: f64) {
-        let mut canvas = Canvas { picture, depths, skin };
+        let mask = vec![0.0; picture.pixels.len()];
+        let mut canvas = Canvas { picture, depths, skin, mask };
         // A margin of 5 % keeps the round ends of cut lines outside of the picture.
-        for line in &self.lines {
-            if let Some([a, b]) = pinhole.project_segment(line.ends, 0.05) {
-                canvas.stroke(a, b, LINE_RADIUS_PX, line.colour);
+        let mut lines = self.lines.clone();
+        lines.sort_by_key(|line| line.colour);
+        for lines in lines.chunk_by(|a, b| a.colour == b.colour) {
+            for line in lines {
+                if let Some([a, b]) = pinhole.project_segment(line.ends, 0.05) {
+                    canvas.stroke(a, b, LINE_RADIUS_PX);
+                }
             }
+            canvas.paint(lines[0].colour, 0..canvas.mask.len());
         }
         for spot in &self.spots {
             if let Some([at, _]) = pinhole.project_segment([spot.at; 2], 0.05) {
-                canvas.stroke(at, at, SPOT_RADIUS_PX + 1.5, [30; 3]);
-                canvas.stroke(at, at, SPOT_RADIUS_PX, spot.colour);
+                for (radius, colour) in [(SPOT_RADIUS_PX + 1.5, [30; 3]), (SPOT_RADIUS_PX, spot.colour)] {
+                    let touched = canvas.stroke(at, at, radius);
+                    canvas.paint(colour, touched);
+                }
             }
         }
         for (i, &colour) in self.legend.iter().enumerate() {
@@ -119,16 +129,21 @@ struct Canvas<'a> {
     picture: &'a mut Picture,
     depths: &'a [f32],
     skin: f64,
+    /// How much of a colour is to be laid over each pixel: so that strokes of one colour join without beads.
+    mask: Vec<f32>,
 }
 
 impl Canvas<'_> {
-    /// A line with round ends, or a disc where both ends are one; soft over one pixel.
-    fn stroke(&mut self, a: Projected, b: Projected, radius: f64, colour: [u8; 3]) {
+    /// Masks a line with round ends, or a disc where both ends are one; soft over one pixel. Returns a range that
+    /// holds all pixels touched.
+    fn stroke(&mut self, a: Projected, b: Projected, radius: f64) -> Range<usize> {
+        let width = self.picture.size.width() as usize;
         let (from, to) = (DVec2::new(a.x_px, a.y_px), DVec2::new(b.x_px, b.y_px));
         let along = to - from;
         let reach = DVec2::splat(radius + 0.5);
         let (low, high) = (from.min(to) - reach, from.max(to) + reach);
-        for y in pixels(low.y, high.y, self.picture.size.height()) {
+        let rows = pixels(low.y, high.y, self.picture.size.height());
+        for y in rows.clone() {
             // Only the part of the row that the line comes near: where it is within reach above or below.
             let (mut left, mut right) = (low.x, high.x);
             if along.y.abs() > along.x.abs() {
@@ -154,8 +169,20 @@ impl Canvas<'_> {
                     // 1 / depth is linear in the picture.
                     let depth = 1.0 / ((1.0 - s) / a.depth + s / b.depth);
                     let alpha = if self.hides(x, y, depth) { HIDDEN_ALPHA } else { 1.0 };
-                    self.blend(x, y, colour, coverage * alpha);
+                    let mask = &mut self.mask[y * width + x];
+                    *mask = mask.max((coverage * alpha) as f32);
                 }
+            }
+        }
+        rows.start * width..rows.end * width
+    }
+
+    /// Lays a colour over the masked pixels of a range, and clears their mask.
+    fn paint(&mut self, colour: [u8; 3], range: Range<usize>) {
+        let pixels = &mut self.picture.pixels[range.clone()];
+        for (pixel, mask) in pixels.iter_mut().zip(&mut self.mask[range]) {
+            if *mask > 0.0 {
+                blend(pixel, colour, std::mem::take(mask));
             }
         }
     }
@@ -169,13 +196,6 @@ impl Canvas<'_> {
         near.all(|at| f64::from(self.depths[at]) + self.skin < depth)
     }
 
-    fn blend(&mut self, x: usize, y: usize, colour: [u8; 3], alpha: f64) {
-        let pixel = &mut self.picture.pixels[y * self.picture.size.width() as usize + x];
-        for (under, over) in pixel.iter_mut().zip(colour) {
-            *under = (f64::from(*under) + alpha * (f64::from(over) - f64::from(*under)) + 0.5) as u8;
-        }
-    }
-
     /// The `i`-th square of the legend, with a dark rim.
     fn swatch(&mut self, i: usize, colour: [u8; 3]) {
         let (width, height) = (self.picture.size.width() as usize, self.picture.size.height() as usize);
@@ -185,14 +205,20 @@ impl Canvas<'_> {
             for x in left..(left + SWATCH_PX).min(width) {
                 let rim =
                     y == bottom - 1 || y + SWATCH_PX == bottom || x == left || x + 1 == left + SWATCH_PX;
-                self.blend(x, y, if rim { [30; 3] } else { colour }, 1.0);
+                blend(&mut self.picture.pixels[y * width + x], if rim { [30; 3] } else { colour }, 1.0);
             }
         }
     }
 }
 
+fn blend(pixel: &mut [u8; 4], colour: [u8; 3], alpha: f32) {
+    for (under, over) in pixel.iter_mut().zip(colour) {
+        *under = (f32::from(*under) + alpha * (f32::from(over) - f32::from(*under)) + 0.5) as u8;
+    }
+}
+
 /// The pixels that a range touches, within `0..side`.
-fn pixels(low: f64, high: f64, side: u32) -> std::ops::Range<usize> {
+fn pixels(low: f64, high: f64, side: u32) -> Range<usize> {
     let within = |x: f64| x.clamp(0.0, f64::from(side)) as usize;
     within(low.floor())..within(high.ceil())
 }

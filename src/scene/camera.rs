@@ -28,7 +28,7 @@ pub enum CameraError {
     #[error("the camera's eye and target need finite coordinates, not {0}")]
     NotFinite(f32),
     /// The eye is where it looks to.
-    #[error("the camera's eye is its target, {0},{1},{2}; move one of them")]
+    #[error("the camera's eye is its target, {0},{1},{2}")]
     EyeIsTarget(f32, f32, f32),
     /// The field of view is not an angle that a plane picture can have.
     #[error("the field of view is {} degrees; it must be more than 0 and less than 180", .0.to_degrees())]

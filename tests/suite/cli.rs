@@ -1,6 +1,7 @@
 //! The command: exit codes, JSON keys, refusals, and what is left behind when something fails.
 
 mod check;
+mod render;
 mod silhouette;
 mod volume;
 
@@ -129,7 +130,7 @@ fn cli_usage_errors_exit_with_two() {
 fn cli_help_names_every_default() {
     let folder = Folder::new();
     assert!(folder.run("--help").stdout.contains("Exit codes: 0 sound"));
-    for command in ["check", "silhouette", "volume"] {
+    for command in ["check", "silhouette", "volume", "render"] {
         let run = folder.run(&format!("{command} --help"));
         assert_eq!(run.code, 0);
         // An option starts a block, which goes on to the next one.
@@ -145,7 +146,7 @@ fn cli_help_names_every_default() {
         let valued: Vec<&String> = blocks.iter().filter(|block| block.contains('<')).collect();
         assert!(valued.len() > 4, "{}", run.stdout);
         for block in valued {
-            let said = ["[default: ", "not built yet"];
+            let said = ["[default: ", "not built yet", "(required)"];
             assert!(said.iter().any(|words| block.contains(words)), "{command}: {block}");
         }
     }
@@ -156,7 +157,8 @@ fn cli_refuses_by_name_what_is_not_built() {
     let folder = Folder::with_cubes();
     for (arguments, named) in [
         ("check cube.obj --fast", "--fast"),
-        ("check cube.obj --picture a.png", "--picture a.png"),
+        ("render cube.obj --method zpass -o a.png", "--method zpass"),
+        ("render cube.obj --method zfail -o a.png", "--method zfail"),
         ("silhouette cube.obj --method gpu", "--method gpu"),
         ("silhouette cube.obj --method tree", "--method tree"),
         ("silhouette cube.obj --adapter llvmpipe", "--adapter llvmpipe"),
@@ -186,6 +188,17 @@ fn cli_refuses_values_that_mean_nothing() {
         ("silhouette cube.obj --light directional:0,0,0", "0,0,0"),
         ("silhouette cube.obj --light point:1,2,inf", "inf"),
         ("silhouette cube.obj -o a.png", ".png"),
+        ("check cube.obj --picture a.jpg", ".png"),
+        ("check cube.obj open.obj --picture a.png", "--picture"),
+        ("render cube.obj", "--output"),
+        ("render cube.obj -o a.jpg", ".png"),
+        ("render cube.obj -o a.png --size 99999x99999", "99999x99999"),
+        ("render cube.obj -o a.png --size 0x9", "0x9"),
+        ("render cube.obj -o a.png --eye 1,2,3", "--target"),
+        ("render cube.obj -o a.png --eye 1,2 --target 0,0,0", "1,2"),
+        ("render cube.obj -o a.png --eye -1,2,3 --target -1,2,3", "-1,2,3"),
+        ("render cube.obj -o a.png --eye 1,2,3 --target 0,0,0 --fov 180", "180"),
+        ("render cube.obj -o a.png --fov 50", "--eye"),
         ("volume cube.obj --far 0", "0"),
         ("volume cube.obj --caps one", "one"),
         ("volume cube.obj -o a", "extension"),
@@ -200,7 +213,7 @@ fn cli_refuses_values_that_mean_nothing() {
 #[test]
 fn cli_errors_are_one_line_that_names_the_file() {
     let folder = Folder::with_cubes();
-    for command in ["check", "silhouette", "volume"] {
+    for command in ["check", "silhouette", "volume", "render --method rays -o a.png"] {
         for (file, problem) in
             [("missing.obj", "cannot be opened"), ("garbled.stl", ""), ("folder", "is a directory")]
         {

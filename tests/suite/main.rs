@@ -6,6 +6,7 @@ mod data;
 mod facts;
 mod gltf;
 mod oracle;
+mod picture;
 mod read;
 mod support;
 mod verify;

@@ -2,6 +2,7 @@
 
 mod json;
 mod mark;
+mod picture;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -9,14 +10,16 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::read::Format;
+use umbrage::scene::Up;
 use umbrage::topology::{Counts, CrackReport, Defect, DefectKind, NearMiss, ShellReport, Topology};
 use umbrage::write::{self, Model};
 
 use super::load::{MeshArgs, WeldedMesh};
 use super::output::{self, Output};
 use super::progress::Progress;
-use super::{Failure, Outcome};
+use super::{Failure, Outcome, render};
 use mark::Marks;
+use picture::Sketch;
 
 /// Crack report: is a mesh closed, and if not, where and with what effect
 ///
@@ -56,7 +59,11 @@ pub(crate) struct Args {
     #[arg(long)]
     json: bool,
 
-    /// Draw a picture of the defects (not built yet)
+    /// Draw the mesh with its defects over it, 960x540 pixels; for one input file
+    /// [default: nothing is drawn]
+    ///
+    /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow, dimmed where the mesh hides
+    /// them; standard error says what further colours mean.
     #[arg(long, value_name = "OUT.png")]
     picture: Option<PathBuf>,
 
@@ -139,8 +146,11 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let mut outcome = Outcome::Sound;
     let mut documents = Vec::new();
     let mut marks = args.mark.is_some().then(Marks::default);
+    let mut sketch = args.picture.is_some().then(Sketch::default);
+    let mut up = Up::default();
     for (index, file) in args.files.iter().enumerate() {
-        let report = examine(file, &args, marks.as_mut());
+        let report = examine(file, &args, marks.as_mut(), sketch.as_mut());
+        up = Up::of(report.as_ref().ok().and_then(|report| report.format));
         outcome = outcome.max(match &report {
             Ok(report) if report.sound() => Outcome::Sound,
             Ok(_) => Outcome::Unsound,
@@ -166,6 +176,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     if let (Some(path), Some(marks), Outcome::Sound | Outcome::Unsound) = (&args.mark, marks, outcome) {
         write::write(&marks.into_model(), path)?;
     }
+    if let (Some(path), Some(sketch), Outcome::Sound | Outcome::Unsound) = (&args.picture, sketch, outcome) {
+        sketch.write(up, path)?;
+    }
     Ok(outcome)
 }
 
@@ -183,7 +196,7 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
         mark: None,
     };
     let mut marks = Marks::default();
-    let report = examine(file, &args, Some(&mut marks))?;
+    let report = examine(file, &args, Some(&mut marks), None)?;
     let text = text::Report { report: &report, limit: args.limit }.to_string();
     Ok((text, json::document(&args.files, &[Ok(report)]), marks.into_model()))
 }
@@ -193,21 +206,28 @@ fn refuse(args: &Args) -> Result<(), Failure> {
     if args.fast {
         return Err(Failure::not_built("--fast", "leave it out"));
     }
-    if let Some(path) = &args.picture {
-        return Err(Failure::not_built(format_args!("--picture {}", path.display()), "use --mark OUT.glb"));
-    }
-    if let Some(path) = &args.mark {
-        if args.files.len() > 1 {
-            let problem = format!("--mark writes one file, and there are {} to check", args.files.len());
+    for (option, path) in [("--mark", &args.mark), ("--picture", &args.picture)] {
+        if path.is_some() && args.files.len() > 1 {
+            let problem = format!("{option} writes one file, and there are {} to check", args.files.len());
             return Err(Failure::new(problem, "check one file at a time"));
         }
+    }
+    if let Some(path) = &args.mark {
         write::Target::from_path(path)?;
+    }
+    if let Some(path) = &args.picture {
+        render::require_png(path)?;
     }
     Ok(())
 }
 
 /// Reads a file and reports on it, one mesh at a time.
-fn examine(file: &Path, args: &Args, mut marks: Option<&mut Marks>) -> Result<FileReport, Failure> {
+fn examine(
+    file: &Path,
+    args: &Args,
+    mut marks: Option<&mut Marks>,
+    mut sketch: Option<&mut Sketch>,
+) -> Result<FileReport, Failure> {
     let baked = args.mesh.read(file)?;
     let _progress = Progress::spinner(format!("checking {}", file.display()));
     let mut meshes = Vec::with_capacity(baked.meshes.len());
@@ -216,7 +236,8 @@ fn examine(file: &Path, args: &Args, mut marks: Option<&mut Marks>) -> Result<Fi
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let mut report = CrackReport::of(&mesh, &topology);
         if args.self_intersections {
-            let keep = if marks.is_some() { mark::PAIRS_MARKED } else { args.limit.min(mark::PAIRS_MARKED) };
+            let all = marks.is_some() || sketch.is_some();
+            let keep = if all { mark::PAIRS_MARKED } else { args.limit.min(mark::PAIRS_MARKED) };
             report.add_self_intersections(&mesh, &topology, keep);
             if let Some(found) = report.self_intersections.as_ref().filter(|found| !found.complete) {
                 let (file, pairs) = (file.display(), found.pairs);
@@ -225,6 +246,9 @@ fn examine(file: &Path, args: &Args, mut marks: Option<&mut Marks>) -> Result<Fi
         }
         if let Some(marks) = &mut marks {
             marks.add(&report, &mesh, &topology).map_err(|failure| failure.in_file(file))?;
+        }
+        if let Some(sketch) = &mut sketch {
+            sketch.add(&report, &mesh, &topology);
         }
         let defects = defects(&report, &mesh, &topology, args.limit);
         let CrackReport { counts, mut shell_list, near_miss, .. } = report;

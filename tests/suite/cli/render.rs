@@ -1,0 +1,68 @@
+//! `umbrage render` and `umbrage check --picture`.
+
+use std::fs;
+
+use umbrage::mesh::solid;
+
+use super::Folder;
+
+/// Width, height and pixels.
+fn png(folder: &Folder, name: &str) -> (u32, u32, Vec<u8>) {
+    let bytes = fs::read(folder.path(name)).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    (info.width, info.height, pixels)
+}
+
+#[test]
+fn render_writes_the_same_picture_whatever_the_threads() {
+    let folder = Folder::with_cubes();
+    let run = folder.run("render cube.obj --ground --size 64x48 -o a.png");
+    assert_eq!((run.code, run.stdout.as_str()), (0, ""), "{}", run.stderr);
+    assert!(run.stderr.contains("no GPU pass in this build: rays"), "{}", run.stderr);
+    assert_eq!(folder.code("render cube.obj --ground --size 64x48 -o b.png --threads 1"), 0);
+    assert_eq!(fs::read(folder.path("a.png")).unwrap(), fs::read(folder.path("b.png")).unwrap());
+    let (width, height, pixels) = png(&folder, "a.png");
+    assert_eq!((width, height, pixels.len()), (64, 48, 64 * 48 * 4));
+}
+
+#[test]
+fn render_takes_the_eye_the_lights_and_the_ground_that_are_asked_for() {
+    let folder = Folder::with_cubes();
+    let rest = "--size 64x48 --method rays -o a.png";
+    let mut seen = Vec::new();
+    for asked in [
+        "--light point:3,5,4",
+        "--light point:3,5,4 --light directional:1,-1,0",
+        "--light point:3,5,4 --ground",
+        "--light point:3,5,4 --eye -4,3,2 --target 0,0,0",
+        "--light point:3,5,4 --eye -4,3,2 --target 0,0,0 --fov 60",
+    ] {
+        let run = folder.run(&format!("render cube.obj {asked} {rest}"));
+        assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{asked}");
+        let picture = png(&folder, "a.png");
+        assert!(!seen.contains(&picture), "{asked} changes nothing");
+        seen.push(picture);
+    }
+}
+
+#[test]
+fn check_draws_the_open_edges_in_red_and_says_so() {
+    let folder = Folder::with_cubes();
+    folder.mesh("bow.obj", &solid::cubes_sharing_vertex());
+    let run = folder.run("check open.obj --picture a.png");
+    assert_eq!(run.code, 1);
+    assert!(run.stderr.contains("red boundary_loop"), "{}", run.stderr);
+    let red = |name: &str| {
+        let (width, height, pixels) = png(&folder, name);
+        assert_eq!((width, height), (960, 540));
+        pixels.chunks(4).filter(|pixel| pixel[0] > 200 && pixel[1] < 60 && pixel[2] < 60).count()
+    };
+    // Four edges some hundred pixels long and two wide.
+    assert!(red("a.png") > 500, "{}", red("a.png"));
+    let run = folder.run("check cube.obj --picture b.png");
+    assert_eq!((run.code, red("b.png")), (0, 0));
+    assert!(run.stderr.contains("no defects"), "{}", run.stderr);
+    assert!(folder.run("check bow.obj --picture c.png").stderr.contains("cyan non_manifold_vertex"));
+}

@@ -7,6 +7,7 @@
 //! file ─read─► Scene ─bake─► Mesh ─weld─► Mesh ─Topology::build─► Topology ─► CrackReport::of(&Mesh, &Topology)
 //! Topology + Light ─classify─► Facing per face ─extract─► Silhouette ─extrude─► ShadowVolume ─► winding number ┐
 //! Mesh ─Oracle::build─► Oracle ─verdict─► Lit | Shadowed | Grazing ────────────────────────────────► verify ◄──┘
+//! Oracle + View (camera, lamps) ─render─► Picture ─write_png─► PNG
 //! ```
 //!
 //! Each arrow is one function that borrows the value before it and returns the next one owned. The modules below

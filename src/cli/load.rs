@@ -110,7 +110,7 @@ impl MeshArgs {
         let vertices = mesh.vertex_count();
         let welded = weld(&mesh, self.weld);
         drop(mesh);
-        let unreferenced = welded.vertex_of.iter().filter(|vertex| vertex.is_none()).count();
+        let unreferenced = welded.unreferenced();
         WeldedMesh { mesh: welded.mesh, vertices, unreferenced }
     }
 

@@ -24,8 +24,27 @@ pub enum Weld {
 pub struct Welded {
     /// Positions of the kept vertices, faces in the order of the original with welded indices.
     pub mesh: Mesh,
-    /// For each vertex of the original the vertex it became; `None` where no face uses it.
-    pub vertex_of: Vec<Option<VertexId>>,
+    /// For each vertex of the original the vertex it became, or [`UNUSED`].
+    vertex_of: Vec<u32>,
+}
+
+impl Welded {
+    /// What a vertex of the original became; `None` if no face uses it.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the original has no such vertex.
+    #[must_use]
+    pub fn vertex_of(&self, original: VertexId) -> Option<VertexId> {
+        let vertex = self.vertex_of[original.index()];
+        (vertex != UNUSED).then_some(VertexId(vertex))
+    }
+
+    /// How many vertices of the original no face uses.
+    #[must_use]
+    pub fn unreferenced(&self) -> usize {
+        self.vertex_of.iter().filter(|&&vertex| vertex == UNUSED).count()
+    }
 }
 
 /// Merges vertices. Expected linear time; kept vertices stay in their order.
@@ -62,8 +81,6 @@ pub fn weld(mesh: &Mesh, how: Weld) -> Welded {
         parts: mesh.parts.clone(),
         frames: mesh.frames.iter().map(|frame| pick(frame)).collect(),
     };
-    let vertex_of =
-        vertex_of.into_iter().map(|vertex| (vertex != UNUSED).then_some(VertexId(vertex))).collect();
     Welded { mesh: welded, vertex_of }
 }
 
@@ -93,40 +110,60 @@ fn merge(referenced: &[bool], mut find: impl FnMut(u32, u32) -> Option<u32>) -> 
 fn exact(mesh: &Mesh, referenced: &[bool]) -> (Vec<u32>, Vec<u32>) {
     // Seeded by chance, so that no file can be made to collide; ids do not depend on it.
     let hasher = DefaultHashBuilder::default();
-    let mut table: HashTable<Entry> = HashTable::new();
     let bits = |vertex: u32| mesh.positions[vertex as usize].map(f32::to_bits);
-    let same = |a: u32, b: u32| {
-        mesh.frames
-            .iter()
-            .all(|frame| frame[a as usize].map(f32::to_bits) == frame[b as usize].map(f32::to_bits))
-    };
     let hash = |key: [u32; 3], vertex: u32| {
         let first = hasher.hash_one((u64::from(key[0]) << 32 | u64::from(key[1]), key[2]));
-        mesh.frames
-            .iter()
-            .fold(first, |hash, frame| hasher.hash_one((hash, frame[vertex as usize].map(f32::to_bits))))
+        let more =
+            |hash, frame: &Vec<[f32; 3]>| hasher.hash_one((hash, frame[vertex as usize].map(f32::to_bits)));
+        mesh.frames.iter().fold(first, more)
     };
+    let same_frames = |a: u32, b: u32| {
+        let same = |frame: &Vec<[f32; 3]>| {
+            frame[a as usize].map(f32::to_bits) == frame[b as usize].map(f32::to_bits)
+        };
+        mesh.frames.iter().all(same)
+    };
+    // The table holds welded ids alone, four bytes each, and looks the rest up among the kept vertices: small
+    // tables stay in cache. Neighbouring faces of most files share vertices, which a cache of recent ones
+    // (64 KiB, one entry a slot) finds before the table is asked.
+    let mut table: HashTable<u32> = HashTable::new();
+    let mut kept: Vec<([u32; 3], u32)> = Vec::new();
+    const RECENT: usize = 4096;
+    let mut recent = vec![([0; 3], UNUSED); if mesh.frames.is_empty() { RECENT } else { 0 }];
     merge(referenced, |vertex, new| {
         let key = bits(vertex);
-        let entry = table.entry(
-            hash(key, vertex),
-            |entry| entry.key == key && same(entry.vertex, vertex),
-            |entry| hash(entry.key, entry.vertex),
-        );
-        match entry {
-            hashbrown::hash_table::Entry::Occupied(found) => Some(found.get().welded),
-            hashbrown::hash_table::Entry::Vacant(place) => {
-                place.insert(Entry { key, vertex, welded: new });
-                None
+        let hash_of_vertex = hash(key, vertex);
+        // The table takes its bucket from the low bits and its tag from the top seven.
+        let slot = (hash_of_vertex >> 40) as usize % RECENT;
+        if let Some(&(found, welded)) = recent.get(slot) {
+            if found == key && welded != UNUSED {
+                return Some(welded);
             }
         }
+        let entry = table.entry(
+            hash_of_vertex,
+            |&welded| {
+                let (other, origin) = kept[welded as usize];
+                other == key && same_frames(origin, vertex)
+            },
+            |&welded| {
+                let (key, origin) = kept[welded as usize];
+                hash(key, origin)
+            },
+        );
+        let (welded, joins) = match entry {
+            hashbrown::hash_table::Entry::Occupied(found) => (*found.get(), true),
+            hashbrown::hash_table::Entry::Vacant(place) => {
+                place.insert(new);
+                kept.push((key, vertex));
+                (new, false)
+            }
+        };
+        if let Some(recent) = recent.get_mut(slot) {
+            *recent = (key, welded);
+        }
+        joins.then_some(welded)
     })
-}
-
-struct Entry {
-    key: [u32; 3],
-    vertex: u32,
-    welded: u32,
 }
 
 /// Kept vertices lie more than `distance` apart (in some frame), so a cell of that size holds few of them and

@@ -10,7 +10,7 @@ use crate::mesh::FaceId;
 use crate::oracle::Oracle;
 use crate::scene::{Camera, Pinhole, Projected, Size, Up};
 
-/// What is to be drawn over a mesh: lines colour by colour, then spots in their order.
+/// What is to be drawn over a mesh: lines colour by colour, in the order of the legend, then spots.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlay {
     /// Straight lines in world space.
@@ -76,7 +76,8 @@ impl Overlay {
         let mut canvas = Canvas { picture, depths, skin, mask };
         // A margin of 5 % keeps the round ends of cut lines outside of the picture.
         let mut lines = self.lines.clone();
-        lines.sort_by_key(|line| line.colour);
+        let rank = |colour| self.legend.iter().position(|&other| other == colour);
+        lines.sort_by_key(|line| (rank(line.colour), line.colour));
         for lines in lines.chunk_by(|a, b| a.colour == b.colour) {
             for line in lines {
                 if let Some([a, b]) = pinhole.project_segment(line.ends, 0.05) {

@@ -88,19 +88,29 @@ impl Camera {
         let towards = DVec3::from(up.turn(THREE_QUARTER)).normalize();
         let upright = DVec3::from(up.turn([0.0, 1.0, 0.0]));
         let (right, top) = basis(-towards, upright);
-        let tan_y = f64::from(0.5 * FOV_Y_RAD).tan();
-        let tan_x = tan_y * aspect;
-        // Each corner asks for a distance at which it just touches a side of the picture.
-        let distance = (0..8)
-            .map(|corner| {
+        let tan_y = f64::from(0.5 * FOV_Y_RAD).tan() / MARGIN;
+        let corners = || {
+            (0..8).map(|corner| {
                 let sign = |axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
-                let at = half * DVec3::new(sign(0), sign(1), sign(2));
-                let aside = (at.dot(right).abs() / tan_x).max(at.dot(top).abs() / tan_y);
-                at.dot(towards) + MARGIN * aside
+                half * DVec3::new(sign(0), sign(1), sign(2))
             })
-            .fold(0.0, f64::max);
+        };
+        // Two opposite sides of the picture ask for a distance each, that of their nearest corner. The eye moves
+        // aside until both ask for the same.
+        let fit = |aside: DVec3, tan: f64| {
+            let ask = |sign: f64| {
+                corners()
+                    .map(|at| at.dot(towards) + sign * at.dot(aside) / tan)
+                    .fold(f64::NEG_INFINITY, f64::max)
+            };
+            let (one, other) = (ask(1.0), ask(-1.0));
+            (0.5 * (one + other), 0.5 * (one - other) * tan)
+        };
+        let (distance_x, x) = fit(right, tan_y * aspect);
+        let (distance_y, y) = fit(top, tan_y);
+        let step = towards * distance_x.max(distance_y) + right * x + top * y;
         let most = f64::from(f32::MAX);
-        let eye = (centre + towards * distance).clamp(DVec3::splat(-most), DVec3::splat(most));
+        let eye = (centre + step).clamp(DVec3::splat(-most), DVec3::splat(most));
         Self {
             eye: eye.as_vec3(),
             forward: (-towards).as_vec3(),

@@ -20,7 +20,7 @@ pub fn sheet(quads: u32) -> Mesh {
 
 /// [`sheet`] of one quad with each triangle a second time, wound the other way: V 4, E 5, F 4, χ 3.
 ///
-/// Balanced and without a boundary edge; its volume is zero, and no two of its faces are duplicates.
+/// Balanced and without a boundary edge; its volume is zero, and each face has a duplicate of opposite winding.
 #[must_use]
 pub fn double_sheet() -> Mesh {
     let (positions, mut triangles, ..) = sheet(1).into_parts();

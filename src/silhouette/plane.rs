@@ -1,5 +1,7 @@
 //! The side of every face for many lights: precomputed planes, a filter with a proven bound, exact ties.
 
+use glam::DVec3;
+
 use super::{Facing, facing_of};
 use crate::geom::{Aabb, Light};
 use crate::mesh::{FaceId, Mesh};
@@ -56,11 +58,11 @@ impl FacePlanes {
             origin,
             reach,
         };
-        for corners in mesh.triangles() {
-            let plane = plane(corners.map(|v| mesh.positions()[v as usize]), from_origin, f64::from(reach));
-            for i in 0..3 {
-                planes.normal[i].push(plane.normal[i]);
-            }
+        for face in 0..n {
+            let plane = plane(mesh.corners(FaceId::new(face)), origin, f64::from(reach));
+            planes.normal[0].push(plane.normal[0]);
+            planes.normal[1].push(plane.normal[1]);
+            planes.normal[2].push(plane.normal[2]);
             planes.offset.push(plane.offset);
             planes.error.push(plane.error);
         }
@@ -96,25 +98,27 @@ impl FacePlanes {
         };
         // (1 + 4u) covers the rounding of this sum.
         let scale = (l[0].abs() + l[1].abs() + l[2].abs() + w * self.reach) * (1.0 + 2.0 * f32::EPSILON);
-        const RUN: usize = 64;
+        const RUN: usize = 256; // stays in the first-level cache
         let mut exact = 0;
-        for (index, facing) in facing.chunks_mut(RUN).enumerate() {
-            let range = index * RUN..index * RUN + facing.len();
+        for (start, facing) in (0..).step_by(RUN).zip(facing.chunks_mut(RUN)) {
+            let range = start..start + facing.len();
             let [nx, ny, nz] = [0, 1, 2].map(|i| &self.normal[i][range.clone()]);
-            let (offset, error) = (&self.offset[range.clone()], &self.error[range.clone()]);
-            // Without branches, so that it runs in vector registers.
-            let mut sides = [0_i8; RUN];
-            let mut unsure = 0_u32;
-            for i in 0..facing.len() {
-                let (x, y, z, d) = (nx[i] * l[0], ny[i] * l[1], nz[i] * l[2], offset[i] * w);
+            let (offset, error) = (&self.offset[range.clone()], &self.error[range]);
+            // No branches, no bounds to check and one width throughout, so that it runs in vector registers.
+            let mut sides = [0_i32; RUN];
+            for (((((side, x), y), z), d), e) in
+                sides.iter_mut().zip(nx).zip(ny).zip(nz).zip(offset).zip(error)
+            {
+                let (x, y, z, d) = (x * l[0], y * l[1], z * l[2], d * w);
                 let s = (x + y) + (z + d);
-                let bound =
-                    ((x.abs() + y.abs()) + (z.abs() + d.abs())) * EVALUATION + error[i] * scale + UNDERFLOW;
-                sides[i] = i8::from(s > bound) - i8::from(s < -bound);
-                unsure += u32::from(sides[i] == 0);
+                let magnitudes = (x.abs() + y.abs()) + (z.abs() + d.abs());
+                let bound = magnitudes * EVALUATION + (e * scale + UNDERFLOW);
+                *side = i32::from(s > bound) - i32::from(s < -bound);
             }
-            for i in 0..facing.len() {
-                facing[i] = match sides[i] {
+            let mut unsure = 0;
+            for (facing, side) in facing.iter_mut().zip(&sides) {
+                unsure += i32::from(*side == 0);
+                *facing = match side {
                     1 => Facing::Front,
                     -1 => Facing::Back,
                     _ => Facing::EdgeOn,
@@ -122,8 +126,8 @@ impl FacePlanes {
             }
             if unsure > 0 {
                 exact += unsure as usize;
-                for i in (0..facing.len()).filter(|&i| sides[i] == 0) {
-                    facing[i] = facing_of(mesh, FaceId::new(range.start + i), light);
+                for (face, facing) in (start..).zip(facing).filter(|(_, facing)| **facing == Facing::EdgeOn) {
+                    *facing = facing_of(mesh, FaceId::new(face), light);
                 }
             }
         }
@@ -137,30 +141,31 @@ struct Plane {
     error: f32,
 }
 
-fn plane(corners: [[f32; 3]; 3], from_origin: impl Fn([f32; 3]) -> [f64; 3], reach: f64) -> Plane {
+#[inline]
+fn plane([a, b, c]: [[f32; 3]; 3], origin: [f32; 3], reach: f64) -> Plane {
     const U: f64 = f64::EPSILON / 2.0;
-    let [a, b, c] = corners.map(|corner| corner.map(f64::from));
-    let (u, v) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
-    let product = |i: usize, j: usize| (u[i] * v[j] - u[j] * v[i], (u[i] * v[j]).abs() + (u[j] * v[i]).abs());
-    let ((x, ex), (y, ey), (z, ez)) = (product(1, 2), product(2, 0), product(0, 1));
-    let length = (x * x + y * y + z * z).sqrt();
+    let wide = |[x, y, z]: [f32; 3]| DVec3::new(x.into(), y.into(), z.into());
+    let (u, v) = (wide(b) - wide(a), wide(c) - wide(a));
+    let normal = u.cross(v);
+    let (p, q) = (u.abs(), v.abs());
+    let magnitudes = (p.y * q.z + p.z * q.y) + (p.z * q.x + p.x * q.z) + (p.x * q.y + p.y * q.x);
+    let length = (normal.x * normal.x + normal.y * normal.y + normal.z * normal.z).sqrt();
     // Per component of the unit normal: the cross product's own error, then normalising's four roundings.
-    let slack = 6.0 * U * (ex + ey + ez) / length + 4.0 * U;
+    let slack = 6.0 * U * magnitudes / length + 4.0 * U;
     let offset_slack = 4.0 * slack + 8.0 * U;
     // A normal of length 0, or one that may point anywhere.
     if !(length > 0.0 && slack < 1.0) {
         return Plane { normal: [0.0; 3], offset: 0.0, error: f32::INFINITY };
     }
-    let normal = [x / length, y / length, z / length];
-    let a = from_origin(corners[0]);
-    let offset = -(normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2]);
-    let offset = offset as f32;
+    let normal = normal / length;
+    let a = wide(a) - wide(origin);
+    let offset = -(normal.x * a.x + normal.y * a.y + normal.z * a.z) as f32;
     let error = if offset.is_finite() && reach.is_finite() {
         round_up(offset_slack).max(f32::from_bits(2))
     } else {
         f32::INFINITY
     };
-    Plane { normal: normal.map(|n| n as f32), offset, error }
+    Plane { normal: [normal.x as f32, normal.y as f32, normal.z as f32], offset, error }
 }
 
 /// The nearest `f32` that is not smaller.

@@ -1,0 +1,87 @@
+//! The side of every face that a light is on.
+
+use umbrage::geom::Light;
+use umbrage::mesh::Mesh;
+use umbrage::silhouette::{FacePlanes, Facing, classify};
+
+use crate::measure::{Bench, Contender, Group, Target, timed};
+
+pub(crate) fn run(bench: &mut Bench<'_>) {
+    if !bench.wants("facing") {
+        return;
+    }
+    let point = Light::point([3.0, 4.0, 5.0]).expect("finite");
+    let axis = Light::directional([0.0, 0.0, -1.0]).expect("not zero");
+    let corner = Light::point([0.0; 3]).expect("finite");
+    facing(bench, &crate::ordered(bench.quick), &point, "point light");
+    facing(bench, &crate::scattered(bench.quick), &point, "point light");
+    let tied = crate::tied(bench.quick);
+    facing(bench, &tied, &axis, "light along an axis");
+    facing(bench, &tied, &corner, "light on a corner");
+}
+
+fn facing(bench: &mut Bench<'_>, mesh: &Mesh, light: &Light, what: &str) {
+    let expected = classify(mesh, light);
+    let planes = FacePlanes::new(mesh);
+    let of = |sides: &[Facing]| {
+        let count = |side| sides.iter().filter(|&&other| other == side).count();
+        format!("front={} edge_on={}", count(Facing::Front), count(Facing::EdgeOn))
+    };
+    let right = of(&expected);
+    let mut sides = vec![Facing::EdgeOn; mesh.face_count()];
+    let mut naive_sides = sides.clone();
+    let contenders = vec![
+        Contender::new("f32 cross product", || {
+            timed(
+                || naive(mesh, light, &mut naive_sides),
+                |sides| {
+                    let wrong = sides.iter().zip(&expected).filter(|(a, b)| a != b).count();
+                    format!("{} wrong={wrong}", of(sides))
+                },
+            )
+        })
+        // Reads three indices of 4 and half a position of 12; writes 1.
+        .moves(12.0 + 6.0 + 1.0),
+        Contender::new("FacePlanes::classify_into", || {
+            timed(
+                || {
+                    let exact = planes.classify_into(mesh, light, &mut sides);
+                    (exact, &sides)
+                },
+                |(exact, sides)| {
+                    assert!(**sides == expected, "the sides differ from the predicate's");
+                    format!("{} by_predicate={exact}", of(sides))
+                },
+            )
+        })
+        // Reads five numbers of 4; writes 1.
+        .moves(20.0 + 1.0)
+        .aims_at(Target::Ratio(0.5)),
+        Contender::new("classify (f64 filter)", || timed(|| classify(mesh, light), |sides| of(sides)))
+            .expects(right)
+            .moves(12.0 + 6.0 + 1.0),
+        Contender::new("FacePlanes::new", || timed(|| FacePlanes::new(mesh), |_| String::new()))
+            .moves(12.0 + 6.0 + 20.0),
+    ];
+    let name = format!("{}, {what}", mesh.name).replace(',', " ·");
+    bench.run(Group { stage: "facing", mesh: name, units: mesh.face_count(), unit: "triangle", contenders });
+}
+
+/// What a shadow-volume demo does: quick, and wrong where rounding decides.
+fn naive<'a>(mesh: &Mesh, light: &Light, sides: &'a mut [Facing]) -> &'a [Facing] {
+    let [x, y, z, w] = light.homogeneous();
+    for (side, &corners) in sides.iter_mut().zip(mesh.triangles()) {
+        let [a, b, c] = corners.map(|vertex| mesh.positions()[vertex as usize]);
+        let (u, v) = ([b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]);
+        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let s = n[0] * (x - w * a[0]) + n[1] * (y - w * a[1]) + n[2] * (z - w * a[2]);
+        *side = if s > 0.0 {
+            Facing::Front
+        } else if s < 0.0 {
+            Facing::Back
+        } else {
+            Facing::EdgeOn
+        };
+    }
+    sides
+}

@@ -1,0 +1,105 @@
+//! Every stage timed on generated meshes, its answer asserted. What each row means: `benches/README.md`.
+
+mod facing;
+mod machine;
+mod measure;
+mod report;
+mod shadow;
+mod topology;
+mod visibility;
+mod weld;
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use measure::Bench;
+use umbrage::mesh::{Mesh, solid};
+
+const USAGE: &str = "\
+cargo bench --bench stages -- [OPTIONS]
+
+--quick        small meshes, two rounds: whether it runs and answers right, not how fast it is
+--filter NAME  only stages whose name holds NAME
+--csv OUT      the rows as a table for other programs
+--record       the rows and the machine, dated, into benches/record/
+";
+
+#[derive(Debug, Default)]
+struct Options {
+    quick: bool,
+    filter: String,
+    csv: Option<PathBuf>,
+    record: bool,
+}
+
+fn main() -> ExitCode {
+    let result = match options(std::env::args().skip(1)) {
+        Ok(Some(options)) => run(&options),
+        Ok(None) => write!(io::stdout(), "{USAGE}").map_err(|error| error.to_string()),
+        Err(problem) => Err(format!("{problem}\n\n{USAGE}")),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("{problem}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// `None` where only help is wanted.
+fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
+    let mut options = Options::default();
+    while let Some(argument) = arguments.next() {
+        let mut value = || arguments.next().ok_or(format!("{argument} wants a value"));
+        match argument.as_str() {
+            "--quick" => options.quick = true,
+            "--filter" => options.filter = value()?,
+            "--csv" => options.csv = Some(value()?.into()),
+            "--record" => options.record = true,
+            "--bench" => {} // what `cargo bench` itself adds
+            "--help" | "-h" => return Ok(None),
+            other => return Err(format!("{other} is not an option")),
+        }
+    }
+    Ok(Some(options))
+}
+
+fn run(options: &Options) -> Result<(), String> {
+    let machine = machine::Machine::look(options.quick);
+    report::print(&machine.to_string()).map_err(|error| error.to_string())?;
+    let mut bench = Bench::new(options.quick, &options.filter, machine.touched_bytes_per_ns);
+    for stage in [topology::run, weld::run, facing::run, shadow::run, visibility::run] {
+        stage(&mut bench);
+    }
+    if bench.rows.is_empty() {
+        return Err(format!("no stage is named {}; see benches/README.md", options.filter));
+    }
+    let csv = report::csv(&bench.rows);
+    if let Some(path) = &options.csv {
+        report::save(path, &csv)?;
+    }
+    if options.record {
+        let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/benches/record"));
+        report::save(&folder.join(format!("{}.csv", machine.date)), &csv)?;
+        report::save(&folder.join(format!("{}.txt", machine.date)), &machine.to_string())?;
+    }
+    Ok(())
+}
+
+/// 1.3 million triangles in the order in which they were made: neighbours lie near each other.
+fn ordered(quick: bool) -> Mesh {
+    solid::icosphere(if quick { 4 } else { 8 })
+}
+
+/// 2 million triangles in random order: neighbours lie anywhere.
+fn scattered(quick: bool) -> Mesh {
+    let n = if quick { 50 } else { 1000 };
+    solid::shuffled(&solid::torus(n, n, 2.0, 0.75), 1).with_name(format!("shuffled torus {n}"))
+}
+
+/// Two thirds of a million faces in few planes.
+fn tied(quick: bool) -> Mesh {
+    solid::menger_sponge(if quick { 2 } else { 4 })
+}

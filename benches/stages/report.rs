@@ -1,0 +1,83 @@
+//! Rows as an aligned table, and as CSV.
+
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use crate::measure::{Row, Target};
+
+/// A group under its heading.
+pub(crate) fn table(rows: &[Row]) -> String {
+    let Some(first) = rows.first() else { return String::new() };
+    let (stage, mesh, units, unit) = (first.stage, &first.mesh, first.units, first.unit);
+    let mut text = format!("\n{stage} · {mesh} · {units} × {unit} · ns/{unit}\n");
+    text += &format!(
+        "  {:<34} {:>9} {:>21} {:>7} {:>7}  {:<13} answer\n",
+        "", "median", "min .. max", "ratio", "limit", "target"
+    );
+    for row in rows {
+        let spread = format!("{:.2} .. {:.2}", row.min, row.max);
+        let ratio = row.ratio.map_or(String::new(), |ratio| format!("{ratio:.2}"));
+        let limit = row.limit.map_or(String::new(), |limit| format!("{limit:.2}"));
+        let target = match (row.target, row.meets_target()) {
+            (Target::Time(most), met) => format!("<= {most} {}", word(met)),
+            (Target::Ratio(most), met) => format!("<= {most}× {}", word(met)),
+            (Target::None, _) => String::new(),
+        };
+        let (name, median, answer) = (row.name, row.median, &row.answer);
+        text += &format!(
+            "  {name:<34} {median:>9.2} {spread:>21} {ratio:>7} {limit:>7}  {target:<13} {answer}\n"
+        );
+    }
+    text
+}
+
+fn word(met: Option<bool>) -> &'static str {
+    if met == Some(true) { "met" } else { "MISSED" }
+}
+
+/// All rows, times in nanoseconds a unit. No cell holds a comma.
+pub(crate) fn csv(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "stage,mesh,units,unit,contender,median_ns,min_ns,max_ns,ratio,limit_ns,target_ns,target_ratio,met,answer\n",
+    );
+    for row in rows {
+        let number = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.4}"));
+        let (time, ratio) = match row.target {
+            Target::None => (None, None),
+            Target::Time(most) => (Some(most), None),
+            Target::Ratio(most) => (None, Some(most)),
+        };
+        let cells = [
+            row.stage.to_owned(),
+            row.mesh.clone(),
+            row.units.to_string(),
+            row.unit.to_owned(),
+            row.name.to_owned(),
+            number(Some(row.median)),
+            number(Some(row.min)),
+            number(Some(row.max)),
+            number(row.ratio),
+            number(row.limit),
+            number(time),
+            number(ratio),
+            row.meets_target().map_or(String::new(), |met| met.to_string()),
+            row.answer.clone(),
+        ];
+        assert!(cells.iter().all(|cell| !cell.contains([',', '"', '\n'])), "{cells:?}");
+        let _ = writeln!(text, "{}", cells.join(",")); // a String takes everything
+    }
+    text
+}
+
+pub(crate) fn print(text: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()
+}
+
+/// The whole file or none.
+pub(crate) fn save(path: &Path, text: &str) -> Result<(), String> {
+    umbrage::write::write_atomic(path, |out| out.write_all(text.as_bytes()))
+        .map_err(|error| error.to_string())
+}

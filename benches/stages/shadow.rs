@@ -1,0 +1,145 @@
+//! The silhouette and the volume.
+
+use umbrage::geom::Light;
+use umbrage::mesh::{EdgeId, Mesh};
+use umbrage::oracle::Oracle;
+use umbrage::silhouette::{Casters, Silhouette, classify};
+use umbrage::topology::Topology;
+use umbrage::volume::{Caps, ShadowVolume, WindingIndex};
+
+use crate::measure::{Bench, Contender, Group, Scatter, timed};
+
+pub(crate) fn run(bench: &mut Bench<'_>) {
+    if ["silhouette", "volume"].iter().any(|stage| bench.wants(stage)) {
+        for mesh in [crate::ordered(bench.quick), crate::scattered(bench.quick)] {
+            silhouette_and_volume(bench, &mesh);
+        }
+    }
+    if bench.wants("winding") {
+        winding(bench);
+    }
+}
+
+fn light() -> Light {
+    Light::point([3.0, 4.0, 5.0]).expect("finite")
+}
+
+fn silhouette_and_volume(bench: &mut Bench<'_>, mesh: &Mesh) {
+    let light = light();
+    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let signs = Casters::All.signs(&classify(mesh, &light));
+    let silhouette = Silhouette::extract(&topology, &signs);
+    let units = topology.edge_count();
+    let name = mesh.name.clone();
+    if bench.wants("silhouette") {
+        let pairs = textbook(&topology);
+        let expected = format!("edges={}", silhouette.edges.len());
+        let contenders = vec![
+            Contender::new("two faces an edge", || {
+                timed(|| changes(&pairs, &signs), |edges| format!("edges={}", edges.len()))
+            })
+            .expects(&*expected)
+            .moves(8.0 + 2.0 / 3.0),
+            Contender::new("Silhouette::extract", || {
+                timed(
+                    || Silhouette::extract(&topology, &signs),
+                    |found| {
+                        assert!(*found == silhouette);
+                        format!("edges={}", found.edges.len())
+                    },
+                )
+            })
+            .expects(&*expected)
+            // Reads an offset, two entries of 4 and two thirds of a sign.
+            .moves(4.0 + 8.0 + 2.0 / 3.0),
+        ];
+        bench.run(Group { stage: "silhouette", mesh: name.clone(), units, unit: "edge", contenders });
+    }
+    if bench.wants("volume") {
+        let extrude = || ShadowVolume::extrude(mesh, &topology, &light, &signs, &silhouette, Caps::Both);
+        let volume = extrude();
+        assert!(volume.boundary_sum().is_closed());
+        // Each face in both caps; on a closed mesh each silhouette edge sweeps its quad twice.
+        let triangles = volume.triangles().len();
+        let cast = signs.iter().filter(|&&sign| sign != 0).count();
+        let multiplicities: u32 = silhouette.edges.iter().map(|edge| edge.multiplicity.unsigned_abs()).sum();
+        assert_eq!(triangles, 2 * cast + 2 * multiplicities as usize);
+        let contenders = vec![
+            Contender::new("copy of the result", || {
+                timed(|| volume.triangles().to_vec(), |copy| format!("triangles={}", copy.len()))
+            })
+            .moves(24.0),
+            Contender::new("ShadowVolume::extrude", || {
+                timed(extrude, |volume| format!("triangles={}", volume.triangles().len()))
+            })
+            .expects(format!("triangles={triangles}"))
+            // Writes three indices of 4, and reads as many for every second one.
+            .moves(12.0 + 6.0),
+        ];
+        bench.run(Group { stage: "volume", mesh: name, units: triangles, unit: "triangle", contenders });
+    }
+}
+
+/// What a mesh that is known to be closed and two-sided would store: the two faces of each edge.
+fn textbook(topology: &Topology) -> Vec<[u32; 2]> {
+    let pair = |edge: EdgeId| {
+        let mut faces = topology.uses(edge).map(|(face, _)| face.0);
+        [faces.next().expect("two faces"), faces.next().expect("two faces")]
+    };
+    topology.edges().map(pair).collect()
+}
+
+fn changes(pairs: &[[u32; 2]], signs: &[i8]) -> Vec<u32> {
+    let changes = |&(_, &[a, b]): &(u32, &[u32; 2])| signs[a as usize] != signs[b as usize];
+    (0..).zip(pairs).filter(changes).map(|(edge, _)| edge).collect()
+}
+
+/// The winding number of the emitted volume at scattered points, which is the number of faces towards the light.
+fn winding(bench: &mut Bench<'_>) {
+    let mesh = umbrage::mesh::solid::icosphere(if bench.quick { 3 } else { 6 });
+    let light = light();
+    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let signs = Casters::All.signs(&classify(&mesh, &light));
+    let silhouette = Silhouette::extract(&topology, &signs);
+    let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
+    let oracle = Oracle::build(&mesh);
+    let mut scatter = Scatter(1);
+    let points: Vec<[f32; 3]> =
+        (0..if bench.quick { 50 } else { 2000 }).map(|_| scatter.point(2.0)).collect();
+    let within = umbrage::geom::Aabb { low: [-2.0; 3], high: [2.0; 3] };
+    let crossed: Vec<i32> = points
+        .iter()
+        .map(|&p| {
+            let crossings = oracle.crossings(p, &light);
+            assert_eq!(crossings.touching, 0, "a scattered point is not in general position: {p:?}");
+            (crossings.front + crossings.back) as i32
+        })
+        .collect();
+    let index = WindingIndex::build(&volume, within);
+    let contenders = vec![
+        Contender::new("faces towards the light (Oracle)", || {
+            let work = || points.iter().map(|&p| oracle.crossings(p, &light)).collect::<Vec<_>>();
+            timed(work, |found| format!("sum={}", found.iter().map(|c| c.front + c.back).sum::<u32>()))
+        })
+        .expects(format!("sum={}", crossed.iter().sum::<i32>())),
+        Contender::new("WindingIndex::number", || {
+            let work = || points.iter().map(|&p| index.number(p)).collect::<Option<Vec<i32>>>();
+            timed(work, |found| {
+                let found = found.as_ref().expect("no scattered point lies on the volume");
+                assert!(*found == crossed, "a winding number is not the number of faces crossed");
+                format!("sum={}", found.iter().sum::<i32>())
+            })
+        }),
+    ];
+    let units = points.len();
+    let name = mesh.name.clone();
+    bench.run(Group { stage: "winding", mesh: name.clone(), units, unit: "query", contenders });
+    let contenders = vec![Contender::new("WindingIndex::build", || {
+        timed(
+            || WindingIndex::build(&volume, within),
+            |index| format!("at_origin={:?}", index.number([0.0; 3])),
+        )
+    })];
+    let units = volume.triangles().len();
+    bench.run(Group { stage: "winding", mesh: name, units, unit: "triangle", contenders });
+}

@@ -1,6 +1,6 @@
 //! Vertices at one place become one vertex, so that faces which touch in space are neighbours in topology.
 
-use hashbrown::{DefaultHashBuilder, HashMap, HashTable};
+use hashbrown::{DefaultHashBuilder, HashMap};
 use std::hash::BuildHasher;
 
 use super::{Mesh, VertexId};
@@ -123,47 +123,76 @@ fn exact(mesh: &Mesh, referenced: &[bool]) -> (Vec<u32>, Vec<u32>) {
         };
         mesh.frames.iter().all(same)
     };
-    // The table holds welded ids alone, four bytes each, and looks the rest up among the kept vertices: small
-    // tables stay in cache. Neighbouring faces of most files share vertices, which a cache of recent ones
-    // (64 KiB, one entry a slot) finds before the table is asked.
-    let mut table: HashTable<u32> = HashTable::new();
-    let mut kept: Vec<([u32; 3], u32)> = Vec::new();
+    // The table holds welded ids alone, four bytes each, and looks the rest up among the kept vertices: two cache
+    // misses a look-up where a table of entries has three. Neighbouring faces of most files share vertices, which
+    // a cache of recent ones (64 KiB, one entry a slot) finds before the table is asked.
+    let used = referenced.iter().filter(|&&used| used).count();
+    let mut table = Table::for_about(used / 6); // a closed soup has six corners a vertex
+    let mut kept: Vec<([u32; 3], u32)> = Vec::with_capacity(used / 6);
     const RECENT: usize = 4096;
     let mut recent = vec![([0; 3], UNUSED); if mesh.frames.is_empty() { RECENT } else { 0 }];
     merge(referenced, |vertex, new| {
         let key = bits(vertex);
         let hash_of_vertex = hash(key, vertex);
-        // The table takes its bucket from the low bits and its tag from the top seven.
-        let slot = (hash_of_vertex >> 40) as usize % RECENT;
-        if let Some(&(found, welded)) = recent.get(slot) {
-            if found == key && welded != UNUSED {
-                return Some(welded);
-            }
+        let slot = (hash_of_vertex >> 52) as usize; // below RECENT = 2^12
+        if let Some(&(found, welded)) = recent.get(slot)
+            && found == key
+            && welded != UNUSED
+        {
+            return Some(welded);
         }
-        let entry = table.entry(
-            hash_of_vertex,
-            |&welded| {
-                let (other, origin) = kept[welded as usize];
-                other == key && same_frames(origin, vertex)
-            },
-            |&welded| {
-                let (key, origin) = kept[welded as usize];
-                hash(key, origin)
-            },
-        );
-        let (welded, joins) = match entry {
-            hashbrown::hash_table::Entry::Occupied(found) => (*found.get(), true),
-            hashbrown::hash_table::Entry::Vacant(place) => {
-                place.insert(new);
-                kept.push((key, vertex));
-                (new, false)
-            }
+        let same = |welded: u32| {
+            let (other, origin) = kept[welded as usize];
+            other == key && same_frames(origin, vertex)
         };
-        if let Some(recent) = recent.get_mut(slot) {
-            *recent = (key, welded);
+        let joins = table.find_or_insert(hash_of_vertex, new, same);
+        if joins.is_none() {
+            kept.push((key, vertex));
+            if kept.len() * 2 > table.slots.len() {
+                table.grow(kept.iter().map(|&(key, origin)| hash(key, origin)));
+            }
         }
-        joins.then_some(welded)
+        if let Some(recent) = recent.get_mut(slot) {
+            *recent = (key, joins.unwrap_or(new));
+        }
+        joins
     })
+}
+
+/// Ids by hash: open addressing with linear probing, a power of two of slots, at most half of them taken.
+struct Table {
+    slots: Vec<u32>,
+}
+
+impl Table {
+    fn for_about(ids: usize) -> Self {
+        Self { slots: vec![UNUSED; (2 * ids).next_power_of_two().max(16)] }
+    }
+
+    /// The id for which `same` holds, if it is there; otherwise `new` is put in its place.
+    #[inline]
+    fn find_or_insert(&mut self, hash: u64, new: u32, same: impl Fn(u32) -> bool) -> Option<u32> {
+        let mask = self.slots.len() - 1;
+        let mut at = hash as usize & mask;
+        loop {
+            match self.slots[at] {
+                UNUSED => {
+                    self.slots[at] = new;
+                    return None;
+                }
+                id if same(id) => return Some(id),
+                _ => at = (at + 1) & mask,
+            }
+        }
+    }
+
+    /// Twice as many slots, filled anew with the hashes of the ids 0, 1, 2, …
+    fn grow(&mut self, hashes: impl Iterator<Item = u64>) {
+        *self = Self { slots: vec![UNUSED; 2 * self.slots.len()] };
+        for (id, hash) in hashes.enumerate() {
+            self.find_or_insert(hash, id as u32, |_| false); // ids are vertices, which fit
+        }
+    }
 }
 
 /// Kept vertices lie more than `distance` apart (in some frame), so a cell of that size holds few of them and

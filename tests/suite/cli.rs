@@ -1,8 +1,10 @@
 //! The command: exit codes, JSON keys, refusals, and what is left behind when something fails.
 
 mod check;
+mod demo;
 mod render;
 mod silhouette;
+mod verify;
 mod volume;
 
 use std::fs;
@@ -82,7 +84,7 @@ impl Folder {
     }
 }
 
-/// The keys of an object, in order, as DESIGN lists them.
+/// The keys of an object, in order, as other programs rely on them.
 fn keys(value: &Value) -> String {
     let Value::Object(object) = value else { panic!("not an object: {value}") };
     object.keys().map(String::as_str).collect::<Vec<_>>().join(" ")

@@ -7,7 +7,7 @@ use umbrage::mesh::{Mesh, solid};
 
 use super::{Folder, assert_shape, keys, real};
 
-/// The keys of M in DESIGN, then its two lists.
+/// The keys of a mesh that other programs rely on, then its two lists.
 const MESH_KEYS: &str = "name vertices welded_vertices faces edges shells closed_shells euler_characteristic \
     boundary_edges boundary_loops non_manifold_edges max_faces_per_edge misoriented_edges non_manifold_vertices \
     collapsed_faces zero_area_faces duplicate_faces unreferenced_vertices near_miss_edges t_junctions \

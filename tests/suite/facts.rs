@@ -4,44 +4,14 @@
 //! asserts what ours gives.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use umbrage::geom::predicate::{Sign, orient3d};
 use umbrage::mesh::{FaceId, Mesh, Weld, weld};
 use umbrage::scene::Scope;
 use umbrage::topology::{Counts, CrackReport, ShellReport, Topology, self_intersections};
 
-fn folder() -> Option<PathBuf> {
-    let folder = std::env::var_os("UMBRAGE_MESHES").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes")),
-        PathBuf::from,
-    );
-    let there = folder.join("facts.csv").is_file();
-    if !there {
-        eprintln!("SKIPPED: no real meshes in {} (UMBRAGE_MESHES names another folder)", folder.display());
-    }
-    there.then_some(folder)
-}
-
-/// The rows of the table as (column, value) pairs; quotes may hold commas.
-fn facts(folder: &Path) -> Vec<Vec<(String, String)>> {
-    let text = std::fs::read_to_string(folder.join("facts.csv")).unwrap();
-    let cells = |line: &str| {
-        let mut cells = vec![String::new()];
-        let mut quoted = false;
-        for c in line.chars() {
-            match c {
-                '"' => quoted = !quoted,
-                ',' if !quoted => cells.push(String::new()),
-                c => cells.last_mut().unwrap().push(c),
-            }
-        }
-        cells
-    };
-    let mut lines = text.lines();
-    let header = cells(lines.next().unwrap());
-    lines.map(|line| header.iter().cloned().zip(cells(line)).collect()).collect()
-}
+use crate::support::{facts, real_meshes};
 
 /// Each instance in its own space, mirrored ones turned, as the facts were measured.
 fn meshes(file: &Path) -> Vec<Mesh> {
@@ -111,11 +81,11 @@ const DIFFERENCES: [&str; 8] = [
 
 #[test]
 fn facts_of_real_meshes_are_found_again() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = real_meshes() else { return };
     let mut differences = Vec::new();
     let facts = facts(&folder);
     for row in &facts {
-        let fact = |column: &str| row.iter().find(|(name, _)| name == column).unwrap().1.as_str();
+        let fact = |column: &str| row[column].as_str();
         let name = fact("name");
         let (counts, shells) = measure(&folder.join(name));
         let world = world(&folder.join(name));
@@ -167,7 +137,7 @@ fn facts_of_real_meshes_are_found_again() {
 
 #[test]
 fn facts_featuretype_closes_within_every_stated_distance() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = real_meshes() else { return };
     let report = report(&world(&folder.join("featuretype.stl")));
     assert_eq!(report.counts.boundary_edges, 576);
     assert_eq!(report.near_miss.iter().map(|near| near.edges).collect::<Vec<_>>(), [576; 4]);

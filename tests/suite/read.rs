@@ -5,11 +5,13 @@ mod obj;
 mod ply;
 mod stl;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use umbrage::mesh::Mesh;
 use umbrage::read::{read, read_bytes};
 use umbrage::scene::Scene;
+
+use crate::support::{facts, real_meshes};
 
 /// Reads `bytes` as the file `name`.
 fn scene(bytes: impl AsRef<[u8]>, name: &str) -> Scene {
@@ -187,52 +189,23 @@ fn a_file_reads_as_its_bytes_do() {
     }
 }
 
-/// The folder of real meshes, or `None`, said aloud.
-fn real_meshes() -> Option<PathBuf> {
-    let beside = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes"));
-    let folder = std::env::var_os("UMBRAGE_MESHES").map_or_else(beside, PathBuf::from);
-    if folder.join("facts.csv").is_file() {
-        return Some(folder);
-    }
-    eprintln!("SKIPPED: no real meshes at {}; set UMBRAGE_MESHES to their folder", folder.display());
-    None
-}
-
-/// The fields of a line of comma-separated values; double quotes hold a field with commas together.
-fn fields(line: &str) -> Vec<String> {
-    let (mut fields, mut quoted) = (vec![String::new()], false);
-    for char in line.chars() {
-        match char {
-            '"' => quoted = !quoted,
-            ',' if !quoted => fields.push(String::new()),
-            _ => fields.last_mut().expect("never empty").push(char),
-        }
-    }
-    fields
-}
-
 #[test]
 fn real_meshes_have_the_measured_counts() {
     let Some(folder) = real_meshes() else { return };
-    let facts = std::fs::read_to_string(folder.join("facts.csv")).unwrap();
-    let mut lines = facts.lines().map(fields);
-    let head = lines.next().unwrap();
-    let column = |name: &str| head.iter().position(|column| column == name).unwrap();
-    let columns = [
-        "name",
-        "format",
-        "vertices",
-        "triangles",
-        "unreferenced_vertices",
-        "ngon_faces",
-        "md2_frames",
-        "bbox",
-    ];
-    let columns = columns.map(column);
     let mut checked = 0;
-    for row in lines {
+    for row in facts(&folder) {
+        let columns = [
+            "name",
+            "format",
+            "vertices",
+            "triangles",
+            "unreferenced_vertices",
+            "ngon_faces",
+            "md2_frames",
+            "bbox",
+        ];
         let [name, format, vertices, triangles, unreferenced, n_gons, frames, size] =
-            columns.map(|at| row[at].as_str());
+            columns.map(|column| row[column].as_str());
         if !["obj", "stl", "ply", "md2"].contains(&format) {
             continue;
         }

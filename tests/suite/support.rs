@@ -1,6 +1,7 @@
 //! What several stages' tests need: random meshes full of ties, lights, and where the real meshes are.
 
-use std::path::PathBuf;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 use umbrage::geom::Light;
@@ -47,4 +48,24 @@ pub(crate) fn real_meshes() -> Option<PathBuf> {
     }
     eprintln!("SKIPPED: no real meshes at {}; set UMBRAGE_MESHES to their folder", folder.display());
     None
+}
+
+/// The rows of `facts.csv` by column name: what other programs measured of the real meshes.
+pub(crate) fn facts(folder: &Path) -> Vec<HashMap<String, String>> {
+    // A field in quotes may hold commas.
+    let fields = |line: &str| -> Vec<String> {
+        let (mut fields, mut quoted) = (vec![String::new()], false);
+        for c in line.chars() {
+            match c {
+                '"' => quoted = !quoted,
+                ',' if !quoted => fields.push(String::new()),
+                _ => fields.last_mut().expect("never empty").push(c),
+            }
+        }
+        fields
+    };
+    let csv = std::fs::read_to_string(folder.join("facts.csv")).expect("facts.csv lies beside the meshes");
+    let mut lines = csv.lines();
+    let header = fields(lines.next().expect("a header"));
+    lines.map(|line| header.iter().cloned().zip(fields(line)).collect()).collect()
 }

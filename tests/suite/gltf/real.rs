@@ -1,46 +1,15 @@
 //! Real files against their measured facts.
 
-use std::collections::HashMap;
-use std::fs;
-use std::path::{Path, PathBuf};
-
 use umbrage::read::read;
 use umbrage::scene::Scope;
 
-fn meshes_folder() -> Option<PathBuf> {
-    let beside = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes"));
-    let folder = std::env::var_os("UMBRAGE_MESHES").map_or_else(|| beside.to_owned(), PathBuf::from);
-    if folder.join("facts.csv").is_file() {
-        return Some(folder);
-    }
-    eprintln!("SKIPPED: no real meshes at {}; set UMBRAGE_MESHES", folder.display());
-    None
-}
-
-/// The rows of a CSV by column name; a field in quotes may hold commas.
-fn rows(csv: &str) -> Vec<HashMap<String, String>> {
-    let fields = |line: &str| -> Vec<String> {
-        let mut fields = vec![String::new()];
-        let mut quoted = false;
-        for c in line.chars() {
-            match c {
-                '"' => quoted = !quoted,
-                ',' if !quoted => fields.push(String::new()),
-                _ => fields.last_mut().unwrap().push(c),
-            }
-        }
-        fields
-    };
-    let mut lines = csv.lines();
-    let header = fields(lines.next().unwrap());
-    lines.map(|line| header.iter().cloned().zip(fields(line)).collect()).collect()
-}
+use crate::support::{facts, real_meshes};
 
 #[test]
 fn gltf_real_files_match_their_facts() {
-    let Some(folder) = meshes_folder() else { return };
+    let Some(folder) = real_meshes() else { return };
     let mut files = 0;
-    for row in rows(&fs::read_to_string(folder.join("facts.csv")).unwrap()) {
+    for row in facts(&folder) {
         if !matches!(row["format"].as_str(), "gltf" | "glb") {
             continue;
         }

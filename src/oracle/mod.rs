@@ -73,8 +73,8 @@ pub struct Oracle {
 }
 
 impl Oracle {
-    /// Builds the tree over all faces of `mesh`, collapsed ones left out (they are edges of their neighbours,
-    /// or nothing). About 300 ns a face.
+    /// Builds the tree over all faces of `mesh`. Those without area cannot be crossed, only touched. About 300 ns
+    /// a face.
     #[must_use]
     pub fn build(mesh: &Mesh) -> Self {
         let corners = |face: &[u32; 3]| face.map(|vertex| mesh.positions()[vertex as usize]);

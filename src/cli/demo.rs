@@ -91,7 +91,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     ))?;
     out.flush()?;
     output::say("note: the picture comes from the ray cast: this version has no stencil pass");
-    let agreed = results.iter().all(|result| result.total().disagree == 0);
+    let agreed = results.iter().all(Verification::agrees);
     Ok(if agreed && closed { Outcome::Sound } else { Outcome::Unsound })
 }
 

@@ -127,7 +127,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         output.text(text(&lights, &results))?;
     }
     output.flush()?;
-    let agreed = results.iter().all(|result| result.total().disagree == 0);
+    let agreed = results.iter().all(Verification::agrees);
     Ok(if agreed { Outcome::Sound } else { Outcome::Unsound })
 }
 

@@ -88,6 +88,7 @@ impl Bvh {
                 }
             }
         }
+        assert_eq!(primitives.len(), boxes.len(), "the tree holds every box");
         nodes.push(END);
         Self { nodes, primitives }.ended()
     }

@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use super::meet::{Meeting, meet};
 use super::{Hit, Oracle};
-use crate::geom::predicate::{Sign, side_of_point};
+use crate::geom::predicate::{Homogeneous, Sign, height, side_of_point};
 use crate::geom::{Light, Segment};
 use crate::mesh::FaceId;
 
@@ -65,13 +65,12 @@ impl Oracle {
                     Meeting::Touching => !side_of_point(triangle, origin).is_zero(),
                 };
                 if passes {
-                    let t = distance(origin, direction, triangle);
+                    let t = distance(origin, &towards, triangle);
                     let face = self.tree.order()[slot];
                     // Of equal distances the lowest face, whatever the order of the tree.
                     if first.is_none_or(|(least, id, _)| (t, face) < (least, id)) {
                         first = Some((t, face, slot));
-                        // A little beyond, so that a face at the same rounded distance is still met.
-                        end.set(t * (1.0 + 1024.0 * f64::EPSILON));
+                        end.set(t * NEARLY);
                     }
                 }
             },
@@ -91,7 +90,8 @@ fn before(corners: [[f32; 3]; 3], side: Sign, eye: [f32; 3], direction: [f32; 3]
     }
     let largest = hit.iter().fold(0.0_f32, |most, x| most.max(x.abs())).min(f32::MAX);
     let ulp = f64::from(largest) - f64::from(largest.next_down());
-    let (mut behind, mut step) = (0.0, ulp);
+    // Nor can a step be told from nothing that is below the spacing of t itself.
+    let (mut behind, mut step) = (0.0, ulp.max(0.5 * f64::EPSILON * t));
     while !seen(at(t - step)) {
         if step >= t {
             return eye;
@@ -100,6 +100,9 @@ fn before(corners: [[f32; 3]; 3], side: Sign, eye: [f32; 3], direction: [f32; 3]
     }
     while step - behind > ulp {
         let middle = 0.5 * (behind + step);
+        if middle <= behind || middle >= step {
+            break; // nothing lies between
+        }
         if seen(at(t - middle)) {
             step = middle;
         } else {
@@ -113,18 +116,22 @@ fn eye_point(eye: [f32; 3], direction: [f32; 3], t: f64) -> [f32; 3] {
     std::array::from_fn(|i| (f64::from(eye[i]) + t.max(0.0) * f64::from(direction[i])) as f32)
 }
 
-/// Where a ray meets the plane of a triangle that it is known to pass through, in `f64`.
-fn distance(origin: [f32; 3], direction: [f32; 3], [a, b, c]: [[f32; 3]; 3]) -> f64 {
-    let wide = |p: [f32; 3]| glam::DVec3::from(p.map(f64::from));
-    let normal = (wide(b) - wide(a)).cross(wide(c) - wide(a));
-    let t = normal.dot(wide(a) - wide(origin)) / normal.dot(wide(direction));
-    if t.is_finite() { t.max(0.0) } else { 0.0 }
+/// Where the ray from `origin` away from `towards` meets the plane of a triangle that it passes through: to 2⁻³⁸ of
+/// itself, slivers included.
+fn distance(origin: [f32; 3], towards: &Light, triangle: [[f32; 3]; 3]) -> f64 {
+    let above = height(triangle, Homogeneous::point(origin));
+    let climb = height(triangle, Homogeneous::light(towards));
+    // Neither is zero: the ray would lie in the plane.
+    (above / climb).max(0.0)
 }
+
+/// A little more than the error of two distances, so that a face at nearly the same one is still met.
+const NEARLY: f64 = 1.0 + 1.0 / (1_u64 << 36) as f64;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::solid;
+    use crate::mesh::{Mesh, solid};
 
     /// Rays from a ring of eyes into the middle of things, fanned out a little.
     fn rays() -> impl Iterator<Item = ([f32; 3], [f32; 3])> {
@@ -157,12 +164,28 @@ mod tests {
                         Meeting::Crossing(_) => true,
                         Meeting::Touching => !side_of_point(mesh.corners(face), origin).is_zero(),
                     })
-                    .map(|face| Hit { face, t: distance(origin, direction, mesh.corners(face)) })
+                    .map(|face| Hit { face, t: distance(origin, &towards, mesh.corners(face)) })
                     .min_by(|a, b| a.t.total_cmp(&b.t));
                 assert_eq!(oracle.first_hit(origin, direction), naive);
                 hits += usize::from(naive.is_some());
             }
             assert!(hits > 100, "{hits} hits");
+        }
+    }
+
+    #[test]
+    fn visible_point_is_found_for_a_hit_at_the_origin_and_for_tiny_directions() {
+        // Steps of the hit's last place are below the spacing of t here, and would never end.
+        let flat = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
+        let oracle = Oracle::build(&Mesh::new(flat, vec![[0, 1, 2]]).unwrap());
+        let eye = [0.0, 0.0, 4.0];
+        let seen = oracle.first_visible(eye, [0.0, 0.0, -1.0]).unwrap();
+        assert_eq!(side_of_point(seen.corners, seen.point), seen.side);
+        let tilted = vec![[-1.0, -1.0, 0.3], [1.0, -1.0, -0.2], [0.0, 1.0, 0.7]];
+        let oracle = Oracle::build(&Mesh::new(tilted, vec![[0, 1, 2]]).unwrap());
+        for tiny in [1e-30, 1e-38] {
+            let seen = oracle.first_visible(eye, [0.0, 0.0, -tiny]).unwrap();
+            assert_eq!(side_of_point(seen.corners, seen.point), seen.side);
         }
     }
 

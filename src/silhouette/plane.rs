@@ -13,19 +13,24 @@ use crate::mesh::{FaceId, Mesh};
 ///
 /// # The bound
 ///
-/// With `l = L − o` rounded to `f32`, the side is the sign of `s = n·l + d` wherever `|s| > E`, where
+/// With `l = L − o` rounded to `f32` (or `l` the direction, and `w = 0`), the side is the sign of `s = n·l + w·d`
+/// wherever `|s| > E`, where, with `u = 2⁻²⁴`,
 ///
-/// `E = 8u·(|nx·lx| + |ny·ly| + |nz·lz| + |d|) + e·(|lx| + |ly| + |lz| + r) + 2⁻¹⁴⁵`, with `u = 2⁻²⁴`.
+/// `E = 8u·(|nx·lx| + |ny·ly| + |nz·lz| + |w·d|) + e·(|lx| + |ly| + |lz| + w·r) + 2⁻¹⁴⁵`.
 ///
-/// Why: each product carries three roundings (of `n`, of `l`, of itself) and at most three additions follow, so
-/// `s` errs by less than `6u·(1 + 6u)` times the sum of magnitudes, itself computed within the same factor; two
-/// more units cover computing `E`. Each of `n`, `l`, `d` and the products may instead be subnormal, with an
-/// absolute error of 2⁻¹⁵⁰; of these, what is not multiplied by anything is covered by the last term, and those
-/// that are, by `e`, which is at least 2⁻¹⁴⁸. `e` bounds the error of the plane itself, from its construction in
-/// `f64`: the cross product errs by at most `6·2⁻⁵³` times its products' magnitudes, which for a sliver is many
-/// times its length; the offset by `‖Δn‖·r + 6·2⁻⁵³·r`, with `r` the largest `|x| + |y| + |z|` of a vertex
-/// from `o`. Where no normal can be formed `e` is infinite and the face is always decided exactly. A light so
-/// far away that a product leaves `f32` makes `E` infinite or NaN, and again the exact predicate decides.
+/// Why: each product carries three roundings (of `n`, of `l`, of itself) and two additions follow, so `s` errs by
+/// less than `5u·(1 + 5u)` times the sum of magnitudes, itself computed within the same factor; three more units
+/// cover computing `E`. Each of `n`, `l`, `d` and the products may instead be subnormal, with an absolute error
+/// of 2⁻¹⁵⁰; of these, what is not multiplied by anything is covered by the last term, and those that are, by
+/// `e`, which is at least 2⁻⁴⁸.
+///
+/// `e` bounds the error of the plane itself, from its construction in `f64` with `ε = 2⁻⁵³`. The cross product
+/// errs by at most `4ε` times its products' magnitudes. Two vectors that differ by Δ differ in direction by at most
+/// `2‖Δ‖ / (‖x‖ + ‖y‖)`, which is `1.5‖Δ‖ / ‖x‖` while `‖Δ‖` is below two thirds of the length: `6ε` times the
+/// magnitudes over the length, which for a sliver is large, and `4ε` more for normalising. The offset errs by that
+/// times `r`, the largest `|x| + |y| + |z|` of a vertex from `o`, and `6ε·r`. Where no normal can be formed `e` is
+/// infinite and the face is always decided exactly. A light so far away that a product leaves `f32` makes `E`
+/// infinite or NaN, and again the exact predicate decides.
 #[derive(Clone, Debug)]
 pub struct FacePlanes {
     normal: [Vec<f32>; 3],
@@ -160,11 +165,7 @@ fn plane([a, b, c]: [[f32; 3]; 3], origin: [f32; 3], reach: f64) -> Plane {
     let normal = normal / length;
     let a = wide(a) - wide(origin);
     let offset = -(normal.x * a.x + normal.y * a.y + normal.z * a.z) as f32;
-    let error = if offset.is_finite() && reach.is_finite() {
-        round_up(offset_slack).max(f32::from_bits(2))
-    } else {
-        f32::INFINITY
-    };
+    let error = if offset.is_finite() && reach.is_finite() { round_up(offset_slack) } else { f32::INFINITY };
     Plane { normal: [normal.x as f32, normal.y as f32, normal.z as f32], offset, error }
 }
 
@@ -216,21 +217,24 @@ mod tests {
 
     #[test]
     fn facing_a_plane_without_its_error_term_is_caught() {
-        // Planes exactly through the local origin, and the light there: every face is a tie. Without `e` and the
-        // magnitude term the rounded planes would be certain of most of them.
-        let mut positions = Vec::new();
-        for i in 0..300_u16 {
-            let x = f32::from(i) * 0.37 + 0.1;
-            let (a, b) = ([x, 1.0 - x, 0.3 * x], [0.7, x * 0.01, 1.0 - 0.001 * x]);
-            positions.extend([a, b, [-(a[0] + b[0]), -(a[1] + b[1]), -(a[2] + b[2])]]);
+        // Planes exactly through the local origin, and the light there: every face is a tie. Corners on a grid, so
+        // that sums are exact, and each face mirrored at the origin, so that the box is centred there.
+        let mut positions: Vec<[f32; 3]> = Vec::new();
+        for i in 0..150_u16 {
+            let grid = |k: u16| f32::from((i * k) % 251) / 256.0;
+            let (a, b) = ([grid(7), -grid(31), grid(57)], [-grid(101), grid(13), grid(89) - 0.5]);
+            let corners = [a, b, [0, 1, 2].map(|axis| -(a[axis] + b[axis]))];
+            positions.extend(corners);
+            positions.extend(corners.map(|p| p.map(|x| -x)));
         }
         let triangles = (0..300).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let mesh = Mesh::new(positions, triangles).unwrap();
         let light = Light::point([0.0; 3]).unwrap();
         let mut planes = FacePlanes::new(&mesh);
-        assert_eq!(planes.classify(&mesh, &light), classify(&mesh, &light));
-        // The sabotage: planes moved by a thousandth, as a wrong offset would.
-        planes.offset.iter_mut().for_each(|d| *d += 1e-3);
-        assert_ne!(planes.classify(&mesh, &light), classify(&mesh, &light));
+        assert_eq!(planes.origin, [0.0; 3]);
+        let facing = planes.classify(&mesh, &light);
+        assert!(facing.iter().all(|&facing| facing == Facing::EdgeOn));
+        planes.error.fill(0.0); // the sabotage
+        assert_ne!(planes.classify(&mesh, &light), facing);
     }
 }

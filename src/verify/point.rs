@@ -13,7 +13,7 @@ use crate::topology::Topology;
 /// - `near_face`: on a face, rounded to `f32` and moved by up to two ulps;
 /// - `shadow_boundary`: on the sides of the volume, rounded and moved by up to two ulps;
 /// - `face_plane`: in the plane of a face, inside or outside it, rounded;
-/// - `vertex_or_edge`: exactly on a vertex, or at the rounded middle of an edge.
+/// - `vertex_or_edge`: on a vertex or at the rounded middle of an edge; half of them moved by up to two ulps.
 pub const STRATA: [&str; 5] = ["box", "near_face", "shadow_boundary", "face_plane", "vertex_or_edge"];
 
 /// Draws the points: the index of the stratum, and the place. The same options give the same points.
@@ -85,7 +85,13 @@ impl Sampler<'_> {
 
     fn vertex_or_edge(&self, random: &mut SplitMix64) -> [f32; 3] {
         let [a, b, _] = self.corners(random);
-        if random.below(2) == 0 { rounded(a) } else { rounded([0, 1, 2].map(|i| 0.5 * (a[i] + b[i]))) }
+        let middle = [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]));
+        match random.below(4) {
+            0 => rounded(a),
+            1 => rounded(middle),
+            2 => nudged(a, random),
+            _ => nudged(middle, random),
+        }
     }
 
     /// A point of a silhouette edge pushed away from the light.

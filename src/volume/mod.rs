@@ -167,8 +167,9 @@ impl ShadowVolume {
     /// Vertices as `f32` for drawing: `[x, y, z, w]`, `w` 1 or 0, one entry a vertex.
     ///
     /// Finite vertices are exact. A vertex at infinity is `v − L` (or the way a directional light travels, which
-    /// is exact) with each coordinate rounded once: off by at most half an ulp of itself, that is 2⁻²⁴ of it.
-    /// All vertices at infinity are halved if one of them would leave `f32`; only their directions count.
+    /// is exact) with each coordinate rounded once: off by at most 2⁻²⁴ of itself, or by 2⁻¹⁵⁰ below the normal
+    /// range. All vertices at infinity are halved if one of them would leave `f32`; only their directions count,
+    /// and one of 2⁻¹⁴⁹ then vanishes.
     #[must_use]
     pub fn to_f32(&self) -> Vec<[f32; 4]> {
         let far = || (self.positions.len()..self.vertex_count()).map(|i| self.vertex(i as u32).to_f64());

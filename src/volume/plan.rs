@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 
 use super::winding::{Crossing, crossing, scattered};
 use crate::geom::Light;
-use crate::geom::predicate::Homogeneous;
+use crate::geom::predicate::{Homogeneous, Sign};
 use crate::mesh::{FaceId, Mesh};
 use crate::silhouette::Facing;
 use crate::topology::{CrackReport, Shells, Topology, for_each_self_intersection};
@@ -91,9 +91,11 @@ impl ShellProof {
             .iter()
             .map(|shell| match shell {
                 shell if !shell.watertight => Self::NotWatertight,
-                shell if shell.signed_volume > 0.0 => Self::Outward,
-                shell if shell.signed_volume < 0.0 => Self::Inward,
-                _ => Self::NoVolume,
+                shell => match shell.volume_sign {
+                    Sign::Positive => Self::Outward,
+                    Sign::Negative => Self::Inward,
+                    Sign::Zero => Self::NoVolume,
+                },
             })
             .collect();
         let of_face = |face: FaceId| shells.of_face[face.index()].map(|shell| shell as usize);
@@ -188,14 +190,14 @@ impl Plan {
             Faces::Auto => {
                 assert_eq!(proofs.len(), shells.count, "one proof a shell");
                 let places = light_places(mesh, shells, proofs, light);
-                let choose = |(&proof, light): (&ShellProof, LightPlace)| {
-                    let outside = light == LightPlace::Winding(0);
+                let choose = |(&proof, light): (&ShellProof, Option<LightPlace>)| {
+                    let outside = light == Some(LightPlace::Winding(0));
                     let variant = match proof {
                         ShellProof::Outward if outside => Variant::FrontOnly,
                         ShellProof::Inward if outside => Variant::BackOnly,
                         _ => Variant::General,
                     };
-                    ShellChoice { variant, faces, proof: Some(proof), light: Some(light) }
+                    ShellChoice { variant, faces, proof: Some(proof), light }
                 };
                 proofs.iter().zip(places).map(choose).collect()
             }
@@ -218,9 +220,15 @@ impl Plan {
     }
 }
 
-/// How often each sound shell winds around the light; shells that are not sound are not looked at and get 0.
-fn light_places(mesh: &Mesh, shells: &Shells, proofs: &[ShellProof], light: &Light) -> Vec<LightPlace> {
-    let mut places = vec![LightPlace::Winding(0); shells.count];
+/// How often each sound shell winds around the light; shells that are not sound are not looked at.
+fn light_places(
+    mesh: &Mesh,
+    shells: &Shells,
+    proofs: &[ShellProof],
+    light: &Light,
+) -> Vec<Option<LightPlace>> {
+    let place = |proof: &ShellProof| proof.is_sound().then_some(LightPlace::Winding(0));
+    let mut places: Vec<Option<LightPlace>> = proofs.iter().map(place).collect();
     if light.is_directional() {
         return places; // nothing winds around infinity
     }
@@ -248,15 +256,15 @@ fn light_places(mesh: &Mesh, shells: &Shells, proofs: &[ShellProof], light: &Lig
         }
         for shell in (0..shells.count).filter(|&shell| open[shell]).collect::<Vec<_>>() {
             if on[shell] {
-                places[shell] = LightPlace::OnShell;
+                places[shell] = Some(LightPlace::OnShell);
             } else if !tie[shell] {
-                places[shell] = LightPlace::Winding(sums[shell]);
+                places[shell] = Some(LightPlace::Winding(sums[shell]));
             }
             open[shell] = tie[shell] && !on[shell];
         }
     }
     for shell in (0..shells.count).filter(|&shell| open[shell]) {
-        places[shell] = LightPlace::OnShell;
+        places[shell] = Some(LightPlace::OnShell);
     }
     places
 }

@@ -79,7 +79,8 @@ impl<'volume> WindingIndex<'volume> {
                 pieces.push(index as u32);
             });
         }
-        let anchors = (0..TRIES).map(|i| (scattered_in(&within, i), OnceLock::new())).collect();
+        let tries = if within.is_empty() { 0 } else { TRIES }; // no point to be asked about
+        let anchors = (0..tries).map(|i| (scattered_in(&within, i), OnceLock::new())).collect();
         Self { volume, tree: Bvh::build(&boxes), triangles, pieces, within, anchors }
     }
 

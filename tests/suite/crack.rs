@@ -486,3 +486,27 @@ fn crack_zero_area_is_decided_exactly() {
         assert_eq!(orient3d(points[0], points[1], points[2], points[0]), Sign::Zero);
     }
 }
+
+#[test]
+fn crack_a_bar_through_a_u_is_not_nested_though_its_corners_are() {
+    // All corners of the bar lie in the two arms; its middle passes through the gap between them.
+    let outline =
+        [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [2.0, 3.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
+    let at = |z: f32| outline.map(|[x, y]: [f32; 2]| [x, y, z]);
+    let positions = [at(0.0), at(3.0)].concat();
+    // The outline cut into triangles: the foot, then the arms.
+    let top = [[0, 1, 5], [1, 4, 5], [1, 2, 4], [2, 3, 4], [0, 5, 7], [5, 6, 7]];
+    let mut faces: Vec<[u32; 3]> = top.iter().map(|t| t.map(|v| v + 8)).collect();
+    faces.extend(top.iter().map(|&[a, b, c]| [a, c, b]));
+    for i in 0..8 {
+        let next = (i + 1) % 8;
+        faces.extend([[i, next, next + 8], [i, next + 8, i + 8]]);
+    }
+    let u = Mesh::new(positions, faces).unwrap();
+    let bar = solid::cuboid([0.2, 2.0, 1.0], [2.8, 2.5, 2.0]);
+    let both = Mesh::concat(&[u, bar]).unwrap();
+    let topology = Topology::build(both.vertex_count(), both.triangles().to_vec());
+    let report = CrackReport::of(&both, &topology);
+    assert!(report.counts.watertight);
+    assert_eq!((report.counts.inside_out_shells, report.shell_list[1].depth), (0, 0));
+}

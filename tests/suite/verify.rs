@@ -48,7 +48,7 @@ fn verify_all_judges_agree_on_every_real_mesh() {
                 "{name} {light}: {} agree, {} grazing, {} disagree",
                 total.agree, total.grazing, total.disagree
             );
-            assert_eq!(total.disagree, 0, "{name} {light}: {:?}", result.disagreements);
+            assert!(result.agrees(), "{name} {light}: {:?} {:?}", result.judges, result.disagreements);
             assert_eq!(total.points, points as u64);
             sum = sum.plus(&total);
         }

@@ -15,6 +15,7 @@ use std::ops::ControlFlow;
 use super::fan::Fans;
 use super::{Topology, for_each_self_intersection};
 use crate::geom::Aabb;
+use crate::geom::predicate::Sign;
 use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
 
 /// What is wrong with a mesh: the numbers, the shells, and where each defect lies.
@@ -147,6 +148,8 @@ pub struct ShellReport {
     /// Volume in cubic mesh units, positive with faces outwards. Of a shell that is not balanced it is that of
     /// the cones over its faces from one point for the whole mesh, the mean of all corners.
     pub signed_volume: f64,
+    /// The exact sign of the volume of a watertight shell; zero for one that is not.
+    pub volume_sign: Sign,
     /// Every edge has exactly two faces, in opposite directions.
     pub watertight: bool,
     /// At every edge the two directions are used equally often.

@@ -3,9 +3,10 @@
 use super::ShellReport;
 use crate::geom::Aabb;
 use crate::geom::bvh::Bvh;
-use crate::geom::predicate::{Sign, orient3d, turn};
+use crate::geom::predicate::{Sign, collinear, orient3d, turn};
 use crate::geom::volume::{ExactVolume, VolumeSum};
 use crate::mesh::{FaceId, Mesh, VertexId};
+use crate::topology::intersect::intersect;
 use crate::topology::{EdgeCounts, Shells, Topology};
 
 impl ShellReport {
@@ -18,6 +19,7 @@ impl ShellReport {
         euler_characteristic: 0,
         genus: None,
         signed_volume: 0.0,
+        volume_sign: Sign::Zero,
         watertight: true,
         balanced: true,
         inside_out: false,
@@ -55,6 +57,10 @@ pub(super) fn shells(
     let signs = measure(mesh, topology, shells, &mut list);
     nest(mesh, shells, &signs, &mut list);
     for (shell, sign) in list.iter_mut().zip(signs) {
+        shell.volume_sign = sign;
+        if shell.watertight && Sign::of(shell.signed_volume) != sign {
+            shell.signed_volume = 0.0; // all of it is rounding
+        }
         let expected = if shell.depth % 2 == 0 { Sign::Positive } else { Sign::Negative };
         shell.inside_out = shell.watertight && sign == -expected;
     }
@@ -243,6 +249,9 @@ fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport]) 
                     break;
                 }
             }
+            // Its vertices may all lie inside while a face between them passes through the outside.
+            let own = &faces[starts[shell]..starts[shell + 1]];
+            found.shells.retain(|&other| !solids.meet(mesh, own, other));
         }
         list[shell].depth = found.shells.len();
         around[shell] = found.shells;
@@ -282,6 +291,26 @@ impl Solids {
         }
         let boxes: Vec<Aabb> = faces.iter().map(|&face| Aabb::around(mesh.corners(face))).collect();
         Self { bvh: Bvh::build(&boxes), faces, shell_of }
+    }
+
+    /// Whether one of the faces `own` meets or touches a face of the shell `other`.
+    fn meet(&self, mesh: &Mesh, own: &[FaceId], other: u32) -> bool {
+        let has_area = |face: FaceId| {
+            let [a, b, c] = mesh.corners(face);
+            !collinear(a, b, c)
+        };
+        own.iter().filter(|&&face| has_area(face)).any(|&face| {
+            let mut meets = false;
+            self.bvh.for_each_overlapping(&Aabb::around(mesh.corners(face)), |slot| {
+                let slot = slot as usize;
+                let face_of_other = self.faces[slot];
+                meets = meets
+                    || self.shell_of[slot] == other
+                        && has_area(face_of_other)
+                        && intersect(mesh, face, face_of_other);
+            });
+            meets
+        })
     }
 
     /// A shell is around `point` if its faces' signed crossings with the ray towards +x do not cancel. Shell

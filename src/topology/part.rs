@@ -12,6 +12,8 @@ pub(super) struct Parts {
     /// The tree of each vertex met so far.
     tree_of: Vec<u32>,
     trees: Components,
+    /// Vertices that wait to join the tree of another.
+    hooks: Vec<[u32; 2]>,
     /// Edges that wait: the larger vertices and the smaller ones, from the back.
     larger: Vec<u32>,
     smaller: Vec<u32>,
@@ -26,6 +28,7 @@ impl Parts {
         Self {
             tree_of: vec![NONE; vertex_count],
             trees: Components::new(0),
+            hooks: Vec::with_capacity(Self::BATCH),
             larger: vec![0; Self::BATCH],
             smaller: vec![0; Self::BATCH],
             first_waiting: Self::BATCH,
@@ -33,19 +36,22 @@ impl Parts {
         }
     }
 
-    /// Adds the edges from `vertex` to smaller ones: the last `count` of `ends`. Every vertex that counts must
-    /// be added in ascending order, once or more often.
+    /// Adds a vertex and one of its smaller neighbours, if it has any. Vertices come once, in ascending order.
     #[inline]
-    pub(super) fn add<const N: usize>(&mut self, vertex: u32, ends: &[u32; N], count: usize) {
-        // All places are written, those that count stay.
-        if count == 0 {
-            self.tree_of[vertex as usize] = self.trees.push();
-            return;
+    pub(super) fn add(&mut self, vertex: u32, smaller: Option<u32>) {
+        match smaller {
+            Some(other) => self.hooks.push([vertex, other]),
+            None => self.tree_of[vertex as usize] = self.trees.push(),
         }
+    }
+
+    /// Connects a vertex that was added with smaller ones: the last `count` of `ends`.
+    #[inline]
+    pub(super) fn connect<const N: usize>(&mut self, vertex: u32, ends: &[u32; N], count: usize) {
         if self.first_waiting < N {
             self.join();
         }
-        self.tree_of[vertex as usize] = self.tree_of[ends[N - count] as usize];
+        // All places are written, those that count stay.
         let end = self.first_waiting;
         self.smaller[end - N..end].copy_from_slice(ends);
         self.larger[end - N..end].fill(vertex);
@@ -54,11 +60,14 @@ impl Parts {
 
     /// Joins the trees at the ends of the edges that wait.
     fn join(&mut self) {
+        for [vertex, other] in self.hooks.drain(..) {
+            self.tree_of[vertex as usize] = self.tree_of[other as usize];
+        }
         let mut count = 0;
         for (&a, &b) in self.larger[self.first_waiting..].iter().zip(&self.smaller[self.first_waiting..]) {
             let pair = [self.tree_of[a as usize], self.tree_of[b as usize]];
             self.pairs[count] = pair;
-            count += usize::from(pair[0] != pair[1]);
+            count += usize::from(self.trees.may_differ(pair));
         }
         for &[a, b] in &self.pairs[..count] {
             self.trees.join(a, b);

@@ -47,6 +47,12 @@ impl Components {
         leader
     }
 
+    /// `false` if two members are in one set as far as can be seen at once.
+    #[inline]
+    pub(super) fn may_differ(&self, [a, b]: [u32; 2]) -> bool {
+        self.parent[a as usize] != self.parent[b as usize]
+    }
+
     /// Adds a set of one member; gives that.
     pub(super) fn push(&mut self) -> u32 {
         let member = self.parent.len() as u32;

@@ -109,43 +109,25 @@ impl Stars {
     /// count.
     #[inline]
     fn ring<const N: usize>(&mut self, vertex: u32, arcs: &[Arc; N], degree: usize) -> bool {
-        let mut from = [NONE; N];
-        let mut to = [NONE; N];
-        for i in 0..N {
-            from[i] = if i < degree { arcs[i].from } else { NONE };
-            to[i] = if i < degree { arcs[i].to } else { NONE };
-        }
-        // The rank of each end among the ends that arcs leave; `degree` where there is no arc.
-        let mut from_rank = [0_u32; N];
-        let mut to_rank = [0_u32; N];
-        let mut smaller = 0;
-        for j in 0..N {
-            smaller += u32::from(from[j] < vertex);
-            for i in 0..N {
-                from_rank[i] += u32::from(from[j] < from[i]);
-                to_rank[i] += u32::from(from[j] < to[i]);
-            }
-        }
-        // All arcs leave different ends if each two of them differ in rank.
-        let differ =
-            from_rank.iter().sum::<u32>() as usize == degree * (degree - 1) / 2 + (N - degree) * degree;
-        // Sorted by rank, the larger vertices than this one first: the rank wraps around.
-        let place = |rank: u32| (rank.wrapping_sub(smaller)) as usize % N;
-        let (mut ends, mut next) = ([NONE; N], [0_u8; N]);
+        let Ranked { from_place, to_place, outgoing: leaving, incoming: arriving, sum, smaller } =
+            &Ranked::new(vertex, arcs, degree);
+        let (mut ends, mut next) = ([NONE; N], [0_u32; N]);
         let (mut outgoing, mut incoming) = ([0_u32; N], [0_u32; N]);
-        for i in 0..N {
-            let (a, b) = (place(from_rank[i]), place(to_rank[i]));
-            ends[a] = from[i];
-            next[a] = b as u8;
-            outgoing[a] = arcs[i].outgoing();
-            incoming[b] = arcs[i].incoming();
+        for i in 0..degree {
+            let (a, b) = (from_place[i] as usize % N, to_place[i] as usize % N);
+            ends[a] = arcs[i].from;
+            next[a] = b as u32;
+            outgoing[a] = leaving[i];
+            incoming[b] = arriving[i];
         }
         let mut wrong = 0;
-        for i in 0..N {
-            wrong |= ends[place(to_rank[i])] ^ to[i];
+        for i in 0..degree {
+            wrong |= ends[to_place[i] as usize % N] ^ arcs[i].to;
         }
+        // All arcs leave different ends if each two of them differ in rank.
+        let differ = *sum as usize == degree * (degree - 1) / 2 + (N - degree) * degree;
         // The way from the first place returns there after all others: then it is the only ring.
-        let start = place(0);
+        let start = 0_u32.wrapping_sub(*smaller) as usize % N;
         let (mut at, mut early) = (next[start] as usize % N, false);
         for _ in 1..degree {
             early |= at == start;
@@ -154,7 +136,7 @@ impl Stars {
         if wrong != 0 || !differ || early || at != start {
             return false;
         }
-        let larger = degree - smaller as usize;
+        let larger = degree - *smaller as usize;
         // All places are written, those that count stay.
         let room = &mut self.entries[self.entry_count..][..2 * N];
         for i in 0..N {
@@ -170,7 +152,9 @@ impl Stars {
         self.entry_count += 2 * larger;
         self.edges += larger;
         self.fans.folded |= degree == 2;
-        self.parts.add(vertex, &ends, smaller as usize);
+        let smaller = *smaller as usize;
+        self.parts.add(vertex, (smaller > 0).then(|| ends[N - smaller]));
+        self.parts.connect(vertex, &ends, smaller);
         true
     }
 
@@ -189,7 +173,6 @@ impl Stars {
             keys.push((u64::from(arc.to) << 32 | u64::from(arc.incoming()), arc.from));
         }
         keys.sort_unstable();
-        let counts = &mut self.counts;
         for edge in
             keys.chunk_by(|a, b| a.0 >> 32 == b.0 >> 32).filter(|edge| edge[0].0 >> 32 > u64::from(vertex))
         {
@@ -199,23 +182,19 @@ impl Stars {
             }
             self.entry_count += edge.len();
             self.edges += 1;
-            if self.offsets.len() < self.edges + 1 {
-                self.offsets.resize(self.offsets.len() / 2 * 3 + Self::SLACK, 0);
+            if self.offsets.len() <= self.edges {
+                self.grow_offsets();
             }
             self.offsets[self.edges] = self.entry_count as u32;
-            counts.add(edge.len(), entries.map(|entry| Entry(entry).direction()).sum());
+            self.counts.add(edge.len(), entries.map(|entry| Entry(entry).direction()).sum());
             self.fans.folded |= edge.windows(2).any(|pair| pair[0].1 == pair[1].1);
         }
         let mut smaller: Vec<u32> =
             keys.iter().map(|key| (key.0 >> 32) as u32).filter(|&other| other < vertex).collect();
         smaller.dedup();
-        for ends in smaller.chunks(8) {
-            let mut last = [NONE; 8];
-            last[8 - ends.len()..].copy_from_slice(ends);
-            self.parts.add(vertex, &last, ends.len());
-        }
-        if smaller.is_empty() {
-            self.parts.add(vertex, &[NONE; 8], 0);
+        self.parts.add(vertex, smaller.first().copied());
+        for &other in &smaller {
+            self.parts.connect(vertex, &[other], 1);
         }
         // Fans: faces with an edge in common.
         let mut fans = Components::new(arcs.len());
@@ -242,5 +221,67 @@ impl Stars {
         entries.shrink_to_fit();
         let entries = entries.into_iter().map(Entry).collect(); // in place
         (offsets, entries, Survey { counts, fans, components: parts.count() })
+    }
+}
+
+/// Ones for the arcs of a star, zeros beyond: of degree d from place 16 − d on.
+const KEEP: [i32; 32] = {
+    let mut keep = [0; 32];
+    let mut i = 0;
+    while i < 16 {
+        keep[i] = -1;
+        i += 1;
+    }
+    keep
+};
+
+/// A star whose ends are compared with each other, each with each.
+struct Ranked<const N: usize> {
+    /// For each arc the place of its two ends in ascending order, that of the smallest larger vertex being 0:
+    /// smaller ones wrap around to the back.
+    from_place: [u32; N],
+    to_place: [u32; N],
+    /// What it would enter into the edge table for each of its ends.
+    outgoing: [u32; N],
+    incoming: [u32; N],
+    /// The ranks of the ends that arcs leave, summed up; places of no arc have rank `degree`.
+    sum: u32,
+    /// How many of those ends are smaller vertices.
+    smaller: u32,
+}
+
+impl<const N: usize> Ranked<N> {
+    // On its own it becomes vector instructions; in place its results would be taken apart too soon.
+    #[inline(never)]
+    fn new(vertex: u32, arcs: &[Arc; N], degree: usize) -> Self {
+        // Compared as signed numbers, which is an instruction; the order is the same.
+        let signed = |id: u32| (id ^ 1 << 31) as i32;
+        let keep: &[i32; N] = KEEP[16 - degree..].first_chunk().expect("a degree is 16 at most here");
+        let (mut from, mut to) = ([0; N], [0; N]);
+        for i in 0..N {
+            from[i] = signed(arcs[i].from) & keep[i] | i32::MAX & !keep[i];
+            to[i] = signed(arcs[i].to);
+        }
+        let (mut from_rank, mut to_rank) = ([0; N], [0; N]);
+        for other in from {
+            for i in 0..N {
+                from_rank[i] += u32::from(other < from[i]);
+            }
+        }
+        for other in from {
+            for i in 0..N {
+                to_rank[i] += u32::from(other < to[i]);
+            }
+        }
+        let smaller: u32 = from.iter().map(|&other| u32::from(other < signed(vertex))).sum();
+        let place = |rank: u32| rank.wrapping_sub(smaller) % N as u32;
+        Self {
+            from_place: from_rank.map(place),
+            to_place: to_rank.map(place),
+            outgoing: arcs.map(Arc::outgoing),
+            incoming: arcs.map(Arc::incoming),
+            sum: from_rank.iter().sum(),
+            smaller,
+        }
     }
 }

@@ -109,9 +109,14 @@ impl EdgeCounts {
 impl Topology {
     /// Builds the edge table of `triangles` over `vertex_count` vertices.
     ///
-    /// A counting sort of the half-edges by their smaller vertex, then by the larger one within each bucket:
-    /// linear time (a bucket of k half-edges is sorted in k·log k), no hashing. Besides the triangles the
-    /// result holds 18 bytes a triangle of a closed mesh; building needs 24 more for a while.
+    /// A radix sort of the corners by vertex, then all that a vertex and its faces decide at once: its edges in
+    /// order, its fans, and which other vertices it hangs together with. No hashing; linear time (a vertex of
+    /// k faces that are not one ring takes k·log k). Besides the triangles the result holds 18 bytes a triangle
+    /// of a closed mesh; building needs 14 more for a while.
+    ///
+    /// What memory has to move: the triangles are read five times (60 bytes a triangle), the sorted corners
+    /// written and read (72), the table written (18): 150 bytes, and 96 more for the first digit of the sort
+    /// where the order of the faces is random.
     ///
     /// # Panics
     ///

@@ -189,14 +189,20 @@ impl Stars {
             self.counts.add(edge.len(), entries.map(|entry| Entry(entry).direction()).sum());
             self.fans.folded |= edge.windows(2).any(|pair| pair[0].1 == pair[1].1);
         }
-        let mut smaller: Vec<u32> =
-            keys.iter().map(|key| (key.0 >> 32) as u32).filter(|&other| other < vertex).collect();
-        smaller.dedup();
-        self.parts.add(vertex, smaller.first().copied());
-        for &other in &smaller {
+        let others = keys.chunk_by(|a, b| a.0 >> 32 == b.0 >> 32).map(|edge| (edge[0].0 >> 32) as u32);
+        let mut smaller = others.take_while(|&other| other < vertex).peekable();
+        self.parts.add(vertex, smaller.peek().copied());
+        for other in smaller {
             self.parts.connect(vertex, &[other], 1);
         }
-        // Fans: faces with an edge in common.
+        if arcs.len() > 1 {
+            self.find_fans(vertex, arcs, &keys);
+        }
+        self.keys = keys;
+    }
+
+    /// Notes the fans of a vertex if they are several: the components of faces with an edge in common.
+    fn find_fans(&mut self, vertex: u32, arcs: &[Arc], keys: &[(u64, u32)]) {
         let mut fans = Components::new(arcs.len());
         let face = |key: &(u64, u32)| (key.0 as u32 >> 1) / 3;
         let number = |face: u32| arcs.partition_point(|arc| arc.face() < face) as u32;
@@ -209,7 +215,6 @@ impl Stars {
         if self.fans.several.len() == before + 1 {
             self.fans.several.pop();
         }
-        self.keys = keys;
     }
 
     /// The offsets and entries of the edge table, and what was found on the way.

@@ -93,7 +93,8 @@ impl Stars {
             }
             self.fans.vertices += 1;
             let is_ring = match degree {
-                0..=8 => self.ring::<8>(vertex, arcs[at..].first_chunk().expect("slack"), degree),
+                0..=1 => false,
+                2..=8 => self.ring::<8>(vertex, arcs[at..].first_chunk().expect("slack"), degree),
                 9..=16 => self.ring::<16>(vertex, arcs[at..].first_chunk().expect("slack"), degree),
                 _ => false,
             };

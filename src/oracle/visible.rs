@@ -116,13 +116,13 @@ fn eye_point(eye: [f32; 3], direction: [f32; 3], t: f64) -> [f32; 3] {
     std::array::from_fn(|i| (f64::from(eye[i]) + t.max(0.0) * f64::from(direction[i])) as f32)
 }
 
-/// Where the ray from `origin` away from `towards` meets the plane of a triangle that it passes through: to 2⁻³⁸ of
+/// Where the ray from `origin` to `towards` meets the plane of a triangle that it passes through: to 2⁻³⁸ of
 /// itself, slivers included.
 fn distance(origin: [f32; 3], towards: &Light, triangle: [[f32; 3]; 3]) -> f64 {
     let above = height(triangle, Homogeneous::point(origin));
     let climb = height(triangle, Homogeneous::light(towards));
     // Neither is zero: the ray would lie in the plane.
-    (above / climb).max(0.0)
+    (-above / climb).max(0.0)
 }
 
 /// A little more than the error of two distances, so that a face at nearly the same one is still met.

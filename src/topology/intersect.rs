@@ -87,7 +87,7 @@ pub fn self_intersections(mesh: &Mesh, topology: &Topology) -> Vec<[FaceId; 2]> 
 type Point = [f32; 3];
 
 /// Whether two faces with area intersect beyond what they share.
-pub(super) fn intersect(mesh: &Mesh, f: FaceId, g: FaceId) -> bool {
+fn intersect(mesh: &Mesh, f: FaceId, g: FaceId) -> bool {
     let [ids_f, ids_g] = [f, g].map(|face| mesh.triangles()[face.index()]);
     // Turn the first shared vertex of each face to the front.
     let mut shared = (0..3).filter_map(|i| ids_g.iter().position(|&id| id == ids_f[i]).map(|j| (i, j)));

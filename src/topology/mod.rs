@@ -13,7 +13,9 @@ mod build;
 mod crack;
 mod fan;
 mod intersect;
+mod part;
 mod shell;
+mod star;
 mod validate;
 
 pub use crack::{Counts, CrackReport, Defect, DefectKind, NearMiss, SelfIntersections, ShellReport};
@@ -21,6 +23,7 @@ pub use intersect::{for_each_self_intersection, self_intersections};
 pub use shell::{Components, Shells};
 
 use crate::mesh::{EdgeId, FaceId, HalfEdgeId, VertexId};
+use fan::Fans;
 
 /// Half-edges and edges of a triangle list.
 ///
@@ -35,6 +38,16 @@ pub struct Topology {
     /// Half-edges by edge, ascending within an edge.
     entries: Vec<Entry>,
     collapsed_faces: usize,
+    survey: Survey,
+}
+
+/// What the build finds out on the way, while the star of each vertex is at hand.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Survey {
+    counts: EdgeCounts,
+    fans: Fans,
+    /// Sets of vertices connected by edges; those without a face do not count.
+    components: usize,
 }
 
 /// A half-edge in the edge table: its id, and whether it runs from the edge's larger vertex to its smaller.
@@ -72,6 +85,20 @@ pub struct EdgeCounts {
 }
 
 impl EdgeCounts {
+    const NONE: Self =
+        Self { boundary: 0, non_manifold: 0, misoriented: 0, max_faces: 0, balanced: true, even: true };
+
+    /// Counts an edge with so many faces, whose directions add up to `sum`.
+    #[inline]
+    fn add(&mut self, faces: usize, sum: i32) {
+        self.boundary += usize::from(faces == 1);
+        self.non_manifold += usize::from(faces > 2);
+        self.misoriented += usize::from(faces == 2 && sum != 0);
+        self.max_faces = self.max_faces.max(faces);
+        self.balanced &= sum == 0;
+        self.even &= faces.is_multiple_of(2);
+    }
+
     /// Every edge has exactly two faces, in opposite directions.
     #[must_use]
     pub fn watertight(&self) -> bool {
@@ -82,9 +109,14 @@ impl EdgeCounts {
 impl Topology {
     /// Builds the edge table of `triangles` over `vertex_count` vertices.
     ///
-    /// A counting sort of the half-edges by their smaller vertex, then by the larger one within each bucket:
-    /// linear time (a bucket of k half-edges is sorted in k·log k), no hashing. Besides the triangles the
-    /// result holds 18 bytes a triangle of a closed mesh; building needs 24 more for a while.
+    /// A radix sort of the corners by vertex, then all that a vertex and its faces decide at once: its edges in
+    /// order, its fans, and which other vertices it hangs together with. No hashing; linear time (a vertex of
+    /// k faces that are not one ring takes k·log k). Besides the triangles the result holds 18 bytes a triangle
+    /// of a closed mesh; building needs 14 more for a while.
+    ///
+    /// What memory has to move: the triangles are read five times (60 bytes a triangle), the sorted corners
+    /// written and read (72), the table written (18): 150 bytes, and 96 more for the first digit of the sort
+    /// where the order of the faces is random.
     ///
     /// # Panics
     ///
@@ -261,33 +293,10 @@ impl Topology {
         self.tail(self.next(half_edge))
     }
 
-    /// How the edges are used. Linear time.
+    /// How the edges are used.
     #[must_use]
     pub fn edge_counts(&self) -> EdgeCounts {
-        let mut counts = EdgeCounts {
-            boundary: 0,
-            non_manifold: 0,
-            misoriented: 0,
-            max_faces: 0,
-            balanced: true,
-            even: true,
-        };
-        for edge in self.edges() {
-            let entries = self.entries(edge);
-            counts.max_faces = counts.max_faces.max(entries.len());
-            if let [a, b] = entries {
-                if a.direction() == b.direction() {
-                    counts.misoriented += 1;
-                    counts.balanced = false;
-                }
-                continue;
-            }
-            counts.boundary += usize::from(entries.len() == 1);
-            counts.non_manifold += usize::from(entries.len() > 2);
-            counts.even &= entries.len().is_multiple_of(2);
-            counts.balanced &= entries.iter().map(|entry| entry.direction()).sum::<i32>() == 0;
-        }
-        counts
+        self.survey.counts
     }
 
     #[inline]

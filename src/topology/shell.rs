@@ -1,6 +1,6 @@
 //! What hangs together: shells and boundary loops. All by union-find, in near-linear time.
 
-use super::Topology;
+use super::{Topology, has_collapsed};
 use crate::mesh::{EdgeId, FaceId, VertexId};
 
 /// A partition of `0..n` into sets, each led by its smallest member.
@@ -38,13 +38,31 @@ impl Components {
         }
     }
 
-    /// Joins two sets.
+    /// Joins two sets; gives the leader of both.
     #[inline]
-    pub fn join(&mut self, a: u32, b: u32) {
+    pub fn join(&mut self, a: u32, b: u32) -> u32 {
         let (a, b) = (self.find(a), self.find(b));
-        if a != b {
-            self.parent[a.max(b) as usize] = a.min(b);
-        }
+        let leader = a.min(b);
+        self.parent[a.max(b) as usize] = leader;
+        leader
+    }
+
+    /// `false` if two members are in one set as far as can be seen at once.
+    #[inline]
+    pub(super) fn may_differ(&self, [a, b]: [u32; 2]) -> bool {
+        self.parent[a as usize] != self.parent[b as usize]
+    }
+
+    /// Adds a set of one member; gives that.
+    pub(super) fn push(&mut self) -> u32 {
+        let member = self.parent.len() as u32;
+        self.parent.push(member);
+        member
+    }
+
+    /// How many sets there are.
+    pub(super) fn count(&self) -> usize {
+        (0..).zip(&self.parent).filter(|&(member, &parent)| member == parent).count()
     }
 
     /// The number of each member's set, counted in the order of the leaders among `members`; and how many
@@ -80,6 +98,12 @@ impl Topology {
     /// Which faces hang together through edges.
     #[must_use]
     pub fn shells(&self) -> Shells {
+        if self.survey.components <= 1 && self.survey.fans.several.is_empty() {
+            // Without a vertex of several fans, what hangs together through vertices does so through edges.
+            let of_face =
+                self.triangles.iter().map(|&corners| (!has_collapsed(corners)).then_some(0)).collect();
+            return Shells { of_face, count: self.survey.components };
+        }
         let mut faces = Components::new(self.face_count());
         for edge in self.edges() {
             let mut uses = self.half_edges(edge);
@@ -104,7 +128,7 @@ impl Topology {
     /// The same in two lists: the edges loop by loop, and where each loop ends.
     pub(crate) fn grouped_boundary(&self) -> (Vec<EdgeId>, Vec<u32>) {
         let boundary = || self.edges().filter(|&edge| self.valence(edge) == 1);
-        let count = boundary().count();
+        let count = self.survey.counts.boundary;
         if count == 0 {
             return (Vec::new(), Vec::new());
         }

@@ -1,10 +1,10 @@
 //! Every invariant of the edge table, checked from the outside.
 
-use super::Topology;
+use super::{EdgeCounts, Topology};
 
 impl Topology {
     /// Checks every invariant: each half-edge of a face that has not collapsed stands in the table once, at
-    /// the edge of its two vertices, with its direction; edges ascend and none is empty. Debug builds run it
+    /// the edge of its two vertices, with its direction; edges ascend and none is empty; they are counted rightly. Debug builds run it
     /// after every build. Linear time.
     ///
     /// # Panics
@@ -13,6 +13,7 @@ impl Topology {
     pub fn validate(&self) {
         let mut seen = vec![false; 3 * self.face_count()];
         let mut before = None;
+        let mut counts = EdgeCounts::NONE;
         assert_eq!(self.offsets.first(), Some(&0));
         assert_eq!(self.offsets.last().map(|&end| end as usize), Some(self.entries.len()));
         for edge in self.edges() {
@@ -23,6 +24,7 @@ impl Topology {
             assert!(a < b && b.index() < self.vertex_count, "{edge:?} runs from {a:?} to {b:?}");
             assert!(before < Some((a, b)), "{edge:?} is out of order");
             before = Some((a, b));
+            counts.add(entries.len(), entries.iter().map(|entry| entry.direction()).sum());
             for entry in entries {
                 let half_edge = entry.half_edge();
                 let ends = (self.tail(half_edge), self.head(half_edge));
@@ -35,6 +37,7 @@ impl Topology {
                 assert!(!std::mem::replace(&mut seen[half_edge.index()], true), "{half_edge:?} stands twice");
             }
         }
+        assert_eq!(self.edge_counts(), counts);
         let collapsed = self.faces().filter(|&face| self.is_collapsed(face)).count();
         assert_eq!(collapsed, self.collapsed_faces);
         assert_eq!(seen.iter().filter(|&&seen| seen).count(), 3 * (self.face_count() - collapsed));

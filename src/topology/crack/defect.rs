@@ -185,7 +185,7 @@ impl CrackReport {
                 bad.take(limit).map(|edge| at.edges(&[edge])).collect()
             }
             DefectKind::NonManifoldVertex => {
-                let fans = places.fans.chunk_by(|a, b| a.0 == b.0);
+                let fans = topology.fans().several.chunk_by(|a, b| a.0 == b.0);
                 fans.take(limit)
                     .map(|fans| at.vertex(fans[0].0, fans.iter().map(|fan| fan.1).collect()))
                     .collect()

@@ -16,7 +16,7 @@ use super::fan::Fans;
 use super::{Topology, for_each_self_intersection};
 use crate::geom::Aabb;
 use crate::geom::predicate::Sign;
-use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
+use crate::mesh::{EdgeId, FaceId, Mesh};
 
 /// What is wrong with a mesh: the numbers, the shells, and where each defect lies.
 ///
@@ -201,8 +201,6 @@ struct Places {
     /// Boundary edges, loop by loop, and where each loop ends.
     loop_edges: Vec<EdgeId>,
     loop_ends: Vec<u32>,
-    /// One face of each fan, at the vertices that have several; ascending.
-    fans: Vec<(VertexId, FaceId)>,
     zero_area: Vec<FaceId>,
     duplicates: Vec<face::Duplicate>,
     near_miss_edges: Vec<EdgeId>,
@@ -234,8 +232,8 @@ impl CrackReport {
         assert!(mesh.triangles() == topology.triangles(), "the topology is that of another mesh");
         let uses = topology.edge_counts();
         let shells = topology.shells();
-        let Fans { several: fans, vertices, folded } = topology.fans();
-        let shell_list = solid::shells(mesh, topology, &shells, &fans, vertices, &uses);
+        let &Fans { several: ref fans, vertices, folded } = topology.fans();
+        let shell_list = solid::shells(mesh, topology, &shells, fans, vertices, &uses);
         drop(shells);
 
         let zero_area = face::zero_area(mesh, topology);
@@ -282,8 +280,7 @@ impl CrackReport {
             balanced: uses.balanced,
             even: uses.even,
         };
-        let places =
-            Places { loop_edges, loop_ends, fans, zero_area, duplicates, near_miss_edges, t_junctions };
+        let places = Places { loop_edges, loop_ends, zero_area, duplicates, near_miss_edges, t_junctions };
         Self { counts, shell_list, near_miss, self_intersections: None, places }
     }
 

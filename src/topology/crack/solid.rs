@@ -3,10 +3,9 @@
 use super::ShellReport;
 use crate::geom::Aabb;
 use crate::geom::bvh::Bvh;
-use crate::geom::predicate::{Sign, collinear, orient3d, turn};
+use crate::geom::predicate::{Sign, orient3d, turn};
 use crate::geom::volume::{ExactVolume, VolumeSum};
 use crate::mesh::{FaceId, Mesh, VertexId};
-use crate::topology::intersect::intersect;
 use crate::topology::{EdgeCounts, Shells, Topology};
 
 impl ShellReport {
@@ -251,7 +250,7 @@ fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport]) 
             }
             // Its vertices may all lie inside while a face between them passes through the outside.
             let own = &faces[starts[shell]..starts[shell + 1]];
-            found.shells.retain(|&other| !solids.meet(mesh, own, other));
+            found.shells.retain(|&other| !solids.pass_through(mesh, own, other));
         }
         list[shell].depth = found.shells.len();
         around[shell] = found.shells;
@@ -265,6 +264,19 @@ fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport]) 
         });
         list[shell].parent = innermost.map(|other| other as usize);
     }
+}
+
+/// Whether an edge of the triangle `edges` passes through the inside of `face`, from one side to the other.
+fn edge_pierces(edges: [[f32; 3]; 3], [a, b, c]: [[f32; 3]; 3]) -> bool {
+    let sides = edges.map(|p| orient3d(a, b, c, p));
+    (0..3).any(|i| {
+        let (p, q) = (edges[i], edges[(i + 1) % 3]);
+        if sides[i] != -sides[(i + 1) % 3] || sides[i].is_zero() {
+            return false;
+        }
+        let turns = [orient3d(p, q, a, b), orient3d(p, q, b, c), orient3d(p, q, c, a)];
+        !turns[0].is_zero() && turns.iter().all(|&turn| turn == turns[0])
+    })
 }
 
 /// The faces of some shells, to be asked which of them surround a point.
@@ -293,23 +305,19 @@ impl Solids {
         Self { bvh: Bvh::build(&boxes), faces, shell_of }
     }
 
-    /// Whether one of the faces `own` meets or touches a face of the shell `other`.
-    fn meet(&self, mesh: &Mesh, own: &[FaceId], other: u32) -> bool {
-        let has_area = |face: FaceId| {
-            let [a, b, c] = mesh.corners(face);
-            !collinear(a, b, c)
-        };
-        own.iter().filter(|&&face| has_area(face)).any(|&face| {
-            let mut meets = false;
-            self.bvh.for_each_overlapping(&Aabb::around(mesh.corners(face)), |slot| {
+    /// Whether one of the faces `own` and a face of the shell `other` pass through each other, not merely touch.
+    fn pass_through(&self, mesh: &Mesh, own: &[FaceId], other: u32) -> bool {
+        own.iter().any(|&face| {
+            let corners = mesh.corners(face);
+            let mut passes = false;
+            self.bvh.for_each_overlapping(&Aabb::around(corners), |slot| {
                 let slot = slot as usize;
-                let face_of_other = self.faces[slot];
-                meets = meets
+                let others = mesh.corners(self.faces[slot]);
+                passes = passes
                     || self.shell_of[slot] == other
-                        && has_area(face_of_other)
-                        && intersect(mesh, face, face_of_other);
+                        && (edge_pierces(corners, others) || edge_pierces(others, corners));
             });
-            meets
+            passes
         })
     }
 

@@ -72,8 +72,10 @@ pub fn weld(mesh: &Mesh, how: Weld) -> Welded {
     };
     drop(referenced);
     let pick = |from: &[[f32; 3]]| kept.iter().map(|&vertex| from[vertex as usize]).collect::<Vec<_>>();
+    // (Spelt out: `map` of an array is not always inlined.)
+    let welded_of = |vertex: u32| vertex_of[vertex as usize];
     let triangles =
-        mesh.triangles().iter().map(|corners| corners.map(|vertex| vertex_of[vertex as usize])).collect();
+        mesh.triangles().iter().map(|&[a, b, c]| [welded_of(a), welded_of(b), welded_of(c)]).collect();
     let welded = Mesh {
         name: mesh.name.clone(),
         positions: pick(&mesh.positions),
@@ -109,13 +111,20 @@ fn merge(referenced: &[bool], mut find: impl FnMut(u32, u32) -> Option<u32>) -> 
 
 fn exact(mesh: &Mesh, referenced: &[bool]) -> (Vec<u32>, Vec<u32>) {
     // Seeded by chance, so that no file can be made to collide; ids do not depend on it.
-    let hasher = DefaultHashBuilder::default();
-    let bits = |vertex: u32| mesh.positions[vertex as usize].map(f32::to_bits);
+    let seeds: [u64; 2] = [0, 1].map(|i| DefaultHashBuilder::default().hash_one(i));
+    let bits = |vertex: u32| {
+        let [x, y, z] = mesh.positions[vertex as usize];
+        [x.to_bits(), y.to_bits(), z.to_bits()]
+    };
     let hash = |key: [u32; 3], vertex: u32| {
-        let first = hasher.hash_one((u64::from(key[0]) << 32 | u64::from(key[1]), key[2]));
-        let more =
-            |hash, frame: &Vec<[f32; 3]>| hasher.hash_one((hash, frame[vertex as usize].map(f32::to_bits)));
-        mesh.frames.iter().fold(first, more)
+        let mix = |hash: u64, [x, y, z]: [u32; 3]| {
+            // Both halves of a product with seeded factors, as foldhash and wyhash do.
+            let left = u64::from(x) << 32 | u64::from(y);
+            let product = u128::from(left ^ seeds[0]) * u128::from(u64::from(z) ^ hash);
+            (product >> 64) as u64 ^ product as u64
+        };
+        let more = |hash, frame: &Vec<[f32; 3]>| mix(hash, frame[vertex as usize].map(f32::to_bits));
+        mesh.frames.iter().fold(mix(seeds[1], key), more)
     };
     let same_frames = |a: u32, b: u32| {
         let same = |frame: &Vec<[f32; 3]>| {
@@ -123,50 +132,74 @@ fn exact(mesh: &Mesh, referenced: &[bool]) -> (Vec<u32>, Vec<u32>) {
         };
         mesh.frames.iter().all(same)
     };
-    // The table holds welded ids alone, four bytes each, and looks the rest up among the kept vertices: two cache
-    // misses a look-up where a table of entries has three. Neighbouring faces of most files share vertices, which
-    // a cache of recent ones (64 KiB, one entry a slot) finds before the table is asked.
     let used = referenced.iter().filter(|&&used| used).count();
     let mut table = Table::for_about(used / 6); // a closed soup has six corners a vertex
+    // Each kept vertex's bits, and where it comes from.
     let mut kept: Vec<([u32; 3], u32)> = Vec::with_capacity(used / 6);
-    const RECENT: usize = 4096;
-    let mut recent = vec![([0; 3], UNUSED); if mesh.frames.is_empty() { RECENT } else { 0 }];
-    merge(referenced, |vertex, new| {
-        let key = bits(vertex);
-        let hash_of_vertex = hash(key, vertex);
-        let slot = (hash_of_vertex >> 52) as usize; // below RECENT = 2^12
-        if let Some(&(found, welded)) = recent.get(slot)
-            && found == key
-            && welded != UNUSED
-        {
-            return Some(welded);
+    let mut vertex_of = vec![UNUSED; referenced.len()];
+    let mut vertices =
+        referenced.iter().enumerate().filter(|(_, used)| **used).map(|(vertex, _)| vertex as u32);
+
+    // A look-up waits for memory twice: for the table, and for the kept vertex that it names. So a block of them
+    // is looked up ahead, all waiting at once, and then settled in order; a vertex that came into the table in
+    // between is found by looking again.
+    const BLOCK: usize = 32;
+    let mut block = Vec::with_capacity(BLOCK);
+    let (mut hashes, mut guesses) = ([0; BLOCK], [UNUSED; BLOCK]);
+    let mut candidates = [([0; 3], UNUSED); BLOCK];
+    loop {
+        block.clear();
+        block.extend(vertices.by_ref().take(BLOCK).map(|vertex| (vertex, bits(vertex))));
+        if block.is_empty() {
+            break;
         }
-        let same = |welded: u32| {
-            let (other, origin) = kept[welded as usize];
-            other == key && same_frames(origin, vertex)
-        };
-        let joins = table.find_or_insert(hash_of_vertex, new, same);
-        if joins.is_none() {
-            kept.push((key, vertex));
-            if kept.len() * 2 > table.slots.len() {
-                table.grow(kept.iter().map(|&(key, origin)| hash(key, origin)));
-            }
+        for (hash_of_vertex, &(vertex, key)) in hashes.iter_mut().zip(&block) {
+            *hash_of_vertex = hash(key, vertex);
         }
-        if let Some(recent) = recent.get_mut(slot) {
-            *recent = (key, joins.unwrap_or(new));
+        for (guess, &hash) in guesses.iter_mut().zip(&hashes) {
+            *guess = table.first(hash);
         }
-        joins
-    })
+        for (candidate, &guess) in candidates.iter_mut().zip(&guesses) {
+            *candidate = kept.get(guess as usize).copied().unwrap_or(([0; 3], UNUSED));
+        }
+        for (i, &(vertex, key)) in block.iter().enumerate() {
+            let same = |(other, origin): ([u32; 3], u32)| other == key && same_frames(origin, vertex);
+            vertex_of[vertex as usize] = if candidates[i].1 != UNUSED && same(candidates[i]) {
+                guesses[i]
+            } else {
+                let new = kept.len() as u32; // below the vertex count, which fits
+                table.find_or_insert(hashes[i], new, |id| same(kept[id as usize])).unwrap_or_else(|| {
+                    kept.push((key, vertex));
+                    new
+                })
+            };
+        }
+        if (kept.len() + BLOCK) * 2 > table.slots.len() {
+            table.grow(kept.iter().map(|&(key, origin)| hash(key, origin)));
+        }
+    }
+    (vertex_of, kept.into_iter().map(|(_, origin)| origin).collect())
 }
 
-/// Ids by hash: open addressing with linear probing, a power of two of slots, at most half of them taken.
+/// Ids by hash: open addressing with linear probing, a power of two of slots, at most half of them taken. A slot
+/// holds the upper half of the hash above the id, so that hardly any other vertex is looked at in vain.
 struct Table {
-    slots: Vec<u32>,
+    slots: Vec<u64>,
 }
+
+/// A slot without an id: no id is this large.
+const EMPTY: u64 = UNUSED as u64;
 
 impl Table {
     fn for_about(ids: usize) -> Self {
-        Self { slots: vec![UNUSED; (2 * ids).next_power_of_two().max(16)] }
+        Self { slots: vec![EMPTY; (2 * ids).next_power_of_two().max(256)] }
+    }
+
+    /// The id in the first place where `hash` may be, if it belongs there; [`UNUSED`] otherwise.
+    #[inline]
+    fn first(&self, hash: u64) -> u32 {
+        let slot = self.slots[hash as usize & (self.slots.len() - 1)];
+        if slot >> 32 == hash >> 32 { slot as u32 } else { UNUSED }
     }
 
     /// The id for which `same` holds, if it is there; otherwise `new` is put in its place.
@@ -175,20 +208,21 @@ impl Table {
         let mask = self.slots.len() - 1;
         let mut at = hash as usize & mask;
         loop {
-            match self.slots[at] {
-                UNUSED => {
-                    self.slots[at] = new;
-                    return None;
-                }
-                id if same(id) => return Some(id),
-                _ => at = (at + 1) & mask,
+            let slot = self.slots[at];
+            if slot as u32 == UNUSED {
+                self.slots[at] = hash >> 32 << 32 | u64::from(new);
+                return None;
             }
+            if slot >> 32 == hash >> 32 && same(slot as u32) {
+                return Some(slot as u32);
+            }
+            at = (at + 1) & mask;
         }
     }
 
     /// Twice as many slots, filled anew with the hashes of the ids 0, 1, 2, …
     fn grow(&mut self, hashes: impl Iterator<Item = u64>) {
-        *self = Self { slots: vec![UNUSED; 2 * self.slots.len()] };
+        *self = Self { slots: vec![EMPTY; 2 * self.slots.len()] };
         for (id, hash) in hashes.enumerate() {
             self.find_or_insert(hash, id as u32, |_| false); // ids are vertices, which fit
         }

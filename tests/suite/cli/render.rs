@@ -40,7 +40,7 @@ fn render_takes_the_eye_the_lights_and_the_ground_that_are_asked_for() {
         "--light point:3,5,4 --eye -4,3,2 --target 0,0,0 --fov 60",
     ] {
         let run = folder.run(&format!("render cube.obj {asked} {rest}"));
-        assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{asked}");
+        assert_eq!((run.code, run.stderr.as_str()), (0, "umbrage: wrote a.png\n"), "{asked}");
         let picture = png(&folder, "a.png");
         assert!(!seen.contains(&picture), "{asked} changes nothing");
         seen.push(picture);
@@ -63,6 +63,6 @@ fn check_draws_the_open_edges_in_red_and_says_so() {
     assert!(red("a.png") > 500, "{}", red("a.png"));
     let run = folder.run("check cube.obj --picture b.png");
     assert_eq!((run.code, red("b.png")), (0, 0));
-    assert!(run.stderr.contains("no defects"), "{}", run.stderr);
+    assert!(run.stderr.ends_with("wrote b.png: no defects\n"), "{}", run.stderr);
     assert!(folder.run("check bow.obj --picture c.png").stderr.contains("cyan non_manifold_vertex"));
 }

@@ -5,7 +5,7 @@ use umbrage::mesh::solid;
 
 use super::{Folder, assert_shape, keys, real};
 
-const LIGHT_KEYS: &str = "light faces front_faces edge_on_faces edges silhouette_edges outline_edges \
+const LIGHT_KEYS: &str = "light name faces front_faces edge_on_faces edges silhouette_edges outline_edges \
     max_multiplicity loops method reason unsure_faces";
 
 #[test]

@@ -123,7 +123,10 @@ fn usage(text: &str) -> Failure {
     if let Some((problem, remedy)) = problem.split_once(": write ") {
         return Failure::new(problem, format_args!("write {remedy}"));
     }
-    let tip = paragraphs.find_map(|paragraph| paragraph.strip_prefix("tip: ").map(str::to_owned));
+    // A mistyped option is likelier than a file of that name, which the other tip is about.
+    let tip = paragraphs
+        .find_map(|paragraph| paragraph.strip_prefix("tip: ").map(str::to_owned))
+        .filter(|tip| !tip.starts_with("to pass"));
     Failure::new(problem, tip.as_deref().unwrap_or("--help tells what is allowed"))
 }
 
@@ -144,6 +147,7 @@ mod tests {
                 "invalid value 'planet' for '--scope <SCOPE>' [possible values: mesh, primitive, scene]; --help \
                  tells what is allowed",
             ),
+            ("check a --bogus", "unexpected argument '--bogus' found; --help tells what is allowed"),
             ("chekc a", "unrecognized subcommand 'chekc'; a similar subcommand exists: 'check'"),
             (
                 "check",

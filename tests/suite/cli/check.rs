@@ -223,6 +223,12 @@ fn check_total_lists_the_defects_of_all_meshes() {
     let names: Vec<&Value> = defects[0]["at"].as_array().unwrap().iter().map(|at| &at["mesh"]).collect();
     assert_eq!(names, ["left", "right"]);
     assert_eq!(total(" --limit 1")[0]["at"].as_array().unwrap().len(), 1);
+    // A part's name ends the mesh's, and is said once.
+    fs::write(folder.path("parts.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\ng east\nf 1 2 3\ng west\nf 1 3 2\n")
+        .unwrap();
+    let text = folder.run("check parts.obj --scope primitive").stdout;
+    let place = text.lines().find(|line| line.contains("    at ")).unwrap_or_else(|| panic!("{text}"));
+    assert_eq!(place.matches("east").count(), 1, "{text}");
     // Text: what another scope may do, and no name twice.
     let text = folder.run("check two.glb").stdout;
     assert!(text.contains("--scope scene looks at the file as one mesh"), "{text}");

@@ -66,3 +66,23 @@ fn check_draws_the_open_edges_in_red_and_says_so() {
     assert!(run.stderr.ends_with("wrote b.png: no defects\n"), "{}", run.stderr);
     assert!(folder.run("check bow.obj --picture c.png").stderr.contains("cyan non_manifold_vertex"));
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn render_of_more_pixels_than_memory_is_refused_in_one_line() {
+    let folder = Folder::with_cubes();
+    // The pixels alone take 1 GiB.
+    let command = "ulimit -v 1000000; exec \"$0\" render cube.obj --light point:3,5,4 --method rays --threads 2 \
+                   --size 16384x16384 -o a.png";
+    let output = std::process::Command::new("sh")
+        .current_dir(folder.path("."))
+        .args(["-c", command])
+        .arg(assert_cmd::cargo::cargo_bin!("umbrage"))
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(
+        String::from_utf8_lossy(&output.stderr),
+        "umbrage: a picture of 16384x16384 pixels does not fit the memory; choose a smaller --size\n"
+    );
+}

@@ -61,6 +61,7 @@ fn silhouette_takes_the_lights_of_the_file() {
     let lights = document["lights"].as_array().unwrap();
     let is = |kind| lights.iter().filter(|light| light["light"].as_str().unwrap().starts_with(kind)).count();
     assert_eq!((is("directional:"), is("point:")), (1, 3), "spot lights are point lights");
+    assert_eq!((&lights[0]["name"], &lights[1]["name"]), (&"Blue Lightsaber".into(), &"Arc Reactor".into()));
 }
 
 #[test]

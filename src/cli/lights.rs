@@ -13,7 +13,7 @@ pub(crate) struct LightArgs {
     ///
     /// [default: the file's own lights; without those, a point light 1.5 diagonals of the bounding box away from
     /// its centre, above and to the side, towards (1,2,1), or (1,-1,2) for stl and md2, where z is up]
-    #[arg(long = "light", value_name = "LIGHT")]
+    #[arg(long = "light", value_name = "LIGHT", allow_hyphen_values = true)]
     lights: Vec<Light>,
 }
 

@@ -120,7 +120,8 @@ fn usage(text: &str) -> Failure {
     let first = paragraphs.next().unwrap_or_default();
     let problem = first.strip_prefix("error: ").unwrap_or(&first);
     // What our own parsers say of a value is the remedy already.
-    if let Some((problem, remedy)) = problem.split_once(": write ") {
+    let said = problem.split_once("; write ").or_else(|| problem.split_once(": write "));
+    if let Some((problem, remedy)) = said {
         return Failure::new(problem, format_args!("write {remedy}"));
     }
     // A mistyped option is likelier than a file of that name, which the other tip is about.
@@ -148,6 +149,11 @@ mod tests {
                  tells what is allowed",
             ),
             ("check a --bogus", "unexpected argument '--bogus' found; --help tells what is allowed"),
+            (
+                "silhouette a --light -1,2,3",
+                "invalid value '-1,2,3' for '--light <LIGHT>': `-1,2,3` is not a light; write point:X,Y,Z or \
+                 directional:X,Y,Z (the way the light travels)",
+            ),
             ("chekc a", "unrecognized subcommand 'chekc'; a similar subcommand exists: 'check'"),
             (
                 "check",

@@ -47,7 +47,7 @@ pub(crate) struct Args {
     fov: Option<f32>,
 
     /// Width and height in pixels, each at most 16384
-    #[arg(long, value_name = "WxH", default_value = "960x540")]
+    #[arg(long, value_name = "WxH", default_value = "960x540", allow_hyphen_values = true)]
     size: Size,
 
     /// How shadows are found

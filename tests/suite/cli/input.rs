@@ -15,6 +15,14 @@ fn input_that_is_a_pipe_is_refused_at_once() {
     let run = folder.run("check pipe");
     assert_eq!(run.code, 2);
     assert_eq!(run.stderr, "umbrage: pipe: is not a regular file; name a mesh file\n");
+    let document = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"pipe","byteLength":36}],
+        "bufferViews":[{"buffer":0,"byteLength":36}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+        "nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0}"#;
+    fs::write(folder.path("a.gltf"), document).unwrap();
+    let run = folder.run("check a.gltf");
+    assert!(run.code == 2 && run.stderr.contains("pipe is not a regular file"), "{}", run.stderr);
 }
 
 #[test]

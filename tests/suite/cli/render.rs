@@ -86,3 +86,16 @@ fn render_of_more_pixels_than_memory_is_refused_in_one_line() {
         "umbrage: a picture of 16384x16384 pixels does not fit the memory; choose a smaller --size\n"
     );
 }
+
+#[test]
+fn render_says_when_the_camera_is_the_file_s_own() {
+    let folder = Folder::new();
+    let document = r#"{"asset":{"version":"2.0"},
+        "cameras":[{"type":"perspective","perspective":{"yfov":0.7,"znear":0.1}}],
+        "nodes":[{"camera":0}],"scenes":[{"nodes":[0]}],"scene":0}"#;
+    fs::write(folder.path("a.gltf"), document).unwrap();
+    let rest = "--light point:3,5,4 --method rays --size 8x8 -o a.png";
+    let note = "note: no --eye: using the camera of the file";
+    assert!(folder.run(&format!("render a.gltf {rest}")).stderr.contains(note));
+    assert!(!folder.run(&format!("render a.gltf --eye 1,2,3 --target 0,0,0 {rest}")).stderr.contains(note));
+}

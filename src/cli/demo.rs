@@ -81,7 +81,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
 
     // 5. The judges.
     let results = judge(&mesh, &lights);
-    let table = verify::text(&lights, &results);
+    let table = verify::text(&file, &lights, &results);
     out.text(format_args!("Verification: {table}\n"))?;
     write_atomic(at("verification.txt"), |writer| writer.write_all(table.as_bytes()))?;
     out.text(format_args!(
@@ -149,6 +149,7 @@ fn draw(mesh: &Mesh, lights: &[SceneLight], path: &Path) -> Result<(), Failure> 
     let progress = Progress::bar("drawing", view.steps());
     let picture = picture::render(&Oracle::build(mesh), &view, &|steps| progress.done(steps));
     drop(progress);
+    let picture = picture.map_err(|error| Failure::new(error, "free some memory"))?;
     picture.write_png(path)?;
     Ok(())
 }

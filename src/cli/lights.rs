@@ -1,5 +1,6 @@
 //! Which lights a command works with.
 
+use serde_json::Value;
 use umbrage::geom::{Aabb, Light};
 use umbrage::scene::{SceneLight, Up};
 
@@ -12,7 +13,7 @@ pub(crate) struct LightArgs {
     ///
     /// [default: the file's own lights; without those, a point light 1.5 diagonals of the bounding box away from
     /// its centre, above and to the side, towards (1,2,1), or (1,-1,2) for stl and md2, where z is up]
-    #[arg(long = "light", value_name = "LIGHT")]
+    #[arg(long = "light", value_name = "LIGHT", allow_hyphen_values = true)]
     lights: Vec<Light>,
 }
 
@@ -31,9 +32,28 @@ impl LightArgs {
             return of_file;
         }
         let light = default_light(bounds, up);
-        output::say(format_args!("note: no --light, and none in the file: using {light}"));
+        output::say(format_args!("note: no --light, and none in the file: using {}", label(&light, "")));
         vec![white(light)]
     }
+}
+
+/// A light for a person: coordinates far from 1 with an exponent, then its name, if it has one. Without the name it
+/// can be given back as `--light`.
+pub(crate) fn label(light: &Light, name: &str) -> String {
+    let exact = light.to_string();
+    let (kind, coordinates) = exact.split_once(':').unwrap_or(("", &exact));
+    let brief = |text: &str| match text.parse::<f32>() {
+        Ok(x) if x != 0.0 && !(1e-5..1e7).contains(&x.abs()) => format!("{x:e}"),
+        _ => text.to_owned(),
+    };
+    let coordinates: Vec<String> = coordinates.split(',').map(brief).collect();
+    let light = format!("{kind}:{}", coordinates.join(","));
+    if name.is_empty() { light } else { format!("{light} ({})", output::short(name)) }
+}
+
+/// The name of a light for JSON: null where it has none.
+pub(crate) fn name(name: &str) -> Value {
+    if name.is_empty() { Value::Null } else { name.into() }
 }
 
 fn white(light: Light) -> SceneLight {
@@ -61,6 +81,20 @@ mod tests {
         let asked = LightArgs { lights: vec!["directional:0,-1,0".parse().unwrap()] };
         assert_eq!(asked.resolve(vec![own.clone()], Aabb::EMPTY, Up::Y)[0].light, asked.lights[0]);
         assert_eq!(LightArgs { lights: vec![] }.resolve(vec![own.clone()], Aabb::EMPTY, Up::Y), [own]);
+    }
+
+    #[test]
+    fn label_of_a_light_is_short_and_reads_back() {
+        for (text, wanted) in [
+            ("point:1,2.5,-3", "point:1,2.5,-3"),
+            ("point:1e-30,-3e38,0", "point:1e-30,-3e38,0"),
+            ("directional:0.00001,9999999,1e7", "directional:0.00001,9999999,1e7"),
+        ] {
+            let light: Light = text.parse().unwrap();
+            assert_eq!(label(&light, ""), wanted);
+            assert_eq!(wanted.parse(), Ok(light));
+        }
+        assert_eq!(label(&"point:1,2,3".parse().unwrap(), "Sun\n"), "point:1,2,3 (Sun\u{fffd})");
     }
 
     #[test]

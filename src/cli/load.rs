@@ -18,7 +18,7 @@ pub(crate) struct MeshArgs {
     /// distance in mesh units
     ///
     /// Raise the distance when a report speaks of near-miss seams: nothing moves farther than that.
-    #[arg(long, value_name = "exact|none|DIST", default_value = "exact", value_parser = parse_weld)]
+    #[arg(long, value_name = "exact|none|DIST", default_value = "exact", value_parser = parse_weld, allow_negative_numbers = true)]
     weld: Weld,
 
     /// What is welded and counted as one mesh
@@ -105,6 +105,11 @@ impl MeshArgs {
         })
     }
 
+    /// Whether a file may be split into several meshes.
+    pub(crate) fn is_below_scene(&self) -> bool {
+        self.scope != ScopeArg::Scene
+    }
+
     /// Welds one mesh and lets go of the original.
     pub(crate) fn weld(&self, mesh: Mesh) -> WeldedMesh {
         let vertices = mesh.vertex_count();
@@ -121,6 +126,34 @@ impl MeshArgs {
             return Ok(welded.remove(0));
         }
         Mesh::concat(&welded).map_err(|error| Failure::new(error, "split the file").in_file(file))
+    }
+}
+
+/// Says so if there is nothing to look at in a file: no faces, or none left after welding.
+pub(crate) fn note_no_faces(file: &Path, mesh: &Mesh) {
+    let collapsed = |corners: &&[u32; 3]| {
+        corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]
+    };
+    note_none_left(file, mesh.face_count(), mesh.triangles().iter().filter(collapsed).count());
+}
+
+/// Says so if all of `faces` are among the `collapsed` ones.
+pub(crate) fn note_none_left(file: &Path, faces: usize, collapsed: usize) {
+    let file = output::plain(&file.to_string_lossy());
+    match faces {
+        0 => output::say(format_args!("note: {file}: there are no faces")),
+        _ if faces == collapsed => {
+            output::say(format_args!("note: {file}: {}", all_collapse(faces)));
+        }
+        _ => {}
+    }
+}
+
+/// What is said where every face has two equal corners.
+pub(crate) fn all_collapse(faces: usize) -> String {
+    match faces {
+        1 => "the only face collapses when welded".to_owned(),
+        _ => format!("all {faces} faces collapse when welded"),
     }
 }
 

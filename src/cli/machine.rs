@@ -1,23 +1,31 @@
 //! What the machine may be asked for: threads, a graphics adapter.
 
-use std::num::NonZeroUsize;
-
 use super::error::Failure;
 
 /// For commands that may be long.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct ThreadArgs {
-    /// How many threads work; the result is the same for any number [default: one a core]
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    /// How many threads work, from 1 to 1024; the result is the same for any number [default: one a core]
+    #[arg(long, value_name = "N", value_parser = parse_threads, allow_negative_numbers = true)]
+    threads: Option<usize>,
 }
 
 impl ThreadArgs {
     /// Prepares the threads; call it once, before the work.
     pub(crate) fn apply(self) -> Result<(), Failure> {
         let Some(threads) = self.threads else { return Ok(()) };
-        start(threads.get())
+        start(threads)
             .map_err(|problem| Failure::new(format!("--threads {threads}: {problem}"), "leave it out"))
+    }
+}
+
+/// Far more than help; each thread takes memory.
+const MOST_THREADS: usize = 1024;
+
+fn parse_threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(threads) if (1..=MOST_THREADS).contains(&threads) => Ok(threads),
+        _ => Err(format!("write a whole number from 1 to {MOST_THREADS}")),
     }
 }
 

@@ -9,6 +9,7 @@ mod load;
 mod machine;
 mod output;
 mod progress;
+mod values;
 
 mod check;
 mod silhouette;
@@ -18,8 +19,10 @@ mod render;
 mod unbuilt;
 mod demo;
 
+use std::io::{self, Write};
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 use error::Failure;
@@ -82,11 +85,7 @@ enum Outcome {
 pub(crate) fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => {
-            // Help and version come this way too, with code 0; a closed pipe is no reason to fail.
-            let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { Outcome::Incomplete as u8 } else { 0 });
-        }
+        Err(error) => return ExitCode::from(answer(&error) as u8),
     };
     match cli.command.run() {
         Ok(outcome) => ExitCode::from(outcome as u8),
@@ -97,9 +96,78 @@ pub(crate) fn main() -> ExitCode {
     }
 }
 
+/// What the parser answers itself: help and version, or in one line what is wrong with the arguments.
+fn answer(error: &clap::Error) -> Outcome {
+    if error.use_stderr() && error.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        output::say(usage(&error.to_string()));
+        return Outcome::Incomplete;
+    }
+    match error.print().and_then(|()| io::stdout().flush()) {
+        // A closed pipe is no reason to fail.
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            output::say(output::unwritable(error));
+            Outcome::Incomplete
+        }
+        _ if error.use_stderr() => Outcome::Incomplete,
+        _ => Outcome::Sound,
+    }
+}
+
+/// The parser's paragraphs as problem and remedy. The first one is the problem; a tip, if there is one, the remedy.
+fn usage(text: &str) -> Failure {
+    let fold = |paragraph: &str| paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
+    let mut paragraphs = text.split("\n\n").map(fold);
+    let first = paragraphs.next().unwrap_or_default();
+    let problem = first.strip_prefix("error: ").unwrap_or(&first);
+    // What our own parsers say of a value is the remedy already.
+    let said = problem.split_once("; write ").or_else(|| problem.split_once(": write "));
+    if let Some((problem, remedy)) = said {
+        return Failure::new(problem, format_args!("write {remedy}"));
+    }
+    // A mistyped option is likelier than a file of that name, which the other tip is about.
+    let tip = paragraphs
+        .find_map(|paragraph| paragraph.strip_prefix("tip: ").map(str::to_owned))
+        .filter(|tip| !tip.starts_with("to pass"));
+    Failure::new(problem, tip.as_deref().unwrap_or("--help tells what is allowed"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn usage_errors_are_problem_and_remedy() {
+        for (arguments, line) in [
+            (
+                "check a --weld -1",
+                "invalid value '-1' for '--weld <exact|none|DIST>'; write exact, none, or a distance above 0 in \
+                 mesh units",
+            ),
+            (
+                "check a --scope planet",
+                "invalid value 'planet' for '--scope <SCOPE>' [possible values: mesh, primitive, scene]; --help \
+                 tells what is allowed",
+            ),
+            ("check a --bogus", "unexpected argument '--bogus' found; --help tells what is allowed"),
+            (
+                "silhouette a --light -1,2,3",
+                "invalid value '-1,2,3' for '--light <LIGHT>': `-1,2,3` is not a light; write point:X,Y,Z or \
+                 directional:X,Y,Z (the way the light travels)",
+            ),
+            ("chekc a", "unrecognized subcommand 'chekc'; a similar subcommand exists: 'check'"),
+            (
+                "check",
+                "the following required arguments were not provided: <FILE>...; --help tells what is allowed",
+            ),
+            (
+                "verify a --points -1",
+                "invalid value '-1' for '--points <N>'; write a whole number, 0 or more",
+            ),
+        ] {
+            let error = Cli::try_parse_from(["umbrage"].into_iter().chain(arguments.split(' '))).unwrap_err();
+            assert_eq!(usage(&error.to_string()).to_string(), line, "{arguments}");
+        }
+    }
 
     #[test]
     fn cli_definition_is_consistent() {

@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display};
 use std::io::{self, BufWriter, StdoutLock, Write};
+use std::path::Path;
 
 use serde_json::Value;
 
@@ -10,6 +11,11 @@ use super::error::Failure;
 /// Says something to the person: one line on standard error. Nothing is lost if nobody listens.
 pub(crate) fn say(text: impl Display) {
     let _ = writeln!(io::stderr().lock(), "umbrage: {text}");
+}
+
+/// Says that a file was written.
+pub(crate) fn wrote(path: &Path) {
+    say(format_args!("wrote {}", plain(&path.to_string_lossy())));
 }
 
 /// Standard output. Once the reader has closed the pipe, what is written goes nowhere, and the command goes
@@ -44,7 +50,8 @@ impl Output {
     }
 }
 
-fn unwritable(error: io::Error) -> Failure {
+/// Why the result did not reach anybody.
+pub(super) fn unwritable(error: io::Error) -> Failure {
     Failure::new(format_args!("standard output cannot be written: {error}"), "write to another place")
 }
 
@@ -85,6 +92,11 @@ pub(crate) fn significant(value: f64) -> String {
         size if size == 0.0 || (1e-4..1e7).contains(&size) => (rounded + 0.0).to_string(),
         _ => format!("{rounded:e}"),
     }
+}
+
+/// "1 shell", "2 shells".
+pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 /// Text from outside, fit for a terminal: no control characters, so one line and no commands to it.

@@ -12,6 +12,7 @@ use super::load::{self, MeshArgs};
 use super::machine::ThreadArgs;
 use super::output;
 use super::progress::Progress;
+use super::values::{degrees, refuse_overwriting};
 use super::{Failure, Outcome};
 
 /// Picture: every pixel's visible point and its shadow by exact ray cast, flat faces, plain shading
@@ -21,7 +22,7 @@ use super::{Failure, Outcome};
 /// light within its cone. A point that a ray only grazes is drawn lit.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content
+    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content, then by its extension
     file: PathBuf,
 
     #[command(flatten)]
@@ -42,11 +43,11 @@ pub(crate) struct Args {
     target: Option<[f32; 3]>,
 
     /// Vertical field of view in degrees, together with --eye [default: 35]
-    #[arg(long, value_name = "DEG", requires = "eye")]
+    #[arg(long, value_name = "DEG", requires = "eye", value_parser = degrees, allow_negative_numbers = true)]
     fov: Option<f32>,
 
     /// Width and height in pixels, each at most 16384
-    #[arg(long, value_name = "WxH", default_value = "960x540")]
+    #[arg(long, value_name = "WxH", default_value = "960x540", allow_hyphen_values = true)]
     size: Size,
 
     /// How shadows are found
@@ -113,6 +114,7 @@ pub(crate) fn require_png(path: &Path) -> Result<(), Failure> {
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     require_png(&args.output)?;
+    refuse_overwriting("--output", Some(&args.output), &args.file)?;
     let asked = camera(&args, Up::Y)?; // nonsense is refused before the file is read
     args.method.settle()?;
     args.threads.apply()?;
@@ -120,13 +122,11 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let baked = args.mesh.read(&args.file)?;
     let up = Up::of(baked.format);
     let mesh = args.mesh.caster(baked.meshes, &args.file)?;
-    if mesh.face_count() == 0 {
-        output::say(format_args!("note: {}: there are no faces", args.file.display()));
-    }
+    load::note_no_faces(&args.file, &mesh);
     let bounds = load::bounds(&mesh);
     let camera = match asked {
         Some(_) => camera(&args, up)?,
-        None => baked.camera,
+        None => baked.camera.inspect(|_| output::say("note: no --eye: using the camera of the file")),
     };
     let camera = camera.unwrap_or_else(|| Camera::fit(&bounds, up, args.size.aspect()));
     let lights = args.lights.resolve(baked.lights, bounds, up);
@@ -157,7 +157,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let progress = Progress::bar("rendering", view.steps());
     let picture = picture::render(&oracle, &view, &|steps| progress.done(steps));
     drop(progress);
+    let picture = picture.map_err(|error| Failure::new(error, "choose a smaller --size"))?;
     picture.write_png(&args.output)?;
+    output::wrote(&args.output);
     Ok(Outcome::Sound)
 }
 

@@ -10,11 +10,12 @@ use umbrage::silhouette::{Casters, Facing, Silhouette, classify};
 use umbrage::topology::Topology;
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
-use super::lights::LightArgs;
+use super::lights::{self, LightArgs};
 use super::load::{self, MeshArgs};
 use super::machine::AdapterArgs;
-use super::output::{Output, Table, plain, short};
+use super::output::{self, Output, Table, plain};
 use super::progress::Progress;
+use super::values::refuse_overwriting;
 use super::{Failure, Outcome};
 
 /// Silhouette: the edges of a mesh where the side that a light is on changes
@@ -22,7 +23,7 @@ use super::{Failure, Outcome};
 /// Every side is decided exactly. Each mesh of the file is welded by itself; the counts are over all of them.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content
+    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content, then by its extension
     file: PathBuf,
 
     #[command(flatten)]
@@ -90,8 +91,10 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     if let Some(path) = &args.output {
         Target::from_path(path)?;
     }
+    refuse_overwriting("--output", args.output.as_deref(), &args.file)?;
     let baked = args.mesh.read(&args.file)?;
     let mesh = args.mesh.caster(baked.meshes, &args.file)?;
+    load::note_no_faces(&args.file, &mesh);
     let lights = args.lights.resolve(baked.lights, load::bounds(&mesh), Up::of(baked.format));
 
     let progress = Progress::spinner("finding silhouettes");
@@ -102,6 +105,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     if let Some(path) = &args.output {
         let layers = found.iter().enumerate().map(|(index, found)| lines(&mesh, &topology, index, found));
         write::write(&Model { layers: layers.collect() }, path)?;
+        output::wrote(path);
     }
     let mut out = Output::new();
     if args.json {
@@ -147,6 +151,7 @@ fn find(mesh: &Mesh, topology: &Topology, SceneLight { name, light, .. }: SceneL
 fn document(topology: &Topology, found: &Found, reason: &str) -> Value {
     json!({
         "light": found.light.to_string(),
+        "name": lights::name(&found.name),
         "faces": topology.face_count(),
         "front_faces": found.front_faces,
         "edge_on_faces": found.edge_on_faces,
@@ -175,10 +180,7 @@ fn table(file: &Path, topology: &Topology, found: &[Found]) -> String {
         "multiplicity",
     ]);
     for found in found {
-        let mut light = found.light.to_string();
-        if !found.name.is_empty() {
-            light = format!("{light} ({})", short(&found.name));
-        }
+        let light = lights::label(&found.light, &found.name);
         let counts = [
             topology.face_count(),
             found.front_faces,
@@ -203,7 +205,7 @@ fn lines(mesh: &Mesh, topology: &Topology, index: usize, found: &Found) -> Layer
     used.dedup();
     let place = |vertex| used.binary_search(&vertex).expect("the ends are all there") as u32;
     Layer {
-        name: format!("silhouette {index} {}", found.light),
+        name: format!("silhouette {index} {}", lights::label(&found.light, &found.name)),
         colour: Some([1.0, 0.5, 0.0, 1.0]),
         positions: used.iter().map(|vertex| mesh.positions()[vertex.index()]).collect(),
         elements: Elements::Lines(ends.iter().map(|ends| ends.map(place)).collect()),

@@ -1,17 +1,18 @@
 //! `umbrage verify`: every judge against every other.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use umbrage::oracle::Verdict;
 use umbrage::scene::{SceneLight, Up};
 use umbrage::verify::{Judge, Options, Stratum, Verification, Verifier};
 
-use super::lights::LightArgs;
+use super::lights::{self, LightArgs};
 use super::load::{self, MeshArgs};
 use super::machine::{AdapterArgs, ThreadArgs};
-use super::output::{Output, Table, number, number32};
+use super::output::{Output, Table, number, number32, plain};
 use super::progress::Progress;
+use super::values::{seed, whole};
 use super::{Failure, Outcome};
 
 /// Every judge against every other: ray cast, winding numbers of the volume, whole-number arithmetic
@@ -20,7 +21,7 @@ use super::{Failure, Outcome};
 /// boundary. A disagreement is a bug in umbrage; a crack in the mesh is none.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A mesh file: obj, gltf, glb, stl, ply, md2
+    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content, then by its extension
     #[arg(value_name = "FILE")]
     file: PathBuf,
 
@@ -31,11 +32,11 @@ pub(crate) struct Args {
     lights: LightArgs,
 
     /// How many points for each light, spread evenly over the strata
-    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = whole, allow_negative_numbers = true)]
     points: usize,
 
     /// What the points are drawn from; the same seed gives the same points
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
 
     /// Print one JSON document instead of text
@@ -65,7 +66,7 @@ pub(crate) struct Args {
     target: Option<String>,
 
     /// Its vertical field of view, in degrees (not built yet)
-    #[arg(long, value_name = "DEG")]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     fov: Option<String>,
 
     /// Where its mismatches are drawn (not built yet)
@@ -106,6 +107,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     args.threads.apply()?;
     let mut baked = args.mesh.read(&args.file)?;
     let mesh = args.mesh.caster(std::mem::take(&mut baked.meshes), &args.file)?;
+    load::note_no_faces(&args.file, &mesh);
     let lights = args.lights.resolve(baked.lights, load::bounds(&mesh), Up::of(baked.format));
 
     let progress = Progress::spinner("topology, proofs and tree");
@@ -124,7 +126,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         let format = baked.format.map(|format| format.name());
         output.json(&document(&args.file.to_string_lossy(), format, &lights, &results))?;
     } else {
-        output.text(text(&lights, &results))?;
+        output.text(text(&args.file, &lights, &results))?;
     }
     output.flush()?;
     let agreed = results.iter().all(Verification::agrees);
@@ -150,10 +152,14 @@ fn total(strata: &[Stratum]) -> Stratum {
     strata.iter().fold(Stratum { name: "all", ..Stratum::default() }, |sum, row| sum.plus(row))
 }
 
-/// The tables of strata and judges, each disagreement, the verdict.
-pub(super) fn text(lights: &[SceneLight], results: &[Verification]) -> String {
+/// What two columns mean.
+const LEGEND: &str = "grazing: the ray to the light only touches a face, and either answer is right; rate below: \
+                      with 95 % confidence, at most this part of such points is judged wrong";
+
+/// The tables of strata and judges, each disagreement, the verdict, and a legend.
+pub(super) fn text(file: &Path, lights: &[SceneLight], results: &[Verification]) -> String {
     let (strata, judges) = summed(results);
-    let lit: Vec<String> = lights.iter().map(|light| light.light.to_string()).collect();
+    let lit: Vec<String> = lights.iter().map(|light| lights::label(&light.light, &light.name)).collect();
     let mut points = Table::new(&["points", "judged", "agree", "grazing", "disagree", "rate below (95 %)"]);
     for row in strata.iter().chain([&total(&strata)]) {
         let bound = row.bound_95().map_or("-".to_owned(), |bound| format!("{bound:.1e}"));
@@ -171,15 +177,20 @@ pub(super) fn text(lights: &[SceneLight], results: &[Verification]) -> String {
             let [x, y, z] = found.point;
             places += &format!(
                 "disagreement: {} at {x},{y},{z} ({}): {}\n",
-                light.light, found.stratum, found.what
+                lights::label(&light.light, &light.name),
+                found.stratum,
+                found.what
             );
         }
     }
     let verdict = match total(&strata).disagree {
         0 => "all judges agree".to_owned(),
+        1 => "1 disagreement".to_owned(),
         count => format!("{count} disagreements"),
     };
-    format!("lights: {}\n\n{points}\n\n{asked}\n\n{places}verdict: {verdict}\n", lit.join("  "))
+    let file = plain(&file.to_string_lossy());
+    let lit = lit.join("  ");
+    format!("{file}\nlights: {lit}\n\n{points}\n\n{asked}\n\n{places}verdict: {verdict}\n{LEGEND}\n")
 }
 
 fn document(file: &str, format: Option<&str>, lights: &[SceneLight], results: &[Verification]) -> Value {
@@ -187,7 +198,7 @@ fn document(file: &str, format: Option<&str>, lights: &[SceneLight], results: &[
     let mut document = json!({ "file": file, "format": format });
     let counts = counts(&strata, &judges);
     let each = lights.iter().zip(results).map(|(light, result)| {
-        let mut entry = json!({ "light": light.light.to_string() });
+        let mut entry = json!({ "light": light.light.to_string(), "name": lights::name(&light.name) });
         append(&mut entry, self::counts(&result.strata, &result.judges));
         let disagreements = result.disagreements.iter().map(|found| {
             json!({

@@ -11,10 +11,11 @@ use umbrage::topology::{Shells, Topology};
 use umbrage::volume::{self, Plan, ShadowVolume, ShellChoice, ShellProof};
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
-use super::lights::LightArgs;
+use super::lights::{self, LightArgs};
 use super::load::{self, MeshArgs};
-use super::output::{self, Output, Table, plain, short, significant};
+use super::output::{self, Output, Table, counted, plain, short, significant};
 use super::progress::Progress;
+use super::values::{distance, refuse_overwriting};
 use super::{Failure, Outcome};
 
 /// Shadow volume: light cap, sides and dark cap, closed at infinity, with the certificate that it is closed
@@ -23,7 +24,7 @@ use super::{Failure, Outcome};
 /// is not closed.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content
+    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content, then by its extension
     file: PathBuf,
 
     #[command(flatten)]
@@ -40,7 +41,7 @@ pub(crate) struct Args {
     #[arg(long, value_enum, default_value_t = Caps::Auto)]
     caps: Caps,
 
-    /// Write the volume in layers: light_cap, sides and dark_cap, over the same vertices
+    /// Write the volume in layers: light_cap, sides and dark_cap, each with the vertices that it uses
     ///
     /// [default: nothing is written]
     #[arg(short, long, value_name = "OUT.{glb,obj,ply}")]
@@ -49,7 +50,7 @@ pub(crate) struct Args {
     /// How far vertices at infinity are moved when written, in mesh units, since no format holds infinity
     ///
     /// [default: 10 diagonals of the bounding box]. GLB and PLY carry the homogeneous w too, 0 for such a vertex.
-    #[arg(long, value_name = "DIST", value_parser = parse_far)]
+    #[arg(long, value_name = "DIST", value_parser = distance, allow_negative_numbers = true)]
     far: Option<f32>,
 
     /// Print one JSON document instead of a table: `file`, `format`, and `lights` with an object for each light
@@ -98,13 +99,6 @@ impl From<Caps> for volume::Caps {
     }
 }
 
-fn parse_far(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(far) if far > 0.0 && far.is_finite() => Ok(far),
-        _ => Err("write a distance above 0 in mesh units".to_owned()),
-    }
-}
-
 /// A bound on what is listed where a mesh falls apart into single faces.
 const SHELLS_LISTED: usize = 1000;
 
@@ -120,9 +114,13 @@ struct Built {
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     if let Some(path) = &args.output {
         Target::from_path(path)?;
+    } else if args.far.is_some() {
+        output::say("note: --far has no effect without --output");
     }
+    refuse_overwriting("--output", args.output.as_deref(), &args.file)?;
     let baked = args.mesh.read(&args.file)?;
     let mesh = args.mesh.caster(baked.meshes, &args.file)?;
+    load::note_no_faces(&args.file, &mesh);
     let lights = args.lights.resolve(baked.lights, load::bounds(&mesh), Up::of(baked.format));
 
     let progress = Progress::spinner("building shadow volumes");
@@ -140,15 +138,26 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     if let Some(path) = &args.output {
         let far = args.far.unwrap_or_else(|| default_far(&mesh));
         let layers = built.iter().enumerate().flat_map(|(index, built)| {
-            let suffix = if index == 0 { String::new() } else { format!(" {index}") };
+            let mut suffix = if index == 0 { String::new() } else { format!(" {index}") };
+            if !built.name.is_empty() {
+                suffix += &format!(" ({})", short(&built.name));
+            }
             layers(&built.volume, far, &suffix)
         });
         write::write(&Model { layers: layers.collect() }, path)?;
+        output::wrote(path);
         output::say(format_args!(
             "note: {}: vertices at infinity are written {} mesh units away; --far sets that",
-            path.display(),
+            plain(&path.to_string_lossy()),
             significant(f64::from(far))
         ));
+        let diagonal = load::bounds(&mesh).diagonal();
+        if f64::from(far) < diagonal {
+            output::say(format_args!(
+                "note: --far is less than the diagonal of the mesh, {}: the written volume may end inside of it",
+                significant(diagonal)
+            ));
+        }
     }
     let mut out = Output::new();
     if args.json {
@@ -208,11 +217,11 @@ fn default_far(mesh: &Mesh) -> f32 {
     if diagonal > 0.0 { (10.0 * diagonal).min(f64::from(f32::MAX)) as f32 } else { 1.0 }
 }
 
-/// The three runs of triangles over the same vertices; a run that is empty is left out.
+/// The three runs of triangles, each with the vertices that it uses; a run that is empty is left out. Where two
+/// runs meet, both have the vertex, bit for bit.
 fn layers(volume: &ShadowVolume, far: f32, suffix: &str) -> Vec<Layer> {
     let positions = volume.clamped(far);
     let finite = volume.positions().len();
-    let w: Vec<f32> = (0..positions.len()).map(|vertex| if vertex < finite { 1.0 } else { 0.0 }).collect();
     let runs = [
         ("light_cap", volume.light_cap(), [1.0, 0.9, 0.3, 1.0]),
         ("sides", volume.sides(), [0.2, 0.3, 0.8, 0.4]),
@@ -220,13 +229,20 @@ fn layers(volume: &ShadowVolume, far: f32, suffix: &str) -> Vec<Layer> {
     ];
     runs.into_iter()
         .filter(|(_, run, _)| !run.is_empty())
-        .map(|(name, run, colour)| Layer {
-            name: format!("{name}{suffix}"),
-            colour: Some(colour),
-            positions: positions.clone(),
-            w: Some(w.clone()),
-            elements: Elements::Triangles(volume.triangles()[run].to_vec()),
-            ..Layer::default()
+        .map(|(name, run, colour)| {
+            let triangles = &volume.triangles()[run];
+            let mut used: Vec<u32> = triangles.as_flattened().to_vec();
+            used.sort_unstable();
+            used.dedup();
+            let place = |vertex| used.binary_search(&vertex).expect("every corner is used") as u32;
+            Layer {
+                name: format!("{name}{suffix}"),
+                colour: Some(colour),
+                positions: used.iter().map(|&vertex| positions[vertex as usize]).collect(),
+                w: Some(used.iter().map(|&v| if (v as usize) < finite { 1.0 } else { 0.0 }).collect()),
+                elements: Elements::Triangles(triangles.iter().map(|corners| corners.map(place)).collect()),
+                ..Layer::default()
+            }
         })
         .collect()
 }
@@ -236,6 +252,7 @@ fn document(built: &Built) -> Value {
     let volume = &built.volume;
     json!({
         "light": built.light.to_string(),
+        "name": lights::name(&built.name),
         "variant": built.plan.choices.iter().enumerate().take(SHELLS_LISTED).map(variant).collect::<Vec<_>>(),
         "vertices": volume.vertex_count(),
         "triangles": volume.triangles().len(),
@@ -251,10 +268,7 @@ fn text(file: &Path, built: &[Built]) -> String {
         Table::new(&["light", "vertices", "triangles", "light cap", "sides", "dark cap", "closed"]);
     let mut reasons = String::new();
     for (index, built) in built.iter().enumerate() {
-        let mut light = format!("{index} {}", built.light);
-        if !built.name.is_empty() {
-            light = format!("{light} ({})", short(&built.name));
-        }
+        let light = format!("{index} {}", lights::label(&built.light, &built.name));
         let volume = &built.volume;
         let counts = [
             volume.vertex_count(),
@@ -267,8 +281,8 @@ fn text(file: &Path, built: &[Built]) -> String {
         let counts = counts.iter().map(usize::to_string).chain([closed.to_owned()]);
         table.row(std::iter::once(light).chain(counts).collect());
         for (choice, count) in grouped(&built.plan.choices) {
-            let shells = if count == 1 { "shell" } else { "shells" };
-            reasons += &format!("  light {index}, {count} {shells} {}: {choice}\n", choice.variant.name());
+            let shells = counted(count, "shell", "shells");
+            reasons += &format!("  light {index}, {shells} {}: {choice}\n", choice.variant.name());
         }
     }
     format!("{}\n{table}\n{reasons}", plain(&file.to_string_lossy()))
@@ -307,19 +321,21 @@ mod tests {
     }
 
     #[test]
-    fn volume_layers_share_their_vertices_and_close_together() {
+    fn volume_layers_have_the_vertices_they_use_and_close_together() {
         let built = built(&solid::cube(), "point:2,3,5", volume::Faces::Auto);
         let layers = layers(&built.volume, 100.0, "");
         assert_eq!(
             layers.iter().map(|layer| layer.name.as_str()).collect::<Vec<_>>(),
             ["light_cap", "sides", "dark_cap"]
         );
-        assert!(layers.iter().all(|layer| layer.positions == layers[0].positions && layer.w == layers[0].w));
-        let triangles = layers.iter().flat_map(|layer| match &layer.elements {
-            Elements::Triangles(triangles) => triangles.clone(),
+        // Of the cube's 8 corners a front cap uses 7; its outline has 6.
+        assert_eq!(layers.iter().map(|layer| layer.positions.len()).collect::<Vec<_>>(), [7, 12, 7]);
+        let parts = layers.iter().map(|layer| match &layer.elements {
+            Elements::Triangles(triangles) => Mesh::new(layer.positions.clone(), triangles.clone()).unwrap(),
             _ => panic!("a volume is triangles"),
         });
-        let whole = Mesh::new(layers[0].positions.clone(), triangles.collect()).unwrap();
+        let whole = Mesh::concat(&parts.collect::<Vec<_>>()).unwrap();
+        let whole = umbrage::mesh::weld(&whole, umbrage::mesh::Weld::Exact).mesh;
         let topology = Topology::build(whole.vertex_count(), whole.triangles().to_vec());
         assert!(CrackReport::of(&whole, &topology).counts.sound());
     }

@@ -57,6 +57,19 @@ const ABOVE: Vec3 = Vec3::new(0.42, 0.48, 0.56);
 /// Neighbouring pixels whose bytes differ by more than this have an edge between them.
 const EDGE: u8 = 20;
 
+/// Why there is no picture: its pixels, with what is needed to compute them, do not fit the memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a picture of {0} pixels does not fit the memory")]
+pub struct MemoryError(pub Size);
+
+/// A buffer with a `value` for each pixel.
+fn buffer<T: Copy>(size: Size, value: T) -> Result<Vec<T>, MemoryError> {
+    let mut buffer = Vec::new();
+    buffer.try_reserve_exact(size.pixels()).map_err(|_| MemoryError(size))?;
+    buffer.resize(size.pixels(), value);
+    Ok(buffer)
+}
+
 impl View<'_> {
     /// How many steps [`render`] reports.
     #[must_use]
@@ -71,12 +84,21 @@ impl View<'_> {
 /// `edge_samples`² rays. Grazing counts as lit. `progress` hears of steps done, [`View::steps`] in all, from any
 /// thread. With the feature `parallel`, rows are shared among threads; the bytes do not depend on how.
 ///
-/// About 2 µs a ray and thread for a mesh of some 10⁵ faces, and 1 µs more a lamp.
-#[must_use]
-pub fn render(oracle: &Oracle, view: &View<'_>, progress: &(dyn Fn(u64) + Sync)) -> Picture {
+/// About 2 µs a ray and thread for a mesh of some 10⁵ faces, and 1 µs more a lamp; 4 bytes a pixel, with smoothing 8.
+///
+/// # Errors
+///
+/// [`MemoryError`] if those bytes are not to be had.
+pub fn render(
+    oracle: &Oracle,
+    view: &View<'_>,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Picture, MemoryError> {
     let pinhole = Pinhole::new(&view.camera, view.size);
     let width = view.size.width() as usize;
-    let mut pixels = vec![[0; 4]; view.size.pixels()];
+    let mut pixels = buffer(view.size, [0; 4])?;
+    // Taken before the work, not after half of it.
+    let mut plain = if view.edge_samples > 1 { buffer(view.size, [0; 4])? } else { Vec::new() };
     rows::for_each(&mut pixels, width, |y, row| {
         for (x, pixel) in row.iter_mut().enumerate() {
             *pixel = colour::encode(sample(oracle, view, &pinhole, x as f64 + 0.5, y as f64 + 0.5));
@@ -84,7 +106,7 @@ pub fn render(oracle: &Oracle, view: &View<'_>, progress: &(dyn Fn(u64) + Sync))
         progress(1);
     });
     if view.edge_samples > 1 {
-        let plain = pixels.clone();
+        plain.copy_from_slice(&pixels);
         rows::for_each(&mut pixels, width, |y, row| {
             for (x, pixel) in row.iter_mut().enumerate() {
                 if is_at_edge(&plain, view.size, x, y) {
@@ -94,7 +116,7 @@ pub fn render(oracle: &Oracle, view: &View<'_>, progress: &(dyn Fn(u64) + Sync))
             progress(1);
         });
     }
-    Picture { size: view.size, pixels }
+    Ok(Picture { size: view.size, pixels })
 }
 
 /// The light that comes along the ray through a place in the picture.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::{CLAY, Lamp, Picture, View, render, rows};
+use super::{CLAY, Lamp, MemoryError, Picture, View, buffer, render, rows};
 use crate::geom::Light;
 use crate::mesh::FaceId;
 use crate::oracle::Oracle;
@@ -54,8 +54,17 @@ const SKIN: f64 = 1.0 / 256.0;
 impl Overlay {
     /// Draws the faces of `oracle` in light grey from a fitted camera, and everything of `self` over them: dimmed
     /// where it is hidden. `progress` hears of 2 × height steps, from any thread.
-    #[must_use]
-    pub fn render(&self, oracle: &Oracle, up: Up, size: Size, progress: &(dyn Fn(u64) + Sync)) -> Picture {
+    ///
+    /// # Errors
+    ///
+    /// [`MemoryError`] if 12 bytes a pixel are not to be had.
+    pub fn render(
+        &self,
+        oracle: &Oracle,
+        up: Up,
+        size: Size,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Picture, MemoryError> {
         let camera = Camera::fit(&oracle.bounds(), up, size.aspect());
         let mut tints = self.faces.clone();
         tints.sort_by_key(|tint| tint.0); // stable: the first entry of a face stays first
@@ -65,15 +74,18 @@ impl Overlay {
         };
         let lamps = headlights(&camera);
         let view = View { camera, size, lamps: &lamps, up, ground: None, paint: &paint, edge_samples: 1 };
-        let mut picture = render(oracle, &view, progress);
-        let depths = depths(oracle, &camera, size, progress);
-        self.draw(&mut picture, &Pinhole::new(&camera, size), &depths, SKIN * oracle.bounds().diagonal());
-        picture
+        let mask = buffer(size, 0.0)?;
+        let mut picture = render(oracle, &view, progress)?;
+        let depths = depths(oracle, &camera, size, progress)?;
+        let skin = SKIN * oracle.bounds().diagonal();
+        self.draw(
+            Canvas { picture: &mut picture, depths: &depths, skin, mask },
+            &Pinhole::new(&camera, size),
+        );
+        Ok(picture)
     }
 
-    fn draw(&self, picture: &mut Picture, pinhole: &Pinhole, depths: &[f32], skin: f64) {
-        let mask = vec![0.0; picture.pixels.len()];
-        let mut canvas = Canvas { picture, depths, skin, mask };
+    fn draw(&self, mut canvas: Canvas<'_>, pinhole: &Pinhole) {
         // A margin of 5 % keeps the round ends of cut lines outside of the picture.
         let mut lines = self.lines.clone();
         let rank = |colour| self.legend.iter().position(|&other| other == colour);
@@ -110,9 +122,14 @@ fn headlights(camera: &Camera) -> Vec<Lamp> {
 }
 
 /// The depth along the camera's forward direction of what the middle of each pixel sees; infinite for nothing.
-fn depths(oracle: &Oracle, camera: &Camera, size: Size, progress: &(dyn Fn(u64) + Sync)) -> Vec<f32> {
+fn depths(
+    oracle: &Oracle,
+    camera: &Camera,
+    size: Size,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Vec<f32>, MemoryError> {
     let pinhole = Pinhole::new(camera, size);
-    let mut depths = vec![f32::INFINITY; size.pixels()];
+    let mut depths = buffer(size, f32::INFINITY)?;
     rows::for_each(&mut depths, size.width() as usize, |y, row| {
         for (x, depth) in row.iter_mut().enumerate() {
             let direction = pinhole.ray(x as f64 + 0.5, y as f64 + 0.5);
@@ -122,7 +139,7 @@ fn depths(oracle: &Oracle, camera: &Camera, size: Size, progress: &(dyn Fn(u64) 
         }
         progress(1);
     });
-    depths
+    Ok(depths)
 }
 
 /// A picture with its depths, to draw on.

@@ -10,7 +10,7 @@ mod stl;
 mod text;
 
 use std::fmt;
-use std::fs::File;
+use std::fs::{self, File, Metadata};
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
@@ -77,7 +77,8 @@ pub(crate) struct Source<R> {
 
 /// Reads a mesh file of any format this crate knows.
 ///
-/// The format is told from the content, and where that leaves it open (OBJ has no mark), from the extension.
+/// The format is told from the content, and where that leaves it open, from the extension. OBJ has no mark: text
+/// that begins with an OBJ statement is taken for it unless the content shows another format.
 ///
 /// # Errors
 ///
@@ -97,12 +98,18 @@ fn read_file(path: &Path) -> Result<Scene, ReadError> {
         };
         ReadError::new(None, Place::File, format!("cannot be opened: {error}")).remedy(remedy)
     };
+    // Asked before opening, which would wait for the other end of a pipe; and again of what was opened.
+    let regular = |metadata: &Metadata| {
+        if metadata.is_file() {
+            return Ok(());
+        }
+        let what = if metadata.is_dir() { "is a directory" } else { "is not a regular file" };
+        Err(ReadError::new(None, Place::File, what).remedy("name a mesh file"))
+    };
+    regular(&fs::metadata(path).map_err(failed)?)?;
     let file = File::open(path).map_err(failed)?;
     let metadata = file.metadata().map_err(failed)?;
-    if !metadata.is_file() {
-        let what = if metadata.is_dir() { "is a directory" } else { "is not a regular file" };
-        return Err(ReadError::new(None, Place::File, what).remedy("name a mesh file"));
-    }
+    regular(&metadata)?;
     let source = Source { reader: BufReader::with_capacity(1 << 18, file), len: metadata.len() };
     read_source(source, path, path.parent())
 }
@@ -126,15 +133,12 @@ fn read_source<R: BufRead + Seek>(
 ) -> Result<Scene, ReadError> {
     let unreadable = |error: io::Error| ReadError::new(None, Place::File, format!("cannot be read: {error}"));
     let mut head = Vec::new();
-    source.reader.by_ref().take(512).read_to_end(&mut head).map_err(unreadable)?;
+    source.reader.by_ref().take(HEAD).read_to_end(&mut head).map_err(unreadable)?;
     source.reader.seek(SeekFrom::Start(0)).map_err(unreadable)?;
     if source.len == 0 {
         return Err(ReadError::new(None, Place::File, "the file is empty"));
     }
-    let format = sniff(&head, source.len, name).ok_or_else(|| {
-        ReadError::new(None, Place::File, "neither the content nor the extension tells the format")
-            .remedy("name a file in obj, gltf, glb, stl, ply or md2 format")
-    })?;
+    let format = sniff(&head, source.len, name)?;
     let mut scene = match format {
         Format::Obj => obj::read(source),
         Format::Gltf | Format::Glb => gltf::read(source, format, folder),
@@ -151,20 +155,67 @@ fn refused(format: Format, error: &MeshError) -> ReadError {
     ReadError::new(format, Place::File, error.to_string()).remedy("split the file")
 }
 
+/// How much of a file is looked at to tell its format: enough for the comments that exporters begin with.
+const HEAD: u64 = 4096;
+
 /// The format that the first bytes of a file show, or else its extension.
-fn sniff(head: &[u8], len: u64, name: &Path) -> Option<Format> {
+fn sniff(head: &[u8], len: u64, name: &Path) -> Result<Format, ReadError> {
     let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
     // A binary STL may begin with "solid" too; its length is the stronger sign: 80 + 4 + 50 bytes a triangle.
     let binary_stl = head.get(80..84).is_some_and(|count| {
         len == 84 + 50 * u64::from(u32::from_le_bytes(count.try_into().expect("four bytes")))
     });
     match text {
-        _ if head.starts_with(b"glTF") => Some(Format::Glb),
-        _ if head.starts_with(b"IDP2") => Some(Format::Md2),
-        _ if head.starts_with(b"ply\n") || head.starts_with(b"ply\r") => Some(Format::Ply),
-        _ if binary_stl => Some(Format::Stl),
-        _ if text.starts_with(b"{") => Some(Format::Gltf),
-        _ if text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) => Some(Format::Stl),
-        _ => Format::from_extension(name),
+        _ if head.starts_with(b"glTF") => Ok(Format::Glb),
+        _ if head.starts_with(b"IDP2") => Ok(Format::Md2),
+        _ if head.starts_with(b"ply\n") || head.starts_with(b"ply\r") => Ok(Format::Ply),
+        _ if binary_stl => Ok(Format::Stl),
+        _ if text.starts_with(b"{") => Ok(Format::Gltf),
+        _ if text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) => Ok(Format::Stl),
+        _ => unmarked(text, Format::from_extension(name)),
+    }
+}
+
+/// The format of a file whose content has no mark; `named` is that of its extension.
+fn unmarked(head: &[u8], named: Option<Format>) -> Result<Format, ReadError> {
+    let is_text = !head.iter().any(|byte| byte.is_ascii_control() && !byte.is_ascii_whitespace());
+    let shown = if is_text { obj_statement(head) } else { Obj::Unlike };
+    match (named, shown) {
+        (Some(Format::Obj), _) | (_, Obj::Statement) | (None, Obj::Comment) => Ok(Format::Obj),
+        (None, Obj::Unlike) => {
+            let problem = "neither the content nor the extension tells the format";
+            Err(ReadError::new(None, Place::File, problem)
+                .remedy("name a file in obj, gltf, glb, stl, ply or md2 format"))
+        }
+        // Text STL begins with a mark, and GLB is binary; the readers of the others say so themselves.
+        (Some(format @ (Format::Glb | Format::Stl)), _) if is_text => {
+            let problem = format!("the content is text, but not that of a file in {format} format");
+            Err(ReadError::new(format, Place::File, problem)
+                .remedy("give the file the extension of its format, or export it again"))
+        }
+        (Some(format), _) => Ok(format),
+    }
+}
+
+/// How much a text looks like Wavefront OBJ.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Obj {
+    /// Its first line that is no comment is a statement.
+    Statement,
+    /// It begins with a comment, and there is nothing else to judge by.
+    Comment,
+    /// Neither.
+    Unlike,
+}
+
+fn obj_statement(text: &[u8]) -> Obj {
+    let mut lines = text.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with(b"#"));
+    match first.and_then(|line| line.split(u8::is_ascii_whitespace).next()) {
+        Some(b"v" | b"vn" | b"vt" | b"f" | b"o" | b"g" | b"s" | b"l" | b"p" | b"mtllib" | b"usemtl") => {
+            Obj::Statement
+        }
+        None if text.starts_with(b"#") => Obj::Comment,
+        _ => Obj::Unlike,
     }
 }

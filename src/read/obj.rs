@@ -9,7 +9,7 @@
 use std::io::{BufRead, Seek};
 
 use super::fan::Fan;
-use super::text::{Line, Lines, counted, quote};
+use super::text::{Line, Lines, counted, name, quote};
 use super::{Format, ReadError, Source, refused};
 use crate::mesh::{Mesh, Part};
 use crate::scene::Scene;
@@ -105,7 +105,11 @@ impl Obj {
             let so_far = counted(count, "vertex");
             let problem = match index {
                 0 => "a face names vertex 0, but indices count from 1".to_owned(),
-                _ => format!("a face names vertex {index}, but the file has {so_far} so far"),
+                _ => {
+                    // As it is written: the number itself may be beyond every integer type.
+                    let written = word.split(|&byte| byte == b'/').next().unwrap_or(word);
+                    format!("a face names vertex {}, but the file has {so_far} so far", name(written))
+                }
             };
             return Err(line.error(problem));
         }

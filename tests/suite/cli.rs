@@ -2,6 +2,7 @@
 
 mod check;
 mod demo;
+mod input;
 mod render;
 mod silhouette;
 mod verify;
@@ -123,7 +124,8 @@ fn cli_usage_errors_exit_with_two() {
     {
         let run = folder.run(arguments);
         assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{arguments}");
-        assert!(!run.stderr.is_empty());
+        assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+        assert!(run.stderr.starts_with("umbrage: ") && run.stderr.contains("; "), "{}", run.stderr);
     }
     assert_eq!(folder.code("--version"), 0);
 }
@@ -202,12 +204,21 @@ fn cli_refuses_values_that_mean_nothing() {
         ("render cube.obj -o a.png --eye 1,2,3 --target 0,0,0 --fov 180", "180"),
         ("render cube.obj -o a.png --fov 50", "--eye"),
         ("volume cube.obj --far 0", "0"),
+        ("volume cube.obj --far -3", "above 0"),
+        ("check cube.obj --limit -1", "write a whole number"),
+        ("verify cube.obj --points 1e3", "write a whole number"),
+        ("verify cube.obj --seed -1", "write a whole number"),
+        ("verify cube.obj --threads 0", "from 1 to 1024"),
+        ("verify cube.obj --threads 1025", "from 1 to 1024"),
+        ("verify cube.obj --threads 99999999999999999999", "from 1 to 1024"),
+        ("render cube.obj -o a.png --eye 1,2,3 --target 0,0,0 --fov wide", "write a number of degrees"),
         ("volume cube.obj --caps one", "one"),
         ("volume cube.obj -o a", "extension"),
     ] {
         let run = folder.run(arguments);
         assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{arguments}");
         assert!(run.stderr.contains(named), "{arguments}: {}", run.stderr);
+        assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
     }
     assert_eq!(folder.names(), ["cube.obj", "folder", "garbled.stl", "open.obj"]);
 }
@@ -270,13 +281,15 @@ fn cli_is_quiet_when_the_pipe_is_closed() {
 #[test]
 fn cli_says_when_standard_output_is_full() {
     let folder = Folder::with_cubes();
-    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-    let output = std::process::Command::new(assert_cmd::cargo::cargo_bin!("umbrage"))
-        .current_dir(folder.0.path())
-        .args(["check", "cube.obj"])
-        .stdout(full)
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("standard output cannot be written"));
+    for arguments in [&["check", "cube.obj"][..], &["help", "check"], &["--version"]] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let output = std::process::Command::new(assert_cmd::cargo::cargo_bin!("umbrage"))
+            .current_dir(folder.0.path())
+            .args(arguments)
+            .stdout(full)
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(String::from_utf8_lossy(&output.stderr).contains("standard output cannot be written"));
+    }
 }

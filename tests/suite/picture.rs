@@ -6,7 +6,7 @@ use umbrage::geom::predicate::{Sign, side_of_point};
 use umbrage::geom::{Aabb, Light};
 use umbrage::mesh::{FaceId, Mesh, solid};
 use umbrage::oracle::{Meeting, Oracle, Verdict, meet};
-use umbrage::picture::{CLAY, Ground, Lamp, Line, Overlay, Picture, Spot, View, render};
+use umbrage::picture::{CLAY, Ground, Lamp, Line, Overlay, Picture, Spot, View};
 use umbrage::scene::{Camera, Pinhole, Size, Up};
 
 const QUIET: &(dyn Fn(u64) + Sync) = &|_| ();
@@ -114,6 +114,11 @@ fn naive_light(
 fn linear(byte: u8) -> f32 {
     let x = f32::from(byte) / 255.0;
     if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Pictures of a test are small.
+fn render(oracle: &Oracle, view: &View<'_>, progress: &(dyn Fn(u64) + Sync)) -> Picture {
+    umbrage::picture::render(oracle, view, progress).unwrap()
 }
 
 /// How many pixels of `picture` the naive renderer contradicts.
@@ -261,9 +266,10 @@ fn overlay_lines_are_bright_in_front_and_dim_behind() {
     // The vertical edge nearest to the fitted camera, and the one that is hidden: a part away from corners.
     let heights = [0.25, 0.5].map(|part| low[1] + part * (high[1] - low[1]));
     let edge = |x: f32, z: f32| Line { ends: heights.map(|y| [x, y, z]), colour: red };
-    let plain = Overlay::default().render(&oracle, Up::Y, size, QUIET);
+    let plain = Overlay::default().render(&oracle, Up::Y, size, QUIET).unwrap();
     let redness = |line: Line| {
-        let picture = Overlay { lines: vec![line], ..Overlay::default() }.render(&oracle, Up::Y, size, QUIET);
+        let picture =
+            Overlay { lines: vec![line], ..Overlay::default() }.render(&oracle, Up::Y, size, QUIET).unwrap();
         let gains = plain.pixels.iter().zip(&picture.pixels);
         gains.map(|(a, b)| i32::from(a[1]) - i32::from(b[1])).max().unwrap()
     };
@@ -279,7 +285,7 @@ fn overlay_draws_spots_tints_and_swatches() {
     let blue = [0, 0, 255];
     let is_blue = |pixel: &[u8; 4]| pixel[2] > 150 && pixel[0] < 60;
     let count = |overlay: Overlay| {
-        let picture = overlay.render(&oracle, Up::Y, size, QUIET);
+        let picture = overlay.render(&oracle, Up::Y, size, QUIET).unwrap();
         picture.pixels.iter().filter(|pixel| is_blue(pixel)).count()
     };
     assert_eq!(count(Overlay::default()), 0);
@@ -304,6 +310,6 @@ fn overlay_survives_places_at_the_ends_of_the_range() {
         legend: vec![[255, 0, 0]; 99],
     };
     for text in ["1x1", "5x300", "64x48"] {
-        assert_eq!(overlay.render(&oracle, Up::Z, size(text), QUIET).size, size(text));
+        assert_eq!(overlay.render(&oracle, Up::Z, size(text), QUIET).unwrap().size, size(text));
     }
 }

@@ -1,27 +1,30 @@
 //! The crack report as JSON. Keys and their order are a contract.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
-use umbrage::topology::{Counts, ShellReport};
+use umbrage::topology::{Counts, DefectKind, ShellReport};
 
 use super::{FileReport, Found, MeshReport, Place};
 use crate::cli::error::Failure;
 use crate::cli::output::{number, number32};
 
 /// All files, in the order they were named.
-pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>]) -> Value {
+///
+/// Each total lists up to `limit` places of a kind of defect.
+pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>], limit: usize) -> Value {
     let cracked = reports.iter().flatten().any(|report| !report.sound());
     let verdict = match (cracked, reports.iter().all(Result::is_ok)) {
         (true, _) => Some("cracked"),
         (false, true) => Some("sound"),
         (false, false) => None,
     };
-    let entries: Vec<Value> = files.iter().zip(reports).map(|(file, report)| entry(file, report)).collect();
+    let entries: Vec<Value> =
+        files.iter().zip(reports).map(|(file, report)| entry(file, report, limit)).collect();
     json!({ "files": entries, "verdict": verdict })
 }
 
-fn entry(file: &std::path::Path, report: &Result<FileReport, Failure>) -> Value {
+fn entry(file: &Path, report: &Result<FileReport, Failure>, limit: usize) -> Value {
     let file = file.to_string_lossy();
     match report {
         Ok(report) => json!({
@@ -29,7 +32,7 @@ fn entry(file: &std::path::Path, report: &Result<FileReport, Failure>) -> Value 
             "format": report.format.map(|format| format.name()),
             "error": null,
             "meshes": report.meshes.iter().map(mesh).collect::<Vec<_>>(),
-            "total": total(report),
+            "total": total(report, limit),
         }),
         Err(failure) => json!({
             "file": file,
@@ -49,8 +52,9 @@ fn mesh(mesh: &MeshReport) -> Value {
     Value::Object(object)
 }
 
-/// The sum over the meshes; lists are with the meshes, so they are null here.
-fn total(report: &FileReport) -> Value {
+/// The sum over the meshes. Shells are listed with the meshes, so their list is null here; a defect's place names the
+/// mesh.
+fn total(report: &FileReport, limit: usize) -> Value {
     let Some(sum) = report.total() else { return Value::Null };
     let vertices = [
         report.sum(|mesh| mesh.vertices),
@@ -59,7 +63,8 @@ fn total(report: &FileReport) -> Value {
     ];
     let mut object = counts(None, vertices, &sum);
     object.insert("shell_list".into(), Value::Null);
-    object.insert("defects".into(), Value::Null);
+    let defects = DefectKind::ALL.into_iter().filter_map(|kind| defect_of_all(report, kind, limit));
+    object.insert("defects".into(), defects.collect());
     Value::Object(object)
 }
 
@@ -125,6 +130,27 @@ fn defect(found: &Found) -> Value {
         "count": found.count,
         "effect": found.kind.effect(),
         "at": found.at.iter().map(place).collect::<Vec<_>>(),
+    })
+}
+
+/// One kind of defect over all meshes; `None` where there is none.
+fn defect_of_all(report: &FileReport, kind: DefectKind, limit: usize) -> Option<Value> {
+    let found = |mesh: &MeshReport| mesh.defects.iter().position(|found| found.kind == kind);
+    let with: Vec<(&MeshReport, &Found)> =
+        report.meshes.iter().filter_map(|mesh| Some((mesh, &mesh.defects[found(mesh)?]))).collect();
+    let places = with.iter().flat_map(|(mesh, found)| found.at.iter().map(|at| (&mesh.name, at)));
+    let at = places.take(limit).map(|(mesh, at)| {
+        let mut entry = place(at);
+        entry["mesh"] = mesh.as_str().into();
+        entry
+    });
+    (!with.is_empty()).then(|| {
+        json!({
+            "kind": kind.name(),
+            "count": with.iter().map(|(_, found)| found.count).sum::<usize>(),
+            "effect": kind.effect(),
+            "at": at.collect::<Vec<_>>(),
+        })
     })
 }
 

@@ -14,9 +14,10 @@ use umbrage::scene::Up;
 use umbrage::topology::{Counts, CrackReport, Defect, DefectKind, NearMiss, ShellReport, Topology};
 use umbrage::write::{self, Model};
 
-use super::load::{MeshArgs, WeldedMesh};
+use super::load::{self, MeshArgs, WeldedMesh};
 use super::output::{self, Output};
 use super::progress::Progress;
+use super::values::{refuse_overwriting, whole};
 use super::{Failure, Outcome, render};
 use mark::Marks;
 use picture::Sketch;
@@ -27,7 +28,7 @@ use picture::Sketch;
 /// shell is inside out.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Mesh files: obj, gltf, glb, stl, ply, md2; told apart by their content
+    /// Mesh files: obj, gltf, glb, stl, ply, md2; told apart by their content, then by their extension
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -49,7 +50,7 @@ pub(crate) struct Args {
     self_intersections: bool,
 
     /// How many meshes, shells, and places of each kind of defect are listed
-    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole, allow_negative_numbers = true)]
     limit: usize,
 
     /// Print one JSON document instead of text
@@ -102,6 +103,8 @@ struct FileReport {
     format: Option<Format>,
     meshes: Vec<MeshReport>,
     require: Option<Require>,
+    /// Whether a larger `--scope` would join the meshes.
+    joinable: bool,
 }
 
 /// What was found in one mesh: all that is left of it once it is counted.
@@ -145,6 +148,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let mut out = Output::new();
     let mut outcome = Outcome::Sound;
     let mut documents = Vec::new();
+    let mut overview = text::Overview::default();
     let mut marks = args.mark.is_some().then(Marks::default);
     let mut sketch = args.picture.is_some().then(Sketch::default);
     let mut up = Up::default();
@@ -159,6 +163,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
                 Outcome::Incomplete
             }
         });
+        overview.add(file, &report);
         if args.json {
             documents.push(report);
         } else if let Ok(report) = report {
@@ -170,11 +175,14 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         }
     }
     if args.json {
-        out.json(&json::document(&args.files, &documents))?;
+        out.json(&json::document(&args.files, &documents, args.limit))?;
+    } else if args.files.len() > 1 {
+        out.text(format_args!("\n{overview}"))?;
     }
     out.flush()?;
     if let (Some(path), Some(marks), Outcome::Sound | Outcome::Unsound) = (&args.mark, marks, outcome) {
         write::write(&marks.into_model(), path)?;
+        output::wrote(path);
     }
     if let (Some(path), Some(sketch), Outcome::Sound | Outcome::Unsound) = (&args.picture, sketch, outcome) {
         sketch.write(up, path)?;
@@ -198,7 +206,7 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
     let mut marks = Marks::default();
     let report = examine(file, &args, Some(&mut marks), None)?;
     let text = text::Report { report: &report, limit: args.limit }.to_string();
-    Ok((text, json::document(&args.files, &[Ok(report)]), marks.into_model()))
+    Ok((text, json::document(&args.files, &[Ok(report)], args.limit), marks.into_model()))
 }
 
 /// What can be told before any work is done.
@@ -211,6 +219,7 @@ fn refuse(args: &Args) -> Result<(), Failure> {
             let problem = format!("{option} writes one file, and there are {} to check", args.files.len());
             return Err(Failure::new(problem, "check one file at a time"));
         }
+        refuse_overwriting(option, path.as_deref(), &args.files[0])?;
     }
     if let Some(path) = &args.mark {
         write::Target::from_path(path)?;
@@ -265,10 +274,10 @@ fn examine(
             sound: holds(args.require, &counts),
         });
     }
-    if meshes.iter().all(|mesh| mesh.counts.faces == 0) {
-        output::say(format_args!("note: {}: there are no faces", file.display()));
-    }
-    Ok(FileReport { file: file.to_owned(), format: baked.format, meshes, require: args.require })
+    let total = |of: fn(&Counts) -> usize| meshes.iter().map(|mesh| of(&mesh.counts)).sum();
+    load::note_none_left(file, total(|counts| counts.faces), total(|counts| counts.collapsed_faces));
+    let joinable = args.mesh.is_below_scene() && meshes.len() > 1;
+    Ok(FileReport { file: file.to_owned(), format: baked.format, meshes, require: args.require, joinable })
 }
 
 /// Every kind of defect that there is one of.

@@ -76,12 +76,16 @@ impl Sketch {
         let oracle = Oracle::build(&mesh);
         let picture = self.overlay.render(&oracle, up, size, &|steps| progress.done(steps));
         drop(progress);
+        let picture = picture.map_err(|error| Failure::new(error, "leave out --picture"))?;
         picture.write_png(path)?;
 
         let legend: Vec<String> =
             self.kinds.iter().map(|&kind| format!("{} {kind}", colour(kind).0)).collect();
-        let legend = if legend.is_empty() { "no defects".to_owned() } else { legend.join(", ") };
-        output::say(format_args!("note: {}: {legend}; dimmed where hidden", path.display()));
+        let legend = match legend.as_slice() {
+            [] => "no defects".to_owned(),
+            kinds => format!("{}; dimmed where hidden", kinds.join(", ")),
+        };
+        output::say(format_args!("wrote {}: {legend}", output::plain(&path.to_string_lossy())));
         Ok(())
     }
 }

@@ -1,11 +1,14 @@
 //! The crack report as text: what a person needs first comes first, and 501 meshes stay readable.
 
 use std::fmt::{self, Display};
+use std::path::Path;
 
 use umbrage::topology::{Counts, DefectKind, NearMiss};
 
 use super::{FileReport, MeshReport, Place, Require};
-use crate::cli::output::{Table, plain, short, significant};
+use crate::cli::error::Failure;
+use crate::cli::load::all_collapse;
+use crate::cli::output::{Table, counted, plain, short, significant};
 
 /// How many face numbers are printed at a place.
 const FACES_PRINTED: usize = 6;
@@ -67,14 +70,16 @@ impl Report<'_> {
         if hidden > 0 {
             let all = meshes.iter().filter(|mesh| !mesh.sound).count();
             let shown = listed.iter().filter(|&&index| !meshes[index].sound).count();
+            let hidden = counted(hidden, "mesh", "meshes");
             match all - shown {
-                0 => writeln!(f, "  {hidden} meshes not listed, all sound")?,
-                cracked => writeln!(f, "  {hidden} meshes not listed, {cracked} of them cracked")?,
+                0 => writeln!(f, "  {hidden} not listed, all sound")?,
+                cracked => writeln!(f, "  {hidden} not listed, {cracked} of them cracked")?,
             }
         }
         let unused = self.report.sum(|mesh| mesh.unreferenced_vertices);
         if unused > 0 {
-            writeln!(f, "  {unused} vertices belong to no face")?;
+            let unused = counted(unused, "vertex belongs", "vertices belong");
+            writeln!(f, "  {unused} to no face")?;
         }
         if total.max_faces_per_edge > 2 {
             writeln!(f, "  up to {} faces meet at an edge", total.max_faces_per_edge)?;
@@ -107,8 +112,17 @@ impl Report<'_> {
 
     fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let meshes = self.report.meshes.len();
-        let Some(total) = self.report.total() else { return writeln!(f, "  sound: there is no mesh") };
+        let Some(total) = self.report.total() else {
+            return writeln!(f, "  sound, but there are no faces to check");
+        };
         let bad = self.report.meshes.iter().filter(|mesh| !mesh.sound).count();
+        if bad == 0 && total.faces == total.collapsed_faces {
+            write!(f, "  sound, but there are no faces to check")?;
+            return match total.faces {
+                0 => writeln!(f),
+                faces => writeln!(f, ": {}", all_collapse(faces)),
+            };
+        }
         let who = match (bad, meshes) {
             (0, 1) | (1, 1) => "the mesh".to_owned(),
             (0, _) => "every mesh".to_owned(),
@@ -120,15 +134,7 @@ impl Report<'_> {
                 return writeln!(f, "  sound: {who} is watertight, and no shell is inside out");
             }
             None => {
-                let reasons = [
-                    (total.boundary_edges, "boundary edges"),
-                    (total.non_manifold_edges, "non-manifold edges"),
-                    (total.misoriented_edges, "misoriented edges"),
-                    (total.inside_out_shells, "shells inside out"),
-                ];
-                let found = reasons.iter().filter(|reason| reason.0 > 0);
-                let reasons: Vec<String> = found.map(|(count, what)| format!("{count} {what}")).collect();
-                return writeln!(f, "  cracked: {who} {is_not} sound: {}", reasons.join(", "));
+                return writeln!(f, "  cracked: {who} {is_not} sound{}", self.reasons());
             }
             Some(Require::Watertight) => "watertight",
             Some(Require::Balanced) => "balanced",
@@ -137,8 +143,29 @@ impl Report<'_> {
         if bad == 0 {
             writeln!(f, "  sound: {who} {is} {property}")
         } else {
-            writeln!(f, "  cracked: {who} {is_not} {property}")
+            writeln!(f, "  cracked: {who} {is_not} {property}{}", self.reasons())
         }
+    }
+
+    /// What keeps the cracked meshes from what is asked of them.
+    fn reasons(&self) -> String {
+        let cracked = self.report.meshes.iter().filter(|mesh| !mesh.sound);
+        let Some(total) = Counts::total(cracked.map(|mesh| mesh.counts)) else { return String::new() };
+        let require = self.report.require;
+        let mut reasons = vec![
+            (total.boundary_edges, "boundary edge", "boundary edges"),
+            (total.non_manifold_edges, "non-manifold edge", "non-manifold edges"),
+        ];
+        // An edge used twice in one direction is used an even number of times.
+        if require != Some(Require::Even) {
+            reasons.push((total.misoriented_edges, "misoriented edge", "misoriented edges"));
+        }
+        if require.is_none() {
+            reasons.push((total.inside_out_shells, "shell inside out", "shells inside out"));
+        }
+        let found = reasons.into_iter().filter(|reason| reason.0 > 0);
+        let reasons: Vec<String> = found.map(|(count, one, many)| counted(count, one, many)).collect();
+        if reasons.is_empty() { String::new() } else { format!(": {}", reasons.join(", ")) }
     }
 
     /// One kind of defect over all meshes: how many, what it does, where the first ones are.
@@ -198,10 +225,18 @@ impl Report<'_> {
                 before = near.edges;
             }
         }
-        match meshes.count() {
-            0 => Ok(()),
-            more => writeln!(f, "  a weld would close edges of {more} more meshes"),
+        let more = meshes.count();
+        if more > 0 {
+            writeln!(f, "  a weld would close edges of {}", counted(more, "more mesh", "more meshes"))?;
         }
+        let open = self.report.meshes.iter().filter(|mesh| mesh.counts.boundary_edges > 0).count();
+        if self.report.joinable && open > 1 {
+            writeln!(
+                f,
+                "\n  --scope scene looks at the file as one mesh, which closes boundary edges where meshes meet"
+            )?;
+        }
+        Ok(())
     }
 
     fn shells(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -243,9 +278,67 @@ impl Report<'_> {
             writeln!(f, "\n{table}")?;
         }
         if total > listed {
-            writeln!(f, "  {} more shells", total - listed)?;
+            writeln!(f, "  {}", counted(total - listed, "more shell", "more shells"))?;
         }
         Ok(())
+    }
+}
+
+/// Several files in one table, and the verdict over all.
+pub(super) struct Overview {
+    table: Table,
+    files: usize,
+    cracked: usize,
+    unreadable: usize,
+}
+
+impl Default for Overview {
+    fn default() -> Self {
+        let columns =
+            ["file", "faces", "shells", "boundary", "non-manifold", "misoriented", "inside out", ""];
+        Self { table: Table::new(&columns), files: 0, cracked: 0, unreadable: 0 }
+    }
+}
+
+impl Overview {
+    pub(super) fn add(&mut self, file: &Path, report: &Result<FileReport, Failure>) {
+        let total = report.as_ref().ok().and_then(FileReport::total);
+        let numbers: [fn(&Counts) -> usize; 6] = [
+            |counts| counts.faces,
+            |counts| counts.shells,
+            |counts| counts.boundary_edges,
+            |counts| counts.non_manifold_edges,
+            |counts| counts.misoriented_edges,
+            |counts| counts.inside_out_shells,
+        ];
+        let numbers = numbers.map(|of| match (&total, report) {
+            (Some(total), _) => of(total).to_string(),
+            (None, Ok(_)) => "0".to_owned(),
+            (None, Err(_)) => "-".to_owned(),
+        });
+        let state = match report {
+            Ok(report) if report.sound() => "sound",
+            Ok(_) => "cracked",
+            Err(_) => "error",
+        };
+        self.files += 1;
+        self.cracked += usize::from(state == "cracked");
+        self.unreadable += usize::from(state == "error");
+        let name = plain(&file.to_string_lossy());
+        self.table.row(std::iter::once(name).chain(numbers).chain([state.to_owned()]).collect());
+    }
+}
+
+impl Display for Overview {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { table, files, cracked, unreadable } = self;
+        writeln!(f, "{table}")?;
+        match (cracked, unreadable) {
+            (0, 0) => writeln!(f, "verdict: all {files} files are sound"),
+            (0, _) => writeln!(f, "verdict: none; {unreadable} of {files} files could not be read"),
+            (_, 0) => writeln!(f, "verdict: {cracked} of {files} files cracked"),
+            _ => writeln!(f, "verdict: {cracked} of {files} files cracked, {unreadable} could not be read"),
+        }
     }
 }
 
@@ -310,7 +403,11 @@ impl Display for At<'_> {
             write!(f, ", {mesh}")?;
         }
         let name = short(&self.place.name);
-        if !name.is_empty() && self.mesh.as_ref() != Some(&name) {
+        // The name of a mesh that is a part of another ends in the part's.
+        let said = self.mesh.as_ref().is_some_and(|mesh| {
+            mesh.strip_suffix(&name).is_some_and(|rest| rest.is_empty() || rest.ends_with(" / "))
+        });
+        if !name.is_empty() && !said {
             write!(f, ", {name}")?;
         }
         Ok(())

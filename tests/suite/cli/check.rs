@@ -4,6 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 use umbrage::mesh::{Mesh, solid};
+use umbrage::write::{Layer, Model, write};
 
 use super::{Folder, assert_shape, keys, real};
 
@@ -190,4 +191,60 @@ fn check_takes_meshes_at_the_ends_of_the_range() {
         assert_eq!(volume["lights"][0]["closed"], true, "{file}");
     }
     assert!(folder.run("check empty.stl").stderr.contains("there are no faces"));
+}
+
+#[test]
+fn check_of_several_files_ends_with_a_table_and_one_verdict() {
+    let folder = Folder::with_cubes();
+    let text = folder.run("check cube.obj missing.obj open.obj").stdout;
+    let end: Vec<Vec<&str>> =
+        text.lines().rev().take(5).map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(end[0].join(" "), "verdict: 1 of 3 files cracked, 1 could not be read");
+    assert_eq!(end[1], ["open.obj", "10", "1", "4", "0", "0", "0", "cracked"]);
+    assert_eq!(end[2], ["missing.obj", "-", "-", "-", "-", "-", "-", "error"]);
+    assert_eq!(end[3], ["cube.obj", "12", "1", "0", "0", "0", "0", "sound"]);
+    assert_eq!((end[4][0], end[4][1]), ("file", "faces"));
+    let text = folder.run("check cube.obj cube.obj").stdout;
+    assert!(text.ends_with("verdict: all 2 files are sound\n"), "{text}");
+    assert!(!folder.run("check cube.obj").stdout.contains("verdict:"));
+}
+
+#[test]
+fn check_total_lists_the_defects_of_all_meshes() {
+    let folder = Folder::new();
+    let shifted = |x| solid::translated(&solid::open_cube(), [x, 0.0, 0.0]);
+    let layers = [("left", 0.0), ("right", 5.0)].map(|(name, x)| Layer::from(&shifted(x).with_name(name)));
+    write(&Model { layers: layers.to_vec() }, folder.path("two.glb")).unwrap();
+    let total =
+        |option: &str| folder.json(&format!("check two.glb{option}"))["files"][0]["total"]["defects"].clone();
+    let defects = total("");
+    assert_eq!(defects.as_array().unwrap().len(), 1);
+    assert_eq!((&defects[0]["kind"], &defects[0]["count"]), (&"boundary_loop".into(), &2.into()));
+    let names: Vec<&Value> = defects[0]["at"].as_array().unwrap().iter().map(|at| &at["mesh"]).collect();
+    assert_eq!(names, ["left", "right"]);
+    assert_eq!(total(" --limit 1")[0]["at"].as_array().unwrap().len(), 1);
+    // A part's name ends the mesh's, and is said once.
+    fs::write(folder.path("parts.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\ng east\nf 1 2 3\ng west\nf 1 3 2\n")
+        .unwrap();
+    let text = folder.run("check parts.obj --scope primitive").stdout;
+    let place = text.lines().find(|line| line.contains("    at ")).unwrap_or_else(|| panic!("{text}"));
+    assert_eq!(place.matches("east").count(), 1, "{text}");
+    // Text: what another scope may do, and no name twice.
+    let text = folder.run("check two.glb").stdout;
+    assert!(text.contains("--scope scene looks at the file as one mesh"), "{text}");
+    assert!(!folder.run("check two.glb --scope scene").stdout.contains("--scope scene"));
+}
+
+#[test]
+fn check_verdict_names_what_the_required_property_lacks() {
+    let folder = Folder::with_cubes();
+    folder.mesh("inward.obj", &solid::inside_out(&solid::cube()));
+    for (arguments, line) in [
+        ("check open.obj --require watertight", "cracked: the mesh is not watertight: 4 boundary edges"),
+        ("check open.obj --require even", "cracked: the mesh is not even: 4 boundary edges"),
+        ("check inward.obj", "cracked: the mesh is not sound: 1 shell inside out"),
+    ] {
+        let text = folder.run(arguments).stdout;
+        assert!(text.lines().any(|text| text.trim() == line), "{arguments}: {text}");
+    }
 }

@@ -40,7 +40,7 @@ fn render_takes_the_eye_the_lights_and_the_ground_that_are_asked_for() {
         "--light point:3,5,4 --eye -4,3,2 --target 0,0,0 --fov 60",
     ] {
         let run = folder.run(&format!("render cube.obj {asked} {rest}"));
-        assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{asked}");
+        assert_eq!((run.code, run.stderr.as_str()), (0, "umbrage: wrote a.png\n"), "{asked}");
         let picture = png(&folder, "a.png");
         assert!(!seen.contains(&picture), "{asked} changes nothing");
         seen.push(picture);
@@ -63,6 +63,39 @@ fn check_draws_the_open_edges_in_red_and_says_so() {
     assert!(red("a.png") > 500, "{}", red("a.png"));
     let run = folder.run("check cube.obj --picture b.png");
     assert_eq!((run.code, red("b.png")), (0, 0));
-    assert!(run.stderr.contains("no defects"), "{}", run.stderr);
+    assert!(run.stderr.ends_with("wrote b.png: no defects\n"), "{}", run.stderr);
     assert!(folder.run("check bow.obj --picture c.png").stderr.contains("cyan non_manifold_vertex"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn render_of_more_pixels_than_memory_is_refused_in_one_line() {
+    let folder = Folder::with_cubes();
+    // The pixels alone take 1 GiB.
+    let command = "ulimit -v 1000000; exec \"$0\" render cube.obj --light point:3,5,4 --method rays --threads 2 \
+                   --size 16384x16384 -o a.png";
+    let output = std::process::Command::new("sh")
+        .current_dir(folder.path("."))
+        .args(["-c", command])
+        .arg(assert_cmd::cargo::cargo_bin!("umbrage"))
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(
+        String::from_utf8_lossy(&output.stderr),
+        "umbrage: a picture of 16384x16384 pixels does not fit the memory; choose a smaller --size\n"
+    );
+}
+
+#[test]
+fn render_says_when_the_camera_is_the_file_s_own() {
+    let folder = Folder::new();
+    let document = r#"{"asset":{"version":"2.0"},
+        "cameras":[{"type":"perspective","perspective":{"yfov":0.7,"znear":0.1}}],
+        "nodes":[{"camera":0}],"scenes":[{"nodes":[0]}],"scene":0}"#;
+    fs::write(folder.path("a.gltf"), document).unwrap();
+    let rest = "--light point:3,5,4 --method rays --size 8x8 -o a.png";
+    let note = "note: no --eye: using the camera of the file";
+    assert!(folder.run(&format!("render a.gltf {rest}")).stderr.contains(note));
+    assert!(!folder.run(&format!("render a.gltf --eye 1,2,3 --target 0,0,0 {rest}")).stderr.contains(note));
 }

@@ -5,7 +5,7 @@ use umbrage::mesh::solid;
 
 use super::{Folder, assert_shape, keys, real};
 
-const LIGHT_KEYS: &str = "light faces front_faces edge_on_faces edges silhouette_edges outline_edges \
+const LIGHT_KEYS: &str = "light name faces front_faces edge_on_faces edges silhouette_edges outline_edges \
     max_multiplicity loops method reason unsure_faces";
 
 #[test]
@@ -61,6 +61,7 @@ fn silhouette_takes_the_lights_of_the_file() {
     let lights = document["lights"].as_array().unwrap();
     let is = |kind| lights.iter().filter(|light| light["light"].as_str().unwrap().starts_with(kind)).count();
     assert_eq!((is("directional:"), is("point:")), (1, 3), "spot lights are point lights");
+    assert_eq!((&lights[0]["name"], &lights[1]["name"]), (&"Blue Lightsaber".into(), &"Arc Reactor".into()));
 }
 
 #[test]

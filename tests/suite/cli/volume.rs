@@ -4,7 +4,7 @@ use umbrage::mesh::{Mesh, solid};
 
 use super::{Folder, assert_shape, keys};
 
-const LIGHT_KEYS: &str = "light variant vertices triangles light_cap sides dark_cap closed";
+const LIGHT_KEYS: &str = "light name variant vertices triangles light_cap sides dark_cap closed";
 
 #[test]
 fn volume_json_has_the_agreed_keys_in_order() {
@@ -79,6 +79,23 @@ fn volume_written_is_a_sound_mesh_and_says_how_far_it_reaches() {
     let far =
         folder.json("check a.glb --scope scene")["files"][0]["total"]["signed_volume"].as_f64().unwrap();
     assert!(near > 0.0 && far > 2.0 * near, "{near} {far}");
+}
+
+#[test]
+fn volume_far_is_spoken_of_where_it_does_not_help() {
+    let folder = Folder::with_cubes();
+    let run = |more: &str| folder.run(&format!("volume cube.obj --light point:2,3,5 {more}")).stderr;
+    assert_eq!(run("--far 50"), "umbrage: note: --far has no effect without --output\n");
+    assert!(run("--far 0.5 -o a.glb").contains("less than the diagonal of the mesh"));
+    assert!(!run("--far 50 -o a.glb").contains("diagonal"));
+}
+
+#[test]
+fn volume_layers_have_only_the_vertices_they_use() {
+    let folder = Folder::with_cubes();
+    folder.run("volume cube.obj --light point:2,3,5 -o a.obj");
+    let text = std::fs::read_to_string(folder.path("a.obj")).unwrap();
+    assert_eq!(text.lines().filter(|line| line.starts_with("v ")).count(), 7 + 12 + 7);
 }
 
 #[test]

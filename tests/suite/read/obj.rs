@@ -150,7 +150,7 @@ fn obj_errors_name_the_line() {
             (b"f 1/1/1/1 2 3\n", ", line 1 (obj): `1/1/1/1` is not a corner of a face"),
             (
                 b"f 1 2 99999999999999999999999\n",
-                ", line 1 (obj): a face names vertex 999999999999999999, but the file has 0 vertices so far",
+                ", line 1 (obj): a face names vertex 99999999999999999999999, but the file has 0 vertices so far",
             ),
         ],
     );

@@ -23,7 +23,7 @@ pub enum Variant {
     General,
     /// Front faces only.
     FrontOnly,
-    /// Back faces only: the front faces of a shell that is inside out.
+    /// Back faces only: the front faces of a shell whose faces look inwards.
     BackOnly,
 }
 
@@ -161,7 +161,7 @@ impl fmt::Display for ShellChoice {
             (.., Some(LightPlace::OnShell)) => "the light is on the shell",
             (.., Some(LightPlace::Winding(w))) if w != 0 => "the light is inside the shell",
             (_, Some(ShellProof::Inward), _) => {
-                "watertight, inside out, does not meet itself, and the light is outside: back faces are enough"
+                "watertight, faces inwards, does not meet itself, and the light is outside: back faces are enough"
             }
             _ => "watertight, does not meet itself, and the light is outside: front faces are enough",
         })

@@ -105,8 +105,8 @@ impl DefectKind {
                  pixel when drawn, front-only volumes stay open; the general volume is closed all the same"
             }
             Self::InsideOutShell => {
-                "front and back are exchanged: a front-only volume counts negative, and culling hides the \
-                 wrong faces; the general volume is unchanged"
+                "its faces look the wrong way for where it lies: culling hides the wrong ones, and where they look \
+                 inwards a front-only volume counts negative; the general volume is unchanged"
             }
             Self::SelfIntersection => {
                 "regions are counted twice or negatively: front-only volumes can light what is in shadow, so \

@@ -109,5 +109,27 @@ mod tests {
             let beside = Aabb { low: point.map(|x| x + 5000.0), high: point.map(|x| x + 6000.0) };
             prop_assert!(!Segment::between(origin, target).may_meet(&beside));
         }
+
+        /// The same along a direction without end, scaled to the ends of `f32`; components may be zero.
+        #[test]
+        fn segment_along_a_direction_never_misses_a_box_around_one_of_its_points(
+            origin in [-1000_i16..1000, -1000_i16..1000, -1000_i16..1000],
+            step in [-8_i8..8, -8_i8..8, -8_i8..8],
+            steps in 0_u8..100,
+            exponent in prop_oneof![Just(0), Just(-149), Just(-130), Just(110)],
+        ) {
+            let scale = 2.0_f64.powi(exponent) as f32;
+            let origin = origin.map(f32::from);
+            let at = |t: f32| -> [f32; 3] { std::array::from_fn(|i| (origin[i] + t * f32::from(step[i])) * scale) };
+            let segment = Segment::along(at(0.0), step.map(|x| f32::from(x) * scale));
+            let point = at(f32::from(steps));
+            let holds = Aabb { low: point, high: point };
+            prop_assert!(segment.may_meet(&holds));
+            prop_assert!(segment.until(f64::from(steps)).may_meet(&holds));
+            // The sabotage: a segment that ends too soon misses it.
+            if steps > 1 && step != [0; 3] {
+                prop_assert!(!segment.until(f64::from(steps) - 0.5).may_meet(&holds));
+            }
+        }
     }
 }

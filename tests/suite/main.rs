@@ -11,3 +11,4 @@ mod read;
 mod support;
 mod verify;
 mod volume;
+mod write;

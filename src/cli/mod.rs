@@ -9,6 +9,7 @@ mod load;
 mod machine;
 mod output;
 mod progress;
+mod source;
 mod values;
 
 mod check;

@@ -7,11 +7,10 @@ use umbrage::oracle::Oracle;
 use umbrage::picture::{self, CLAY, Ground, Lamp, View};
 use umbrage::scene::{Camera, Size, Up};
 
-use super::lights::LightArgs;
-use super::load::{self, MeshArgs};
 use super::machine::ThreadArgs;
 use super::output;
 use super::progress::Progress;
+use super::source::{Source, SourceArgs};
 use super::values::{degrees, refuse_overwriting};
 use super::{Failure, Outcome};
 
@@ -22,14 +21,8 @@ use super::{Failure, Outcome};
 /// light within its cone. A point that a ray only grazes is drawn lit.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content, then by its extension
-    file: PathBuf,
-
     #[command(flatten)]
-    mesh: MeshArgs,
-
-    #[command(flatten)]
-    lights: LightArgs,
+    source: SourceArgs,
 
     /// Where the eye is, in mesh units
     ///
@@ -114,30 +107,25 @@ pub(crate) fn require_png(path: &Path) -> Result<(), Failure> {
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     require_png(&args.output)?;
-    refuse_overwriting("--output", Some(&args.output), &args.file)?;
+    refuse_overwriting("--output", Some(&args.output), &args.source.file)?;
     let asked = camera(&args, Up::Y)?; // nonsense is refused before the file is read
     args.method.settle()?;
     args.threads.apply()?;
 
-    let baked = args.mesh.read(&args.file)?;
-    let up = Up::of(baked.format);
-    let mesh = args.mesh.caster(baked.meshes, &args.file)?;
-    load::note_no_faces(&args.file, &mesh);
-    let bounds = load::bounds(&mesh);
+    let Source { up, mesh, bounds, lights, camera: of_file, .. } = args.source.load()?;
     let camera = match asked {
         Some(_) => camera(&args, up)?,
-        None => baked.camera.inspect(|_| output::say("note: no --eye: using the camera of the file")),
+        None => of_file.inspect(|_| output::say("note: no --eye: using the camera of the file")),
     };
     let camera = camera.unwrap_or_else(|| Camera::fit(&bounds, up, args.size.aspect()));
-    let lights = args.lights.resolve(baked.lights, bounds, up);
-    let lamps = if args.lights.were_asked_for() {
+    let lamps = if args.source.lights.were_asked_for() {
         Lamp::equal(&lights.iter().map(|light| light.light).collect::<Vec<Light>>())
     } else {
         Lamp::balanced(&lights, &bounds)
     };
     let (mesh, ground) = if args.ground {
         let (mesh, ground) = Ground::under(mesh, up)
-            .map_err(|error| Failure::new(error, "leave out --ground").in_file(&args.file))?;
+            .map_err(|error| Failure::new(error, "leave out --ground").in_file(&args.source.file))?;
         (mesh, Some(ground))
     } else {
         (mesh, None)

@@ -5,16 +5,16 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use umbrage::geom::Light;
 use umbrage::mesh::{Mesh, VertexId};
-use umbrage::scene::{SceneLight, Up};
+use umbrage::scene::SceneLight;
 use umbrage::silhouette::{Casters, Facing, Silhouette, classify};
 use umbrage::topology::Topology;
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
-use super::lights::{self, LightArgs};
-use super::load::{self, MeshArgs};
+use super::lights;
 use super::machine::AdapterArgs;
 use super::output::{self, Output, Table, plain};
 use super::progress::Progress;
+use super::source::{Source, SourceArgs};
 use super::values::refuse_overwriting;
 use super::{Failure, Outcome};
 
@@ -23,14 +23,8 @@ use super::{Failure, Outcome};
 /// Every side is decided exactly. Each mesh of the file is welded by itself; the counts are over all of them.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content, then by its extension
-    file: PathBuf,
-
     #[command(flatten)]
-    mesh: MeshArgs,
-
-    #[command(flatten)]
-    lights: LightArgs,
+    source: SourceArgs,
 
     /// How the silhouette is found; the result is the same
     #[arg(long, value_enum, default_value_t = Method::Auto)]
@@ -91,11 +85,8 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     if let Some(path) = &args.output {
         Target::from_path(path)?;
     }
-    refuse_overwriting("--output", args.output.as_deref(), &args.file)?;
-    let baked = args.mesh.read(&args.file)?;
-    let mesh = args.mesh.caster(baked.meshes, &args.file)?;
-    load::note_no_faces(&args.file, &mesh);
-    let lights = args.lights.resolve(baked.lights, load::bounds(&mesh), Up::of(baked.format));
+    refuse_overwriting("--output", args.output.as_deref(), &args.source.file)?;
+    let Source { format, mesh, lights, .. } = args.source.load()?;
 
     let progress = Progress::spinner("finding silhouettes");
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
@@ -110,10 +101,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let mut out = Output::new();
     if args.json {
         let lights: Vec<Value> = found.iter().map(|found| document(&topology, found, reason)).collect();
-        let format = baked.format.map(|format| format.name());
-        out.json(&json!({ "file": args.file.to_string_lossy(), "format": format, "lights": lights }))?;
+        out.json(&json!({ "file": args.source.file.to_string_lossy(), "format": format, "lights": lights }))?;
     } else {
-        out.text(table(&args.file, &topology, &found))?;
+        out.text(table(&args.source.file, &topology, &found))?;
         out.text(format_args!("\n  method scan: {reason}\n"))?;
     }
     out.flush()?;

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use umbrage::oracle::Verdict;
-use umbrage::scene::{SceneLight, Up};
+use umbrage::scene::SceneLight;
 use umbrage::verify::{Judge, Options, Stratum, Verification, Verifier};
 
-use super::lights::{self, LightArgs};
-use super::load::{self, MeshArgs};
+use super::lights;
 use super::machine::{AdapterArgs, ThreadArgs};
 use super::output::{Output, Table, number, number32, plain};
 use super::progress::Progress;
+use super::source::{Source, SourceArgs};
 use super::values::{seed, whole};
 use super::{Failure, Outcome};
 
@@ -21,15 +21,8 @@ use super::{Failure, Outcome};
 /// boundary. A disagreement is a bug in umbrage; a crack in the mesh is none.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content, then by its extension
-    #[arg(value_name = "FILE")]
-    file: PathBuf,
-
     #[command(flatten)]
-    mesh: MeshArgs,
-
-    #[command(flatten)]
-    lights: LightArgs,
+    source: SourceArgs,
 
     /// How many points for each light, spread evenly over the strata
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = whole, allow_negative_numbers = true)]
@@ -105,10 +98,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         return Err(Failure::new(problem, "run several seeds instead of one long run"));
     }
     args.threads.apply()?;
-    let mut baked = args.mesh.read(&args.file)?;
-    let mesh = args.mesh.caster(std::mem::take(&mut baked.meshes), &args.file)?;
-    load::note_no_faces(&args.file, &mesh);
-    let lights = args.lights.resolve(baked.lights, load::bounds(&mesh), Up::of(baked.format));
+    let Source { format, mesh, lights, .. } = args.source.load()?;
 
     let progress = Progress::spinner("topology, proofs and tree");
     let verifier = Verifier::new(&mesh);
@@ -123,10 +113,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
 
     let mut output = Output::new();
     if args.json {
-        let format = baked.format.map(|format| format.name());
-        output.json(&document(&args.file.to_string_lossy(), format, &lights, &results))?;
+        output.json(&document(&args.source.file.to_string_lossy(), format, &lights, &results))?;
     } else {
-        output.text(text(&args.file, &lights, &results))?;
+        output.text(text(&args.source.file, &lights, &results))?;
     }
     output.flush()?;
     let agreed = results.iter().all(Verification::agrees);

@@ -5,16 +5,17 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
-use umbrage::scene::{SceneLight, Up};
+use umbrage::scene::SceneLight;
 use umbrage::silhouette::{Silhouette, classify};
 use umbrage::topology::{Shells, Topology};
 use umbrage::volume::{self, Plan, ShadowVolume, ShellChoice, ShellProof};
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
-use super::lights::{self, LightArgs};
-use super::load::{self, MeshArgs};
+use super::lights;
+use super::load;
 use super::output::{self, Output, Table, counted, plain, short, significant};
 use super::progress::Progress;
+use super::source::{Source, SourceArgs};
 use super::values::{distance, refuse_overwriting};
 use super::{Failure, Outcome};
 
@@ -24,14 +25,8 @@ use super::{Failure, Outcome};
 /// is not closed.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content, then by its extension
-    file: PathBuf,
-
     #[command(flatten)]
-    mesh: MeshArgs,
-
-    #[command(flatten)]
-    lights: LightArgs,
+    source: SourceArgs,
 
     /// Which faces cast
     #[arg(long, value_enum, default_value_t = Faces::Auto)]
@@ -117,11 +112,8 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     } else if args.far.is_some() {
         output::say("note: --far has no effect without --output");
     }
-    refuse_overwriting("--output", args.output.as_deref(), &args.file)?;
-    let baked = args.mesh.read(&args.file)?;
-    let mesh = args.mesh.caster(baked.meshes, &args.file)?;
-    load::note_no_faces(&args.file, &mesh);
-    let lights = args.lights.resolve(baked.lights, load::bounds(&mesh), Up::of(baked.format));
+    refuse_overwriting("--output", args.output.as_deref(), &args.source.file)?;
+    let Source { format, mesh, lights, .. } = args.source.load()?;
 
     let progress = Progress::spinner("building shadow volumes");
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
@@ -162,10 +154,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let mut out = Output::new();
     if args.json {
         let lights: Vec<Value> = built.iter().map(document).collect();
-        let format = baked.format.map(|format| format.name());
-        out.json(&json!({ "file": args.file.to_string_lossy(), "format": format, "lights": lights }))?;
+        out.json(&json!({ "file": args.source.file.to_string_lossy(), "format": format, "lights": lights }))?;
     } else {
-        out.text(text(&args.file, &built))?;
+        out.text(text(&args.source.file, &built))?;
     }
     out.flush()?;
     let capped = volume::Caps::from(args.caps) == volume::Caps::Both;

@@ -275,3 +275,80 @@ fn for_each_neighbour(home: [f64; 3], mut visit: impl FnMut([u64; 3])) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The welded id of every vertex, by looking at all kept ones: `same` decides.
+    fn naive(mesh: &Mesh, same: impl Fn(usize, usize) -> bool) -> Vec<Option<VertexId>> {
+        let used = |v: usize| mesh.triangles().iter().flatten().any(|&corner| corner as usize == v);
+        let mut kept: Vec<usize> = Vec::new();
+        (0..mesh.vertex_count())
+            .map(|v| {
+                if !used(v) {
+                    return None;
+                }
+                let id = kept.iter().position(|&other| same(other, v)).unwrap_or_else(|| {
+                    kept.push(v);
+                    kept.len() - 1
+                });
+                Some(VertexId::new(id))
+            })
+            .collect()
+    }
+
+    fn found(mesh: &Mesh, how: Weld) -> Vec<Option<VertexId>> {
+        let welded = weld(mesh, how);
+        for (old, new) in mesh.triangles().iter().zip(welded.mesh.triangles()) {
+            assert_eq!(old.map(|v| welded.vertex_of(VertexId(v)).unwrap().0), *new);
+        }
+        (0..mesh.vertex_count()).map(|v| welded.vertex_of(VertexId::new(v))).collect()
+    }
+
+    /// Positions on a small grid, so that many coincide; enough of them to fill blocks and to grow the table.
+    fn mesh() -> impl Strategy<Value = Mesh> {
+        let place = || [0_u8..9, 0_u8..9, 0_u8..9].prop_map(|p| p.map(f32::from));
+        let corner = || any::<u32>();
+        (
+            prop::collection::vec((place(), place()), 1..600),
+            prop::collection::vec([corner(), corner(), corner()], 0..400),
+            any::<bool>(),
+        )
+            .prop_map(|(places, picks, animated)| {
+                let n = places.len() as u32;
+                let (positions, frame): (Vec<_>, Vec<_>) = places.into_iter().unzip();
+                let triangles = picks.into_iter().map(|t| t.map(|i| i % n)).collect();
+                let frames = if animated {
+                    vec![frame.into_iter().map(|[x, _, _]| [x % 2.0; 3]).collect()]
+                } else {
+                    vec![]
+                };
+                Mesh::new(positions, triangles).unwrap().with_frames(frames).unwrap()
+            })
+    }
+
+    proptest! {
+        #[test]
+        fn weld_equals_looking_at_all_kept_vertices(mesh in mesh()) {
+            let all = |test: &dyn Fn([f32; 3], [f32; 3]) -> bool, a: usize, b: usize| {
+                test(mesh.positions()[a], mesh.positions()[b]) && mesh.frames().iter().all(|f| test(f[a], f[b]))
+            };
+            prop_assert_eq!(found(&mesh, Weld::Exact), naive(&mesh, |a, b| all(&|p, q| p == q, a, b)));
+            let near = |p: [f32; 3], q: [f32; 3]| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f32>() <= 2.25;
+            prop_assert_eq!(found(&mesh, Weld::Within(1.5)), naive(&mesh, |a, b| all(&near, a, b)));
+            prop_assert_eq!(found(&mesh, Weld::None), naive(&mesh, |_, _| false));
+        }
+    }
+
+    #[test]
+    fn weld_that_forgets_a_frame_is_seen() {
+        let positions = vec![[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let still = Mesh::new(positions.clone(), vec![[0, 2, 3], [1, 3, 2]]).unwrap();
+        let parting = vec![vec![[0.0; 3], [5.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]];
+        let moving = still.clone().with_frames(parting).unwrap();
+        assert_eq!(naive(&moving, |a, b| positions[a] == positions[b]), found(&still, Weld::Exact));
+        assert_ne!(found(&moving, Weld::Exact), found(&still, Weld::Exact));
+    }
+}

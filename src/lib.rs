@@ -97,11 +97,13 @@
 //! - `cli` (default): the command `umbrage`, and `reference`.
 //! - `parallel` (default): verification and pictures on several threads; the same bytes either way.
 //! - `reference`: the whole-number judge and the module `verify`.
-//! - `gpu` (default): reserved for the wgpu passes; empty, without a dependency.
+//! - `gpu` (default): silhouettes, volumes and the stencil pass on a graphics adapter, by wgpu.
 //!
 //! `--no-default-features` leaves a lean geometry library.
 
 pub mod geom;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod mesh;
 pub mod scene;
 pub mod read;

@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::{DVec3, Vec3};
 
 use super::{Pinhole, Size, Up};
-use crate::geom::Aabb;
+use crate::geom::{Aabb, Projection};
 
 /// A perspective camera in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,6 +124,20 @@ impl Camera {
     #[must_use]
     pub fn ray(&self, x_px: f64, y_px: f64, size: Size) -> [f32; 3] {
         Pinhole::new(self, size).ray(x_px, y_px)
+    }
+
+    /// The projection of this camera for a picture of `size`, cut at `near` mesh units before the eye.
+    #[must_use]
+    pub fn projection(&self, size: Size, near: f32) -> Projection {
+        let (right, up) = self.basis();
+        let tan_y = (0.5 * f64::from(self.fov_y_rad)).tan();
+        Projection {
+            eye: self.eye.into(),
+            right: (right / (tan_y * size.aspect())).as_vec3().into(),
+            up: (up / tan_y).as_vec3().into(),
+            forward: self.forward.into(),
+            near,
+        }
     }
 
     /// Unit vectors to the right and upwards in the picture.

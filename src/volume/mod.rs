@@ -12,12 +12,16 @@
 
 mod certificate;
 mod extrude;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod plan;
 mod winding;
 
 use std::ops::Range;
 
 pub use certificate::BoundarySum;
+#[cfg(feature = "gpu")]
+pub use gpu::{GpuVolume, Part};
 pub use plan::{Faces, LightPlace, Plan, ShellChoice, ShellProof, Variant};
 pub use winding::{WindingIndex, winding_number};
 

@@ -1,0 +1,52 @@
+//! What can go wrong with a graphics adapter.
+
+/// Why something could not be done on a graphics adapter.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// There is no adapter at all.
+    #[error(
+        "no graphics adapter with Vulkan, Metal or Direct3D 12; install a driver, or a software one (Debian and \
+         Ubuntu: apt-get install mesa-vulkan-drivers)"
+    )]
+    NoAdapter,
+    /// No adapter has such a name.
+    #[error("no graphics adapter is named like `{wanted}`; there are: {}", .available.join("; "))]
+    NoSuchAdapter {
+        /// The part of a name that was asked for.
+        wanted: String,
+        /// The names of those that are there.
+        available: Vec<String>,
+    },
+    /// The adapter does not give a device that is able enough.
+    #[error("the graphics adapter cannot be used: {0}")]
+    Device(String),
+    /// Something does not fit the device's limits.
+    #[error(
+        "{what} of {bytes} bytes do not fit this graphics adapter, which takes {limit} at most; {remedy}"
+    )]
+    TooLarge {
+        /// What it is.
+        what: &'static str,
+        /// How large.
+        bytes: u64,
+        /// How large it may be.
+        limit: u64,
+        /// What to do instead.
+        remedy: &'static str,
+    },
+    /// The device has no memory left.
+    #[error("the graphics adapter is out of memory; use a smaller picture or mesh, or another --adapter")]
+    OutOfMemory,
+    /// The device is gone: unplugged, reset, or destroyed.
+    #[error("the graphics device was lost ({0}); try again, or use another --adapter")]
+    Lost(String),
+    /// What we asked of wgpu was not valid: a defect of umbrage.
+    #[error("the graphics interface refused a call, which is a defect of umbrage: {0}")]
+    Wgpu(String),
+}
+
+/// A message in one line.
+pub(super) fn line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ")
+}

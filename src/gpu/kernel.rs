@@ -1,0 +1,133 @@
+//! Compute shaders: compiled once, bound to buffers, dispatched over any number of invocations.
+
+use std::fmt::Display;
+use std::fmt::Write as _;
+
+use super::{Gpu, GpuError};
+
+/// How many invocations a workgroup has.
+pub(crate) const WORKGROUP: u32 = 64;
+
+/// A WGSL source with the constants that it shares with Rust.
+#[derive(Clone, Debug)]
+pub(crate) struct Shader {
+    label: &'static str,
+    source: String,
+}
+
+impl Shader {
+    /// `body` behind what every shader may use: the constant `WORKGROUP`, and `linear_id`, the number of an
+    /// invocation in a grid of one or two dimensions.
+    pub(crate) fn new(label: &'static str, body: &str) -> Self {
+        let source = format!(
+            "const WORKGROUP: u32 = {WORKGROUP}u;\n\
+             fn linear_id(global: vec3u, groups: vec3u) -> u32 {{ return global.y * groups.x * WORKGROUP + global.x; }}\n\
+             {body}"
+        );
+        Self { label, source }
+    }
+
+    /// With a constant; write its WGSL type and value as they are to stand there.
+    pub(crate) fn constant(mut self, name: &str, kind: &str, value: impl Display) -> Self {
+        writeln!(self.source, "const {name}: {kind} = {value};").expect("a string takes any text");
+        self
+    }
+
+    /// The whole text.
+    #[cfg(test)]
+    pub(crate) fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// Compiles it.
+    pub(crate) fn module(&self, gpu: &Gpu) -> Result<wgpu::ShaderModule, GpuError> {
+        gpu.attempt(|| {
+            gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(self.label),
+                source: wgpu::ShaderSource::Wgsl(self.source.as_str().into()),
+            })
+        })
+    }
+}
+
+/// One entry point of a compute shader, ready to run. Its buffers are those of group 0 that it mentions.
+#[derive(Clone, Debug)]
+pub(crate) struct Kernel {
+    pipeline: wgpu::ComputePipeline,
+    largest_grid: u32,
+}
+
+impl Kernel {
+    /// Compiles `entry` of `module`.
+    pub(crate) fn new(gpu: &Gpu, module: &wgpu::ShaderModule, entry: &str) -> Result<Self, GpuError> {
+        let pipeline = gpu.attempt(|| {
+            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry),
+                layout: None,
+                module,
+                entry_point: Some(entry),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
+        })?;
+        Ok(Self { pipeline, largest_grid: gpu.limits.max_compute_workgroups_per_dimension })
+    }
+
+    /// The buffers at their bindings.
+    pub(crate) fn bind(
+        &self,
+        gpu: &Gpu,
+        buffers: &[(u32, &wgpu::Buffer)],
+    ) -> Result<wgpu::BindGroup, GpuError> {
+        let entries: Vec<_> = buffers
+            .iter()
+            .map(|&(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        gpu.attempt(|| {
+            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: None,
+                layout: &self.pipeline.get_bind_group_layout(0),
+                entries: &entries,
+            })
+        })
+    }
+
+    /// Runs at least `invocations` invocations; those beyond must find out themselves that they have no work.
+    pub(crate) fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        buffers: &wgpu::BindGroup,
+        invocations: usize,
+    ) {
+        if invocations == 0 {
+            return;
+        }
+        let [x, y] = grid(invocations as u64, self.largest_grid);
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, buffers, &[]);
+        pass.dispatch_workgroups(x, y, 1);
+    }
+}
+
+/// Workgroups along x and y for so many invocations, as nearly square as need be.
+fn grid(invocations: u64, largest: u32) -> [u32; 2] {
+    let groups = invocations.div_ceil(u64::from(WORKGROUP));
+    let y = groups.div_ceil(u64::from(largest));
+    [groups.div_ceil(y) as u32, y as u32] // x is at most `largest`, and y at most x for 2³² invocations
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grid_covers_all_invocations_within_the_limit() {
+        for invocations in [1, 63, 64, 65, 64 * 65_535, 64 * 65_535 + 1, u64::from(u32::MAX)] {
+            let [x, y] = grid(invocations, 65_535);
+            assert!(x <= 65_535 && y <= 65_535);
+            let covered = u64::from(x) * u64::from(y) * u64::from(WORKGROUP);
+            assert!(covered >= invocations && covered < invocations + u64::from((y + 1) * WORKGROUP));
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! A graphics adapter: opened by us or lent by the caller, its limits kept, its failures errors.
+//!
+//! Everything here runs headless. A caller's own device and queue do as well ([`Gpu::from_device`]): what records
+//! into a [`wgpu::CommandEncoder`] then runs in the caller's frame, without a stall.
+
+mod buffer;
+mod error;
+mod kernel;
+mod scan;
+
+use std::sync::{Arc, OnceLock};
+
+pub use error::GpuError;
+pub(crate) use kernel::{Kernel, Shader};
+pub(crate) use scan::Scan;
+
+// Buffers, textures and encoders are wgpu's; this is the version.
+pub use wgpu;
+
+/// The environment variable that names an adapter where no argument does.
+pub const ADAPTER_VARIABLE: &str = "UMBRAGE_ADAPTER";
+
+/// The graphics interfaces that can do all that is asked: OpenGL cannot copy a stencil.
+const BACKENDS: wgpu::Backends =
+    wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
+
+/// A device and its queue. Cheap to clone; all clones are one device.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    limits: wgpu::Limits,
+    info: wgpu::AdapterInfo,
+    /// Why the device is gone, once it is.
+    lost: Arc<OnceLock<String>>,
+}
+
+impl Gpu {
+    /// Opens the adapter whose name contains `adapter`, whatever its case; without one, the adapter that the
+    /// environment variable [`ADAPTER_VARIABLE`] names; without that, the fastest kind there is: discrete before
+    /// integrated before virtual before software.
+    ///
+    /// All of the adapter's limits are asked for. Takes some tens of milliseconds.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::NoAdapter`], which says what to install; [`GpuError::NoSuchAdapter`]; [`GpuError::Device`].
+    pub fn new(adapter: Option<&str>) -> Result<Self, GpuError> {
+        let variable = std::env::var(ADAPTER_VARIABLE).ok().filter(|name| !name.is_empty());
+        let wanted = adapter.map(str::to_owned).or(variable);
+        let mut adapters = adapters();
+        let named = |adapter: &wgpu::Adapter, part: &str| {
+            adapter.get_info().name.to_lowercase().contains(&part.to_lowercase())
+        };
+        if adapters.is_empty() {
+            return Err(GpuError::NoAdapter);
+        }
+        if let Some(wanted) = wanted {
+            let available = adapters.iter().map(|adapter| adapter.get_info().name).collect();
+            adapters.retain(|adapter| named(adapter, &wanted));
+            if adapters.is_empty() {
+                return Err(GpuError::NoSuchAdapter { wanted, available });
+            }
+        }
+        adapters.sort_by_key(|adapter| speed(adapter.get_info().device_type)); // stable: the first of a kind
+        Self::open(&adapters[0])
+    }
+
+    fn open(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
+        let request = adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("umbrage"),
+            required_features: wgpu::Features::empty(),
+            required_limits: adapter.limits(),
+            experimental_features: wgpu::ExperimentalFeatures::disabled(),
+            memory_hints: wgpu::MemoryHints::Performance,
+            trace: wgpu::Trace::Off,
+        });
+        let device = |error: wgpu::RequestDeviceError| GpuError::Device(error::line(&error.to_string()));
+        let (device, queue) = pollster::block_on(request).map_err(device)?;
+        let gpu = Self::from_device(device, queue)?;
+        let lost = Arc::clone(&gpu.lost);
+        gpu.device.set_device_lost_callback(move |reason, message| {
+            // A device that is dropped is lost too, but then nobody asks.
+            lost.get_or_init(|| format!("{reason:?}: {}", error::line(&message)));
+        });
+        Ok(gpu)
+    }
+
+    /// Uses a caller's device and queue. They stay the caller's: nothing about them is changed, and errors are
+    /// caught in scopes of our own.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Device`] if the device cannot run compute shaders with 256 invocations and six storage buffers,
+    /// or let fragments write to storage.
+    pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, GpuError> {
+        let (limits, info) = (device.limits(), device.adapter_info());
+        let wanted = [
+            ("compute invocations per workgroup", limits.max_compute_invocations_per_workgroup, 256),
+            ("storage buffers per stage", limits.max_storage_buffers_per_shader_stage, 6),
+        ];
+        match wanted.into_iter().find(|(_, has, needs)| has < needs) {
+            Some((what, has, needs)) => {
+                Err(GpuError::Device(format!("{}: {has} {what}, {needs} are needed", info.name)))
+            }
+            None => Ok(Self { device, queue, limits, info, lost: Arc::default() }),
+        }
+    }
+
+    /// The names of all adapters that could be opened, as [`Gpu::new`] would rank them.
+    #[must_use]
+    pub fn adapter_names() -> Vec<String> {
+        let mut adapters = adapters();
+        adapters.sort_by_key(|adapter| speed(adapter.get_info().device_type));
+        adapters.iter().map(|adapter| adapter.get_info().name).collect()
+    }
+
+    /// The adapter's name, with the driver's where it tells.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let wgpu::AdapterInfo { name, driver_info, .. } = &self.info;
+        if driver_info.is_empty() || name.contains(driver_info.as_str()) {
+            name.clone()
+        } else {
+            format!("{name}, {driver_info}")
+        }
+    }
+
+    /// Whether the adapter is a processor that draws, not a graphics card.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// The device.
+    #[must_use]
+    pub fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// The queue.
+    #[must_use]
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    /// What the device can do at most.
+    #[must_use]
+    pub fn limits(&self) -> &wgpu::Limits {
+        &self.limits
+    }
+
+    /// Runs `work`, and makes an error of whatever wgpu finds wrong with it.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::OutOfMemory`], [`GpuError::Lost`], or [`GpuError::Wgpu`], which is a defect of umbrage.
+    pub fn attempt<T>(&self, work: impl FnOnce() -> T) -> Result<T, GpuError> {
+        use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+        let scopes = [OutOfMemory, Internal, Validation].map(|filter| self.device.push_error_scope(filter));
+        let result = work();
+        // Scopes are a stack: the last one first.
+        let errors = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop()));
+        let error = errors.fold(None, |first, error| first.or(Some(error)));
+        if let Some(why) = self.lost.get() {
+            return Err(GpuError::Lost(why.clone()));
+        }
+        match error {
+            None => Ok(result),
+            Some(wgpu::Error::OutOfMemory { .. }) => Err(GpuError::OutOfMemory),
+            Some(error) => Err(GpuError::Wgpu(error::line(&error.to_string()))),
+        }
+    }
+
+    /// Submits what `record` writes into a fresh encoder. Does not wait.
+    pub(crate) fn submit<T>(
+        &self,
+        record: impl FnOnce(&mut wgpu::CommandEncoder) -> T,
+    ) -> Result<T, GpuError> {
+        self.attempt(|| {
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let result = record(&mut encoder);
+            self.queue.submit([encoder.finish()]);
+            result
+        })
+    }
+}
+
+fn adapters() -> Vec<wgpu::Adapter> {
+    let mut instance = wgpu::InstanceDescriptor::new_without_display_handle();
+    instance.backends = BACKENDS;
+    pollster::block_on(wgpu::Instance::new(instance).enumerate_adapters(BACKENDS))
+}
+
+/// Ascending: the fastest kind of adapter first.
+fn speed(kind: wgpu::DeviceType) -> u8 {
+    match kind {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// The adapter for a test; without one says aloud that the test is skipped, or fails where one is demanded.
+    pub(crate) fn gpu() -> Option<Gpu> {
+        static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
+        GPU.get_or_init(|| match Gpu::new(None) {
+            Ok(gpu) => Some(gpu),
+            Err(error) if std::env::var("UMBRAGE_REQUIRE_GPU").is_ok_and(|value| value == "1") => {
+                panic!("UMBRAGE_REQUIRE_GPU=1: {error}")
+            }
+            Err(error) => {
+                eprintln!("SKIPPED, no graphics adapter: {error}");
+                None
+            }
+        })
+        .clone()
+    }
+
+    #[test]
+    fn gpu_adapter_that_is_not_there_is_refused_with_the_ones_that_are() {
+        let Some(gpu) = gpu() else { return };
+        let error = Gpu::new(Some("no such card")).unwrap_err();
+        assert!(matches!(&error, GpuError::NoSuchAdapter { available, .. } if !available.is_empty()));
+        assert!(error.to_string().contains(&gpu.info.name), "{error}");
+    }
+
+    #[test]
+    fn gpu_validation_error_is_an_error_and_the_next_attempt_is_clean() {
+        let Some(gpu) = gpu() else { return };
+        let usage = wgpu::BufferUsages::STORAGE;
+        let descriptor =
+            |size| wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
+        let too_large = gpu.limits().max_buffer_size.saturating_add(4);
+        let error = gpu.attempt(|| gpu.device().create_buffer(&descriptor(too_large))).unwrap_err();
+        assert!(matches!(error, GpuError::Wgpu(_) | GpuError::OutOfMemory), "{error}");
+        assert!(!error.to_string().contains('\n'));
+        assert!(gpu.attempt(|| gpu.device().create_buffer(&descriptor(4))).is_ok());
+    }
+
+    #[test]
+    fn gpu_of_a_caller_works_and_a_lost_device_is_an_error() {
+        let Some(own) = gpu() else { return };
+        let lent = Gpu::from_device(own.device().clone(), own.queue().clone()).unwrap();
+        let buffer = lent.upload("words", &[1_u32, 2, 3]).unwrap();
+        assert_eq!(own.download::<u32>(&buffer, 3).unwrap(), [1, 2, 3]);
+        // A device of its own, since it does not survive.
+        let doomed = Gpu::new(None).unwrap();
+        let buffer = doomed.upload("words", &[1_u32]).unwrap();
+        doomed.device().destroy();
+        let error = doomed.download::<u32>(&buffer, 1).unwrap_err();
+        assert!(matches!(error, GpuError::Lost(_)), "{error}");
+    }
+}

@@ -1,0 +1,122 @@
+//! A shadow volume in buffers of a graphics device, ready to draw.
+
+use wgpu::BufferUsages;
+
+use super::ShadowVolume;
+use crate::geom::Light;
+use crate::gpu::{Gpu, GpuError, wgpu};
+
+/// A shadow volume on the device.
+///
+/// Vertices are the finite ones, three `f32` each. Triangles are three `u32` each: an id `v` below
+/// [`GpuVolume::vertex_count`] is a finite vertex, `vertex_count + v` the same vertex at infinity, `v·w − L` with the
+/// light's homogeneous `(L, w)`; a directional light has but one such point, whichever `v` it is written with.
+/// Draw a part without vertex or index buffer: `draw_indirect` with [`GpuVolume::arguments`] at the part's offset,
+/// and look the corner up by `vertex_index`.
+#[derive(Clone, Debug)]
+pub struct GpuVolume {
+    /// Finite vertices, `array<f32>`, three a vertex.
+    pub vertices: wgpu::Buffer,
+    /// How many finite vertices there are.
+    pub vertex_count: u32,
+    /// `array<u32>`, three a triangle; the parts stand where the arguments say.
+    pub triangles: wgpu::Buffer,
+    /// Three [`wgpu::util::DrawIndirectArgs`], in the order of [`Part`].
+    pub arguments: wgpu::Buffer,
+    /// The light it was extruded from.
+    pub light: Light,
+}
+
+/// A part of a volume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The casting faces, as the light sees them.
+    LightCap,
+    /// What the silhouette edges sweep.
+    Sides,
+    /// The light cap at infinity, reversed.
+    DarkCap,
+}
+
+impl Part {
+    /// All of them, in the order of the arguments.
+    pub const ALL: [Self; 3] = [Self::LightCap, Self::Sides, Self::DarkCap];
+
+    /// Where this part's arguments start in [`GpuVolume::arguments`], in bytes.
+    #[must_use]
+    pub fn offset(self) -> u64 {
+        16 * self as u64
+    }
+}
+
+impl GpuVolume {
+    /// Copies a volume to the device.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`].
+    pub fn upload(gpu: &Gpu, volume: &ShadowVolume) -> Result<Self, GpuError> {
+        let count = volume.positions().len() as u32; // vertex ids are 32 bits
+        let id = |index: u32| match index.checked_sub(count) {
+            None => index,
+            Some(far) => count + volume.extruded[far as usize],
+        };
+        let triangles: Vec<[u32; 3]> = volume.triangles().iter().map(|corners| corners.map(id)).collect();
+        let parts = [volume.light_cap(), volume.sides(), volume.dark_cap()];
+        // vertex_count, instance_count, first_vertex, first_instance
+        let arguments = parts.map(|part| [3 * part.len() as u32, 1, 3 * part.start as u32, 0]);
+        Ok(Self {
+            vertices: gpu.upload("vertices of a volume", volume.positions())?,
+            vertex_count: count,
+            triangles: gpu.upload("triangles of a volume", &triangles)?,
+            arguments: gpu.upload_for("draw arguments", &arguments, BufferUsages::INDIRECT)?,
+            light: *volume.light(),
+        })
+    }
+
+    /// Reads the triangles of a part back, with the ids described above.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
+    pub fn download(&self, gpu: &Gpu, part: Part) -> Result<Vec<[u32; 3]>, GpuError> {
+        let arguments = gpu.download::<[u32; 4]>(&self.arguments, 3)?;
+        let [vertices, _, first, _] = arguments[part as usize];
+        let triangles = gpu.download::<[u32; 3]>(&self.triangles, (first + vertices) as usize / 3)?;
+        Ok(triangles[first as usize / 3..].to_vec())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::tests::gpu;
+    use crate::mesh::solid;
+    use crate::silhouette::{Casters, Silhouette, classify};
+    use crate::topology::Topology;
+    use crate::volume::Caps;
+
+    #[test]
+    fn volume_comes_back_from_the_device_as_it_went() {
+        let Some(gpu) = gpu() else { return };
+        let mesh = solid::menger_sponge(1);
+        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        for light in ["point:3,4,5", "directional:-1,-2,-0.5"] {
+            let light: Light = light.parse().unwrap();
+            let signs = Casters::All.signs(&classify(&mesh, &light));
+            let silhouette = Silhouette::extract(&topology, &signs);
+            let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
+            let lent = GpuVolume::upload(&gpu, &volume).unwrap();
+            let ranges = [volume.light_cap(), volume.sides(), volume.dark_cap()];
+            for (part, range) in Part::ALL.into_iter().zip(ranges) {
+                let count = lent.vertex_count;
+                let id = |id: u32| match id.checked_sub(count) {
+                    Some(_) if light.is_directional() => count,
+                    _ => id,
+                };
+                let back = lent.download(&gpu, part).unwrap().into_iter().map(|corners| corners.map(id));
+                assert_eq!(back.collect::<Vec<_>>(), volume.triangles()[range].to_vec());
+            }
+        }
+    }
+}

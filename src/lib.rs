@@ -112,10 +112,13 @@ pub mod topology;
 pub mod silhouette;
 pub mod volume;
 pub mod oracle;
+pub mod stencil;
+pub mod compare;
 pub mod picture;
 #[cfg(feature = "reference")]
 pub mod verify;
 
+mod parallel;
 mod random;
 
 // Transforms and cameras speak glam; this is the version they speak.

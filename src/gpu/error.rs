@@ -35,6 +35,16 @@ pub enum GpuError {
         /// What to do instead.
         remedy: &'static str,
     },
+    /// A picture has more pixels in a row or column than the device can draw.
+    #[error(
+        "a picture of {side} pixels a side does not fit this graphics adapter, which takes {limit}; use a smaller --size"
+    )]
+    Picture {
+        /// The longer side.
+        side: u32,
+        /// How long it may be.
+        limit: u32,
+    },
     /// The device has no memory left.
     #[error("the graphics adapter is out of memory; use a smaller picture or mesh, or another --adapter")]
     OutOfMemory,

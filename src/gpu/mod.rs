@@ -24,6 +24,9 @@ pub const ADAPTER_VARIABLE: &str = "UMBRAGE_ADAPTER";
 const BACKENDS: wgpu::Backends =
     wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
 
+/// What a device must be able to do: keep a stencil beside a depth of 32 bits.
+const FEATURES: wgpu::Features = wgpu::Features::DEPTH32FLOAT_STENCIL8;
+
 /// A device and its queue. Cheap to clone; all clones are one device.
 #[derive(Clone, Debug)]
 pub struct Gpu {
@@ -69,7 +72,7 @@ impl Gpu {
     fn open(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("umbrage"),
-            required_features: wgpu::Features::empty(),
+            required_features: FEATURES & adapter.features(),
             required_limits: adapter.limits(),
             experimental_features: wgpu::ExperimentalFeatures::disabled(),
             memory_hints: wgpu::MemoryHints::Performance,
@@ -91,14 +94,21 @@ impl Gpu {
     ///
     /// # Errors
     ///
-    /// [`GpuError::Device`] if the device cannot run compute shaders with 256 invocations and six storage buffers,
-    /// or let fragments write to storage.
+    /// [`GpuError::Device`] if the device has no depth of 32 bits with a stencil (ask for
+    /// [`wgpu::Features::DEPTH32FLOAT_STENCIL8`]), or cannot run compute shaders with 256 invocations and six storage
+    /// buffers.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, GpuError> {
         let (limits, info) = (device.limits(), device.adapter_info());
         let wanted = [
             ("compute invocations per workgroup", limits.max_compute_invocations_per_workgroup, 256),
             ("storage buffers per stage", limits.max_storage_buffers_per_shader_stage, 6),
         ];
+        if !device.features().contains(FEATURES) {
+            return Err(GpuError::Device(format!(
+                "{}: the feature DEPTH32FLOAT_STENCIL8 is needed",
+                info.name
+            )));
+        }
         match wanted.into_iter().find(|(_, has, needs)| has < needs) {
             Some((what, has, needs)) => {
                 Err(GpuError::Device(format!("{}: {has} {what}, {needs} are needed", info.name)))

@@ -31,7 +31,8 @@ impl Oracle {
     /// `None` also for a direction that is zero or not finite.
     #[must_use]
     pub fn first_hit(&self, origin: [f32; 3], direction: [f32; 3]) -> Option<Hit> {
-        self.first_slot(origin, direction).map(|(slot, t)| Hit { face: FaceId(self.tree.order()[slot]), t })
+        self.first_slot(origin, direction, 0.0)
+            .map(|(slot, t)| Hit { face: FaceId(self.tree.order()[slot]), t })
     }
 
     /// What the eye at `origin` sees along `direction`: [`Oracle::first_hit`] with its visible point.
@@ -41,7 +42,19 @@ impl Oracle {
     /// in steps of the hit's last place.
     #[must_use]
     pub fn first_visible(&self, origin: [f32; 3], direction: [f32; 3]) -> Option<Visible> {
-        let (slot, t) = self.first_slot(origin, direction)?;
+        self.first_visible_beyond(origin, direction, 0.0)
+    }
+
+    /// As [`Oracle::first_visible`], past whatever is nearer than `nearest` lengths of the direction: what a camera
+    /// with a near plane sees. The order of a face and that plane is decided by the rounded distance.
+    #[must_use]
+    pub fn first_visible_beyond(
+        &self,
+        origin: [f32; 3],
+        direction: [f32; 3],
+        nearest: f64,
+    ) -> Option<Visible> {
+        let (slot, t) = self.first_slot(origin, direction, nearest)?;
         let corners = self.triangles[slot];
         let side = side_of_point(corners, origin);
         let point = before(corners, side, origin, direction, t);
@@ -49,7 +62,7 @@ impl Oracle {
     }
 
     /// The place in `triangles` of the first face, and its distance.
-    fn first_slot(&self, origin: [f32; 3], direction: [f32; 3]) -> Option<(usize, f64)> {
+    fn first_slot(&self, origin: [f32; 3], direction: [f32; 3], nearest: f64) -> Option<(usize, f64)> {
         let towards = Light::directional(direction.map(|x| -x)).ok()?;
         let segment = Segment::along(origin, direction);
         let mut first: Option<(f64, u32, usize)> = None;
@@ -68,7 +81,7 @@ impl Oracle {
                     let t = distance(origin, &towards, triangle);
                     let face = self.tree.order()[slot];
                     // Of equal distances the lowest face, whatever the order of the tree.
-                    if first.is_none_or(|(least, id, _)| (t, face) < (least, id)) {
+                    if t >= nearest && first.is_none_or(|(least, id, _)| (t, face) < (least, id)) {
                         first = Some((t, face, slot));
                         end.set(t * NEARLY);
                     }

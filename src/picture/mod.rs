@@ -4,7 +4,6 @@ mod colour;
 mod ground;
 mod overlay;
 mod png;
-mod rows;
 mod shade;
 
 use glam::Vec3;
@@ -15,6 +14,7 @@ pub use shade::Lamp;
 
 use crate::mesh::FaceId;
 use crate::oracle::Oracle;
+use crate::parallel;
 use crate::scene::{Camera, Pinhole, Size, Up};
 
 /// Rows of pixels from the top, each from the left: red, green, blue in sRGB, and alpha.
@@ -99,7 +99,7 @@ pub fn render(
     let mut pixels = buffer(view.size, [0; 4])?;
     // Taken before the work, not after half of it.
     let mut plain = if view.edge_samples > 1 { buffer(view.size, [0; 4])? } else { Vec::new() };
-    rows::for_each(&mut pixels, width, |y, row| {
+    parallel::rows(&mut pixels, width, |y, row| {
         for (x, pixel) in row.iter_mut().enumerate() {
             *pixel = colour::encode(sample(oracle, view, &pinhole, x as f64 + 0.5, y as f64 + 0.5));
         }
@@ -107,7 +107,7 @@ pub fn render(
     });
     if view.edge_samples > 1 {
         plain.copy_from_slice(&pixels);
-        rows::for_each(&mut pixels, width, |y, row| {
+        parallel::rows(&mut pixels, width, |y, row| {
             for (x, pixel) in row.iter_mut().enumerate() {
                 if is_at_edge(&plain, view.size, x, y) {
                     *pixel = smooth(oracle, view, &pinhole, x, y);

@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::{CLAY, Lamp, MemoryError, Picture, View, buffer, render, rows};
+use super::{CLAY, Lamp, MemoryError, Picture, View, buffer, render};
 use crate::geom::Light;
 use crate::mesh::FaceId;
 use crate::oracle::Oracle;
+use crate::parallel;
 use crate::scene::{Camera, Pinhole, Projected, Size, Up};
 
 /// What is to be drawn over a mesh: lines colour by colour, in the order of the legend, then spots.
@@ -130,7 +131,7 @@ fn depths(
 ) -> Result<Vec<f32>, MemoryError> {
     let pinhole = Pinhole::new(camera, size);
     let mut depths = buffer(size, f32::INFINITY)?;
-    rows::for_each(&mut depths, size.width() as usize, |y, row| {
+    parallel::rows(&mut depths, size.width() as usize, |y, row| {
         for (x, depth) in row.iter_mut().enumerate() {
             let direction = pinhole.ray(x as f64 + 0.5, y as f64 + 0.5);
             if let Some(hit) = oracle.first_hit(pinhole.eye(), direction) {

@@ -74,6 +74,12 @@ impl FacePlanes {
         planes
     }
 
+    /// The unit normal of a face, each component rounded to `f32`; zero where none could be formed.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn normal(&self, face: FaceId) -> [f32; 3] {
+        [0, 1, 2].map(|axis| self.normal[axis][face.index()])
+    }
+
     /// The side of every face that `light` is on, exactly: as [`classify`](super::classify), faster.
     ///
     /// # Panics

@@ -25,6 +25,8 @@ pub struct GpuVolume {
     pub arguments: wgpu::Buffer,
     /// The light it was extruded from.
     pub light: Light,
+    /// The largest magnitude of a coordinate of the vertices, or more.
+    pub largest: f32,
 }
 
 /// A part of a volume.
@@ -71,6 +73,7 @@ impl GpuVolume {
             triangles: gpu.upload("triangles of a volume", &triangles)?,
             arguments: gpu.upload_for("draw arguments", &arguments, BufferUsages::INDIRECT)?,
             light: *volume.light(),
+            largest: volume.positions().as_flattened().iter().fold(0.0, |most, x| most.max(x.abs())),
         })
     }
 

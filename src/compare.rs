@@ -1,0 +1,329 @@
+//! The stencil pass against the exact oracle, pixel by pixel: the last word.
+//!
+//! For each pixel the visible point comes from a ray through the pixel's middle, not from a depth buffer, and the
+//! casting faces between it and the light are counted exactly. A stencil count that differs is then explained, or
+//! real.
+//!
+//! # What a rasteriser may do
+//!
+//! A mismatch is *grazing* only if the exact count changes within the pixel's own footprint:
+//!
+//! - **Sideways**, at one of eight places one step away. Vertices are snapped to 1/256 pixel (the sub-pixel precision
+//!   of all common rasterisers), and their clip coordinates err by at most 4.5u of the products' magnitudes in each of
+//!   two dot products (u = 2⁻²³: the difference to the eye, the row's own rounding, a product, two sums), which for
+//!   vertices in view and fields of view down to 30° is below 16u of the picture's longer side. So the step is
+//!   `1/256 + 2⁻¹⁹·max(width, height)` pixels.
+//! - **Along the ray**, within the error of two depths computed from planes. A depth is `near·(n·r)/(n·a)` with the
+//!   plane's normal `n`, the ray `r`, and `a` from the eye to a corner: 10u of `|n||r|/|n·r|` for the numerator (three
+//!   rounded coefficients and three sums), 5u of `|n||a|/|n·a|` for the denominator, in all 16u of `D/h` with the
+//!   farthest distance `D` of the face's corners and of the point itself, and the eye's distance `h` from the plane. Where the
+//!   two planes are far from parallel, a step sideways changes their distance by more than that; where they are not,
+//!   `h` is the same for both. So the bound is `32u·D/h` of the depth.
+//!
+//! Anything wider would forgive cracks of one pixel.
+
+use glam::{DVec2, DVec3};
+
+use crate::geom::predicate::side_of_point;
+use crate::geom::{Light, Projection};
+use crate::mesh::{FaceId, Mesh};
+use crate::oracle::{Meeting, Oracle, Visible};
+use crate::parallel;
+use crate::scene::Size;
+use crate::silhouette::{Facing, facing_of};
+use crate::stencil::{Counting, ShadowMask};
+
+/// What is said of one pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum PixelVerdict {
+    /// Neither sees anything there.
+    #[default]
+    Sky,
+    /// Both count 0.
+    Lit,
+    /// Both count the same, not 0.
+    Shadowed,
+    /// They differ, and the exact count changes within the pixel's footprint.
+    Grazing,
+    /// They differ, and a face whose side was left to `f32` is between the point and the light.
+    Unsure,
+    /// They differ by a multiple of 256: the stencil has wrapped.
+    Overflow,
+    /// They differ, and nothing explains it.
+    Real,
+}
+
+impl PixelVerdict {
+    /// All of them.
+    pub const ALL: [Self; 7] =
+        [Self::Sky, Self::Lit, Self::Shadowed, Self::Grazing, Self::Unsure, Self::Overflow, Self::Real];
+
+    /// Lower-case name, as in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sky => "sky",
+            Self::Lit => "lit",
+            Self::Shadowed => "shadowed",
+            Self::Grazing => "grazing",
+            Self::Unsure => "unsure",
+            Self::Overflow => "overflow",
+            Self::Real => "real",
+        }
+    }
+}
+
+/// A pixel whose stencil count nothing explains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mismatch {
+    /// From the left.
+    pub x: u32,
+    /// From the top.
+    pub y: u32,
+    /// What the oracle sees there.
+    pub point: Option<[f32; 3]>,
+    /// How many casting faces are between that point and the light.
+    pub exact: Option<u32>,
+    /// What the stencil counted; `None` for sky.
+    pub counted: Option<i32>,
+}
+
+/// All pixels of a picture, judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// How many pixels there are.
+    pub size: Size,
+    /// Row after row from the top.
+    pub verdicts: Vec<PixelVerdict>,
+    /// The first few pixels that nothing explains, in reading order.
+    pub mismatches: Vec<Mismatch>,
+}
+
+impl Comparison {
+    /// How many pixels got this verdict.
+    #[must_use]
+    pub fn count(&self, verdict: PixelVerdict) -> usize {
+        self.verdicts.iter().filter(|&&v| v == verdict).count()
+    }
+
+    /// Whether every pixel agrees or is explained by its footprint: what a volume with exact signs and a count
+    /// that cannot overflow must reach.
+    #[must_use]
+    pub fn agrees(&self) -> bool {
+        self.verdicts.iter().all(|&verdict| verdict < PixelVerdict::Unsure)
+    }
+}
+
+/// What was rendered, for [`compare`].
+#[derive(Clone, Copy, Debug)]
+pub struct Rendered<'a> {
+    /// The mesh that casts and receives.
+    pub mesh: &'a Mesh,
+    /// The sign that each face casts with, exact: one entry a face.
+    pub signs: &'a [i8],
+    /// The light.
+    pub light: &'a Light,
+    /// The camera, as the shaders have it.
+    pub projection: &'a Projection,
+    /// What the stencil pass made of it.
+    pub mask: &'a ShadowMask,
+    /// Faces that cast with another sign than `signs` says, since `f32` had to decide; ascending. Empty for volumes
+    /// with exact signs.
+    pub unsure: &'a [FaceId],
+}
+
+/// Judges every pixel of `rendered` by the `oracle` of its mesh, and keeps the places of the first `keep` real
+/// mismatches. With the feature `parallel`, rows are shared among threads.
+///
+/// `progress` hears of rows done, from any thread. About 4 µs a pixel and thread for a mesh of 10⁵ faces.
+///
+/// # Panics
+///
+/// Panics if `signs` has another length than the faces of the mesh.
+#[must_use]
+pub fn compare(
+    oracle: &Oracle,
+    rendered: &Rendered<'_>,
+    keep: usize,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Comparison {
+    assert_eq!(rendered.signs.len(), rendered.mesh.face_count(), "one sign a face");
+    let size = rendered.mask.size();
+    let pixels = Pixels { oracle, rendered, size };
+    let mut verdicts = vec![PixelVerdict::Sky; size.pixels()];
+    parallel::rows(&mut verdicts, size.width() as usize, |y, row| {
+        for (x, verdict) in (0..).zip(row) {
+            *verdict = pixels.judge(x, y as u32); // a picture has at most 2¹⁴ rows
+        }
+        progress(1);
+    });
+    let real = (0..).zip(&verdicts).filter(|(_, verdict)| **verdict == PixelVerdict::Real);
+    let mismatches = real
+        .take(keep)
+        .map(|(place, _): (u32, _)| pixels.mismatch(place % size.width(), place / size.width()))
+        .collect();
+    Comparison { size, verdicts, mismatches }
+}
+
+/// What the oracle finds along one ray.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    visible: Visible,
+    /// Casting faces that are properly crossed on the way to the light.
+    count: u32,
+    /// Faces that are only touched: then the count may be more.
+    touching: bool,
+}
+
+struct Pixels<'a> {
+    oracle: &'a Oracle,
+    rendered: &'a Rendered<'a>,
+    size: Size,
+}
+
+impl Pixels<'_> {
+    fn judge(&self, x: u32, y: u32) -> PixelVerdict {
+        let counted = self.rendered.mask.count(x, y);
+        let middle = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+        let seen = self.look(middle);
+        match (seen, counted) {
+            (None, None) => return PixelVerdict::Sky,
+            (Some(seen), Some(counted)) if i64::from(seen.count) == i64::from(counted) => {
+                return if counted == 0 { PixelVerdict::Lit } else { PixelVerdict::Shadowed };
+            }
+            (Some(seen), Some(counted)) => {
+                let stencil = self.rendered.mask.counting() == Counting::Stencil;
+                if stencil && seen.count > 255 && seen.count & 255 == counted as u32 & 255 {
+                    return PixelVerdict::Overflow;
+                }
+                if seen.touching || self.changes_along_the_ray(&seen, middle) {
+                    return PixelVerdict::Grazing;
+                }
+                if self.meets_unsure(&seen) {
+                    return PixelVerdict::Unsure;
+                }
+            }
+            _ => {}
+        }
+        if self.changes_sideways(seen.as_ref(), middle) { PixelVerdict::Grazing } else { PixelVerdict::Real }
+    }
+
+    fn mismatch(&self, x: u32, y: u32) -> Mismatch {
+        let seen = self.look([f64::from(x) + 0.5, f64::from(y) + 0.5]);
+        Mismatch {
+            x,
+            y,
+            point: seen.map(|seen| seen.visible.point),
+            exact: seen.map(|seen| seen.count),
+            counted: self.rendered.mask.count(x, y),
+        }
+    }
+
+    /// What is seen through a place of the picture, in pixels from the upper left corner.
+    fn look(&self, place: [f64; 2]) -> Option<Seen> {
+        let projection = self.rendered.projection;
+        let direction = self.ray(place).as_vec3().into();
+        let visible = self.oracle.first_visible_beyond(projection.eye, direction, projection.near.into())?;
+        let (count, touching) = self.count(visible.point);
+        Some(Seen { visible, count, touching })
+    }
+
+    fn ray(&self, [x, y]: [f64; 2]) -> DVec3 {
+        let (width, height) = (f64::from(self.size.width()), f64::from(self.size.height()));
+        self.rendered.projection.ray(DVec2::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height))
+    }
+
+    /// How many casting faces are between a point and the light, and whether any face is only touched.
+    fn count(&self, point: [f32; 3]) -> (u32, bool) {
+        let (mut count, mut touching) = (0, false);
+        self.oracle.for_each_meeting(point, self.rendered.light, |face, meeting| match meeting {
+            Meeting::Crossing(_) => count += u32::from(self.rendered.signs[face.index()] != 0),
+            _ => touching = true,
+        });
+        (count, touching)
+    }
+
+    /// Whether the exact count changes within one step of the place.
+    fn changes_sideways(&self, seen: Option<&Seen>, place: [f64; 2]) -> bool {
+        let side = self.size.width().max(self.size.height());
+        let step = 1.0 / 256.0 + f64::from(side) / f64::from(1 << 19);
+        let around = [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)];
+        around.into_iter().any(|(dx, dy)| {
+            let beside = [place[0] + step * f64::from(dx), place[1] + step * f64::from(dy)];
+            match (seen, self.look(beside).as_ref()) {
+                (None, None) => false,
+                (Some(here), Some(there)) => {
+                    here.count != there.count || there.touching || self.changes_at_contour(here, place, beside)
+                }
+                _ => true,
+            }
+        })
+    }
+
+    /// Whether between two places the visible surface ends, and where it does the volume begins or ends: at a
+    /// silhouette edge that is the surface's outline too, both sides of which may well count the same.
+    fn changes_at_contour(&self, here: &Seen, place: [f64; 2], beside: [f64; 2]) -> bool {
+        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+        let between = |s: f64| [0, 1].map(|i| place[i] + s * (beside[i] - place[i]));
+        // To a 2⁻²⁴th of the step.
+        for _ in 0..24 {
+            let middle = 0.5 * (from + to);
+            let at = self.look(between(middle));
+            if at.is_some_and(|at| at.count != here.count || at.touching) {
+                return true;
+            }
+            match at {
+                Some(at) if at.visible.face == here.visible.face => from = middle,
+                _ => to = middle,
+            }
+        }
+        [from, to].into_iter().any(|s| {
+            self.look(between(s)).is_some_and(|seen| self.changes_along_the_ray(&seen, between(s)))
+        })
+    }
+
+    /// Whether the volume begins or ends within the bound of two depths, at anything but a cap.
+    fn changes_along_the_ray(&self, seen: &Seen, place: [f64; 2]) -> bool {
+        const U: f64 = f32::EPSILON as f64;
+        let eye = DVec3::from(self.rendered.projection.eye.map(f64::from));
+        let wide = |p: [f32; 3]| DVec3::from(p.map(f64::from));
+        let [a, b, c] = seen.visible.corners.map(|corner| wide(corner) - eye);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let ray = self.ray(place);
+        let at = seen.visible.t * ray;
+        let farthest = [a, b, c, at].iter().fold(0.0_f64, |most, p| most.max(p.length()));
+        let height = normal.dot(a).abs();
+        let bound = (32.0 * U * farthest / height).min(0.5); // also for a height of 0
+        [1.0 - bound, 1.0 + bound].into_iter().any(|factor| {
+            let near = (eye + factor * at).as_vec3().into();
+            let (count, touching) = self.count(near);
+            touching || i64::from(count) != i64::from(seen.count) + self.caps_between(&seen.visible, near)
+        })
+    }
+
+    /// By how much the count changes from the visible point to another point, for the faces in between alone.
+    fn caps_between(&self, visible: &Visible, other: [f32; 3]) -> i64 {
+        let Ok(towards) = Light::point(other) else { return 0 };
+        let mut change = 0;
+        self.oracle.for_each_meeting(visible.point, &towards, |face, meeting| {
+            if self.rendered.signs[face.index()] == 0 {
+                return;
+            }
+            if let Meeting::Crossing(side) = meeting {
+                let lit_side = facing_of(self.rendered.mesh, face, self.rendered.light);
+                change += if side == lit_side { -1 } else { 1 };
+            }
+        });
+        change
+    }
+
+    fn meets_unsure(&self, seen: &Seen) -> bool {
+        let unsure = self.rendered.unsure;
+        let mut met = unsure.binary_search(&seen.visible.face).is_ok();
+        self.oracle.for_each_meeting(seen.visible.point, self.rendered.light, |face, _| {
+            met |= unsure.binary_search(&face).is_ok();
+        });
+        met
+    }
+}

@@ -1,0 +1,169 @@
+//! The render pipelines: who writes depth, who counts what.
+
+use wgpu::{CompareFunction, StencilFaceState, StencilOperation};
+
+use crate::gpu::{Gpu, GpuError, Shader, wgpu};
+
+/// The depth and stencil of all passes; reversed, so that 0 is infinitely far.
+pub(super) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32FloatStencil8;
+
+/// The pipelines of a pass, and the layouts of what they are given.
+#[derive(Clone, Debug)]
+pub(super) struct Pipelines {
+    /// Frame, vertices, triangles, normals.
+    pub(super) layout: wgpu::BindGroupLayout,
+    /// The same, with counts and the receivers' depth.
+    pub(super) counting_layout: wgpu::BindGroupLayout,
+    pub(super) receivers: wgpu::RenderPipeline,
+    pub(super) zfail_sides: wgpu::RenderPipeline,
+    pub(super) zpass_sides: wgpu::RenderPipeline,
+    /// Whatever is drawn with it fails the depth test, and so counts.
+    pub(super) caps: wgpu::RenderPipeline,
+    pub(super) count_all: wgpu::RenderPipeline,
+    pub(super) count_behind: wgpu::RenderPipeline,
+    pub(super) count_before: wgpu::RenderPipeline,
+}
+
+const KEEP: StencilFaceState = StencilFaceState::IGNORE;
+
+impl Pipelines {
+    /// `plane`: fragments compute their depth from their plane; else it is interpolated.
+    pub(super) fn new(gpu: &Gpu, plane: bool) -> Result<Self, GpuError> {
+        use StencilOperation::{DecrementWrap, IncrementWrap};
+        let module = Shader::new("stencil", include_str!("../stencil.wgsl")).module(gpu)?;
+        let layout = layout(gpu, false)?;
+        let counting_layout = self::layout(gpu, true)?;
+        let fragment = plane.then_some("plane");
+        let fails = |operation| StencilFaceState {
+            depth_fail_op: operation,
+            compare: CompareFunction::Always,
+            ..KEEP
+        };
+        let passes =
+            |operation| StencilFaceState { pass_op: operation, compare: CompareFunction::Always, ..KEEP };
+        let build = |vertex, fragment, depth_write, compare, front, back| {
+            let draw = Pipeline { vertex, fragment, depth_write, compare, front, back };
+            draw.build(gpu, &module, &layout)
+        };
+        let count = |vertex, fragment| {
+            let compare = CompareFunction::Always;
+            let draw = Pipeline {
+                vertex,
+                fragment: Some(fragment),
+                depth_write: false,
+                compare,
+                front: KEEP,
+                back: KEEP,
+            };
+            draw.build(gpu, &module, &counting_layout)
+        };
+        let greater = CompareFunction::Greater;
+        // z-fail counts what is behind the visible point: out where a volume ends there, in where it begins.
+        let (out, into) = (fails(DecrementWrap), fails(IncrementWrap));
+        Ok(Self {
+            receivers: build("receiver", fragment, true, greater, KEEP, KEEP)?,
+            zfail_sides: build("volume", fragment, false, greater, out, into)?,
+            zpass_sides: build(
+                "volume",
+                fragment,
+                false,
+                greater,
+                passes(IncrementWrap),
+                passes(DecrementWrap),
+            )?,
+            caps: build("cap", None, false, CompareFunction::Never, out, into)?,
+            count_all: count("cap", "count_all")?,
+            count_behind: count("volume", "count_behind")?,
+            count_before: count("volume", "count_before")?,
+            layout,
+            counting_layout,
+        })
+    }
+}
+
+struct Pipeline<'a> {
+    vertex: &'a str,
+    fragment: Option<&'a str>,
+    depth_write: bool,
+    compare: CompareFunction,
+    front: StencilFaceState,
+    back: StencilFaceState,
+}
+
+impl Pipeline<'_> {
+    fn build(
+        &self,
+        gpu: &Gpu,
+        module: &wgpu::ShaderModule,
+        layout: &wgpu::BindGroupLayout,
+    ) -> Result<wgpu::RenderPipeline, GpuError> {
+        let compilation_options = wgpu::PipelineCompilationOptions::default;
+        gpu.attempt(|| {
+            let layout = gpu.device().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: &[Some(layout)],
+                immediate_size: 0,
+            });
+            gpu.device().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(self.vertex),
+                layout: Some(&layout),
+                vertex: wgpu::VertexState {
+                    module,
+                    entry_point: Some(self.vertex),
+                    compilation_options: compilation_options(),
+                    buffers: &[],
+                },
+                fragment: self.fragment.map(|entry| wgpu::FragmentState {
+                    module,
+                    entry_point: Some(entry),
+                    compilation_options: compilation_options(),
+                    targets: &[],
+                }),
+                // Two-sided: both sides of a receiver are seen, both sides of a volume counted.
+                primitive: wgpu::PrimitiveState { cull_mode: None, ..Default::default() },
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: FORMAT,
+                    depth_write_enabled: Some(self.depth_write),
+                    depth_compare: Some(self.compare),
+                    stencil: wgpu::StencilState {
+                        front: self.front,
+                        back: self.back,
+                        read_mask: 0xff,
+                        write_mask: 0xff,
+                    },
+                    bias: wgpu::DepthBiasState::default(),
+                }),
+                multisample: wgpu::MultisampleState::default(),
+                multiview_mask: None,
+                cache: None,
+            })
+        })
+    }
+}
+
+/// What group 0 of stencil.wgsl holds.
+fn layout(gpu: &Gpu, counting: bool) -> Result<wgpu::BindGroupLayout, GpuError> {
+    use wgpu::ShaderStages;
+    let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    let storage = |read_only| buffer(wgpu::BufferBindingType::Storage { read_only });
+    let mut entries = vec![
+        entry(0, ShaderStages::VERTEX_FRAGMENT, buffer(wgpu::BufferBindingType::Uniform)),
+        entry(1, ShaderStages::VERTEX, storage(true)),
+        entry(2, ShaderStages::VERTEX, storage(true)),
+        entry(3, ShaderStages::VERTEX, storage(true)),
+    ];
+    if counting {
+        let depth = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Depth,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        entries.push(entry(4, ShaderStages::FRAGMENT, storage(false)));
+        entries.push(entry(5, ShaderStages::FRAGMENT, depth));
+    }
+    gpu.attempt(|| {
+        gpu.device()
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+    })
+}

@@ -1,0 +1,166 @@
+// Receivers and shadow volumes without vertex buffers: one invocation a corner, looked up by its number.
+// Twin: gpu/frame.rs,
+// whose struct Frame this one mirrors; the exact counterpart of the counts is compare.rs.
+//
+// The struct holds everything scaled by a power of two, which is exact: lengths by `scale` so that the mesh is about
+// as large as 1, and whatever only its direction matters of (the light, vertices at infinity) by `light_scale`.
+
+struct Frame {
+    right: vec3f,
+    scale: f32,
+    up: vec3f,
+    near: f32,
+    forward: vec3f,
+    light_scale: f32,
+    // The direction of the ray through (x, y) in normalised device coordinates is
+    // ray_right·x + ray_up·y + ray_forward, at depth 1.
+    ray_right: vec3f,
+    vertex_count: u32,
+    ray_up: vec3f,
+    light_w: f32,
+    ray_forward: vec3f,
+    width: f32,
+    eye: vec3f,
+    height: f32,
+    light: vec3f,
+    unused: f32,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<storage, read> vertices: array<f32>;
+@group(0) @binding(2) var<storage, read> triangles: array<u32>;
+// Unit normals of the receivers' faces; zero where there is none.
+@group(0) @binding(3) var<storage, read> normals: array<f32>;
+
+struct Corner {
+    @invariant @builtin(position) clip: vec4f,
+    // Depth as a linear function of x, y, 1 in normalised device coordinates.
+    @location(0) @interpolate(flat) depth: vec3f,
+}
+
+fn vertex(id: u32) -> vec3f {
+    return vec3f(vertices[3u * id], vertices[3u * id + 1u], vertices[3u * id + 2u]);
+}
+
+fn project(q: vec3f, w: f32) -> vec4f {
+    return vec4f(dot(frame.right, q), dot(frame.up, q), frame.near * w, dot(frame.forward, q));
+}
+
+// The depth near/t at which rays meet the plane through `place` (from the eye) with `normal`; 0, at infinity, where
+// the eye is in the plane and it covers nothing.
+fn plane_depth(normal: vec3f, place: vec3f) -> vec3f {
+    let distance = dot(normal, place);
+    if distance == 0.0 { return vec3f(0.0); }
+    let slope = vec3f(dot(normal, frame.ray_right), dot(normal, frame.ray_up), dot(normal, frame.ray_forward));
+    return slope * (frame.near / distance);
+}
+
+fn depth_at(position: vec2f, depth: vec3f) -> f32 {
+    let ndc = vec2f(2.0 * position.x / frame.width - 1.0, 1.0 - 2.0 * position.y / frame.height);
+    return clamp(dot(depth, vec3f(ndc, 1.0)), 0.0, 1.0);
+}
+
+@vertex
+fn receiver(@builtin(vertex_index) index: u32) -> Corner {
+    let face = index / 3u;
+    let q = vertex(triangles[index]) * frame.scale - frame.eye;
+    let normal = vec3f(normals[3u * face], normals[3u * face + 1u], normals[3u * face + 2u]);
+    let first = vertex(triangles[3u * face]) * frame.scale - frame.eye;
+    return Corner(project(q, 1.0), plane_depth(normal, first));
+}
+
+// Which vertex of the caster an id stands for, finite or not.
+fn base(id: u32) -> u32 {
+    return select(id, id - frame.vertex_count, id >= frame.vertex_count);
+}
+
+fn is_direction(id: u32) -> bool {
+    return frame.light_w == 0.0 && id >= frame.vertex_count;
+}
+
+fn less(a: vec3f, b: vec3f) -> bool {
+    if a.x != b.x { return a.x < b.x; }
+    if a.y != b.y { return a.y < b.y; }
+    return a.z < b.z;
+}
+
+// From the light to a vertex, or the way a directional light travels.
+fn away(v: vec3f) -> vec3f {
+    return v * (frame.light_scale * frame.light_w) - frame.light;
+}
+
+fn volume_clip(id: u32) -> vec4f {
+    let v = vertex(base(id));
+    if id >= frame.vertex_count {
+        let far = away(v);
+        // A vertex exactly at the light has no direction: as long as all agree on where it goes instead, nothing
+        // opens, and what it adds has no area.
+        if any(far != vec3f(0.0)) { return project(far, 0.0); }
+    }
+    return project(v * frame.scale - frame.eye, 1.0);
+}
+
+// A corner of a volume. Its depth is that of the plane through the light and the silhouette edge, from the edge itself:
+// interpolating from a clipped corner to infinity would lose digits.
+@vertex
+fn volume(@builtin(vertex_index) index: u32) -> Corner {
+    let first = index - index % 3u;
+    let ids = vec3u(triangles[first], triangles[first + 1u], triangles[first + 2u]);
+    // The ends of the edge: the two vertices that the triangle is made of, as they are or extruded. A directional
+    // light's one point at infinity is of neither.
+    let one = select(ids.x, ids.y, is_direction(ids.x));
+    var other = ids.z;
+    if is_direction(ids.z) || base(ids.z) == base(one) { other = ids.y; }
+    var a = vertex(base(one));
+    var b = vertex(base(other));
+    // The same order for every side on these two places, whatever their numbers.
+    if less(b, a) {
+        let swapped = a;
+        a = b;
+        b = swapped;
+    }
+    let normal = cross((b - a) * frame.scale, away(a));
+    return Corner(volume_clip(triangles[index]), plane_depth(normal, a * frame.scale - frame.eye));
+}
+
+// A corner of a cap: no depth is asked of it.
+@vertex
+fn cap(@builtin(vertex_index) index: u32) -> Corner {
+    return Corner(volume_clip(triangles[index]), vec3f(0.0));
+}
+
+@fragment
+fn plane(corner: Corner) -> @builtin(frag_depth) f32 {
+    return depth_at(corner.clip.xy, corner.depth);
+}
+
+// Counting in whole numbers, for scenes that could overflow the stencil.
+
+@group(0) @binding(4) var<storage, read_write> counts: array<atomic<i32>>;
+@group(0) @binding(5) var receiver_depth: texture_depth_2d;
+
+fn count(position: vec4f, by: i32) {
+    let place = u32(position.y) * u32(frame.width) + u32(position.x);
+    atomicAdd(&counts[place], by);
+}
+
+@fragment
+fn count_all(corner: Corner, @builtin(front_facing) front: bool) {
+    count(corner.clip, select(1, -1, front));
+}
+
+@fragment
+fn count_behind(corner: Corner, @builtin(front_facing) front: bool) {
+    let depth = depth_at(corner.clip.xy, corner.depth);
+    if !(depth > textureLoad(receiver_depth, vec2u(corner.clip.xy), 0)) {
+        count(corner.clip, select(1, -1, front));
+    }
+}
+
+@fragment
+fn count_before(corner: Corner, @builtin(front_facing) front: bool) {
+    let depth = depth_at(corner.clip.xy, corner.depth);
+    if depth > textureLoad(receiver_depth, vec2u(corner.clip.xy), 0) {
+        count(corner.clip, select(-1, 1, front));
+    }
+}

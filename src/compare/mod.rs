@@ -3,34 +3,16 @@
 //! For each pixel the visible point comes from a ray through the pixel's middle, not from a depth buffer, and the
 //! casting faces between it and the light are counted exactly. A stencil count that differs is then explained, or
 //! real.
-//!
-//! # What a rasteriser may do
-//!
-//! A mismatch is *grazing* only if the exact count changes within the pixel's own footprint:
-//!
-//! - **Sideways**, at one of eight places one step away. Vertices are snapped to 1/256 pixel (the sub-pixel precision
-//!   of all common rasterisers), and their clip coordinates err by at most 4.5u of the products' magnitudes in each of
-//!   two dot products (u = 2⁻²³: the difference to the eye, the row's own rounding, a product, two sums), which for
-//!   vertices in view and fields of view down to 30° is below 16u of the picture's longer side. So the step is
-//!   `1/256 + 2⁻¹⁹·max(width, height)` pixels.
-//! - **Along the ray**, within the error of two depths computed from planes. A depth is `near·(n·r)/(n·a)` with the
-//!   plane's normal `n`, the ray `r`, and `a` from the eye to a corner: 10u of `|n||r|/|n·r|` for the numerator (three
-//!   rounded coefficients and three sums), 5u of `|n||a|/|n·a|` for the denominator, in all 16u of `D/h` with the
-//!   farthest distance `D` of the face's corners and of the point itself, and the eye's distance `h` from the plane. Where the
-//!   two planes are far from parallel, a step sideways changes their distance by more than that; where they are not,
-//!   `h` is the same for both. So the bound is `32u·D/h` of the depth.
-//!
-//! Anything wider would forgive cracks of one pixel.
+
+mod footprint;
 
 use glam::{DVec2, DVec3};
 
-use crate::geom::predicate::side_of_point;
 use crate::geom::{Light, Projection};
 use crate::mesh::{FaceId, Mesh};
 use crate::oracle::{Meeting, Oracle, Visible};
 use crate::parallel;
 use crate::scene::Size;
-use crate::silhouette::{Facing, facing_of};
 use crate::stencil::{Counting, ShadowMask};
 
 /// What is said of one pixel.
@@ -176,6 +158,13 @@ struct Seen {
     touching: bool,
 }
 
+impl Seen {
+    /// Whether a count of one must not be held against the other.
+    fn differs(&self, there: &Self) -> bool {
+        self.count != there.count || there.touching
+    }
+}
+
 struct Pixels<'a> {
     oracle: &'a Oracle,
     rendered: &'a Rendered<'a>,
@@ -242,80 +231,6 @@ impl Pixels<'_> {
             _ => touching = true,
         });
         (count, touching)
-    }
-
-    /// Whether the exact count changes within one step of the place.
-    fn changes_sideways(&self, seen: Option<&Seen>, place: [f64; 2]) -> bool {
-        let side = self.size.width().max(self.size.height());
-        let step = 1.0 / 256.0 + f64::from(side) / f64::from(1 << 19);
-        let around = [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)];
-        around.into_iter().any(|(dx, dy)| {
-            let beside = [place[0] + step * f64::from(dx), place[1] + step * f64::from(dy)];
-            match (seen, self.look(beside).as_ref()) {
-                (None, None) => false,
-                (Some(here), Some(there)) => {
-                    here.count != there.count || there.touching || self.changes_at_contour(here, place, beside)
-                }
-                _ => true,
-            }
-        })
-    }
-
-    /// Whether between two places the visible surface ends, and where it does the volume begins or ends: at a
-    /// silhouette edge that is the surface's outline too, both sides of which may well count the same.
-    fn changes_at_contour(&self, here: &Seen, place: [f64; 2], beside: [f64; 2]) -> bool {
-        let (mut from, mut to) = (0.0_f64, 1.0_f64);
-        let between = |s: f64| [0, 1].map(|i| place[i] + s * (beside[i] - place[i]));
-        // To a 2⁻²⁴th of the step.
-        for _ in 0..24 {
-            let middle = 0.5 * (from + to);
-            let at = self.look(between(middle));
-            if at.is_some_and(|at| at.count != here.count || at.touching) {
-                return true;
-            }
-            match at {
-                Some(at) if at.visible.face == here.visible.face => from = middle,
-                _ => to = middle,
-            }
-        }
-        [from, to].into_iter().any(|s| {
-            self.look(between(s)).is_some_and(|seen| self.changes_along_the_ray(&seen, between(s)))
-        })
-    }
-
-    /// Whether the volume begins or ends within the bound of two depths, at anything but a cap.
-    fn changes_along_the_ray(&self, seen: &Seen, place: [f64; 2]) -> bool {
-        const U: f64 = f32::EPSILON as f64;
-        let eye = DVec3::from(self.rendered.projection.eye.map(f64::from));
-        let wide = |p: [f32; 3]| DVec3::from(p.map(f64::from));
-        let [a, b, c] = seen.visible.corners.map(|corner| wide(corner) - eye);
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        let ray = self.ray(place);
-        let at = seen.visible.t * ray;
-        let farthest = [a, b, c, at].iter().fold(0.0_f64, |most, p| most.max(p.length()));
-        let height = normal.dot(a).abs();
-        let bound = (32.0 * U * farthest / height).min(0.5); // also for a height of 0
-        [1.0 - bound, 1.0 + bound].into_iter().any(|factor| {
-            let near = (eye + factor * at).as_vec3().into();
-            let (count, touching) = self.count(near);
-            touching || i64::from(count) != i64::from(seen.count) + self.caps_between(&seen.visible, near)
-        })
-    }
-
-    /// By how much the count changes from the visible point to another point, for the faces in between alone.
-    fn caps_between(&self, visible: &Visible, other: [f32; 3]) -> i64 {
-        let Ok(towards) = Light::point(other) else { return 0 };
-        let mut change = 0;
-        self.oracle.for_each_meeting(visible.point, &towards, |face, meeting| {
-            if self.rendered.signs[face.index()] == 0 {
-                return;
-            }
-            if let Meeting::Crossing(side) = meeting {
-                let lit_side = facing_of(self.rendered.mesh, face, self.rendered.light);
-                change += if side == lit_side { -1 } else { 1 };
-            }
-        });
-        change
     }
 
     fn meets_unsure(&self, seen: &Seen) -> bool {

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 use umbrage::geom::Light;
+#[cfg(feature = "gpu")]
+use umbrage::gpu::Gpu;
 use umbrage::mesh::Mesh;
 
 /// Whole and odd numbers near the origin: small grids make exact ties common.
@@ -68,4 +70,21 @@ pub(crate) fn facts(folder: &Path) -> Vec<HashMap<String, String>> {
     let mut lines = csv.lines();
     let header = fields(lines.next().expect("a header"));
     lines.map(|line| header.iter().cloned().zip(fields(line)).collect()).collect()
+}
+
+/// The adapter for a test; without one says aloud that the test is skipped, or fails where one is demanded.
+#[cfg(feature = "gpu")]
+pub(crate) fn gpu() -> Option<Gpu> {
+    static GPU: std::sync::OnceLock<Option<Gpu>> = std::sync::OnceLock::new();
+    GPU.get_or_init(|| match Gpu::new(None) {
+        Ok(gpu) => Some(gpu),
+        Err(error) if std::env::var("UMBRAGE_REQUIRE_GPU").is_ok_and(|value| value == "1") => {
+            panic!("UMBRAGE_REQUIRE_GPU=1: {error}")
+        }
+        Err(error) => {
+            eprintln!("SKIPPED, no graphics adapter: {error}");
+            None
+        }
+    })
+    .clone()
 }

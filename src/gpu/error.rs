@@ -37,7 +37,7 @@ pub enum GpuError {
     },
     /// A buffer of the caller's holds less than it is said to hold.
     #[error(
-        "{what} of {needed} bytes do not fit their buffer of {bytes}; give the right count, or all of them"
+        "{what} of {needed} bytes are said to lie in a buffer of {bytes}; give the right count, or all of them"
     )]
     TooSmall {
         /// What it should hold.

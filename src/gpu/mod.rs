@@ -225,6 +225,17 @@ pub(crate) mod tests {
         .clone()
     }
 
+    /// The same adapter, its limits tightened: what large meshes meet then meets small ones.
+    pub(crate) fn limited_gpu(tighten: impl FnOnce(&mut wgpu::Limits)) -> Option<Gpu> {
+        let name = gpu()?.info.name;
+        let adapter = adapters().into_iter().find(|adapter| adapter.get_info().name == name)?;
+        let mut required_limits = adapter.limits();
+        tighten(&mut required_limits);
+        let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+        Some(Gpu::from_device(device, queue).unwrap())
+    }
+
     #[test]
     fn gpu_adapter_that_is_not_there_is_refused_with_the_ones_that_are() {
         let Some(gpu) = gpu() else { return };

@@ -8,11 +8,12 @@ use bytemuck::{Pod, Zeroable};
 
 use super::{Gpu, GpuError, Kernel, Scan, Shader, scan::ScanOf};
 
-/// How many pairs one invocation counts and moves. Longer runs leave a large device idle, shorter ones have more
-/// counts to add up: `DIGITS` for each run.
+/// How many pairs one invocation counts and moves. Longer runs leave a large device idle; shorter ones have more
+/// counts to add up, one for each run and digit: here half as many as there are pairs.
 const RUN: usize = 128;
 
-/// A digit has at most so many bits.
+/// A digit has at most so many bits. Each more doubles the counts, and the places that are written to at once: on a
+/// software adapter four bits cost a fifth more time than six, and nine more than twice as much.
 const DIGIT_BITS: u32 = 6;
 
 /// The compiled kernels.

@@ -149,19 +149,17 @@ impl GpuTopologyBuilder {
 
 /// Refuses what does not fit: no shader reads beyond a buffer, but then its result would be another mesh's.
 fn check_size(gpu: &Gpu, triangles: &wgpu::Buffer, face_count: u32) -> Result<(), GpuError> {
-    let (what, remedy) = ("triangles", "use the processor's method, or a smaller mesh");
+    let what = "triangles";
     let (bytes, needed) = (triangles.size(), 12 * u64::from(face_count));
     if bytes < needed {
         return Err(GpuError::TooSmall { what, bytes, needed });
     }
     let limit = 12 * MAX_TRIANGLES as u64;
     if needed > limit {
+        let remedy = "split the mesh";
         return Err(GpuError::TooLarge { what, bytes: needed, limit, remedy });
     }
-    let limit = gpu.limits().max_storage_buffer_binding_size;
-    if bytes > limit {
-        return Err(GpuError::TooLarge { what, bytes, limit, remedy });
-    }
+    gpu.checked_size::<u8>(what, usize::try_from(bytes).unwrap_or(usize::MAX))?;
     Ok(())
 }
 

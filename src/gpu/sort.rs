@@ -123,7 +123,7 @@ fn shader(body: &str) -> Shader {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::gpu;
+    use super::super::tests::{gpu, limited_gpu};
     use super::*;
     use crate::random::SplitMix64;
 
@@ -169,11 +169,33 @@ mod tests {
     }
 
     #[test]
+    fn sort_of_more_workgroups_than_a_row_holds_equals_the_hosts() {
+        let Some(gpu) = limited_gpu(|limits| limits.max_compute_workgroups_per_dimension = 2) else { return };
+        let keys = keys(200 * RUN, 1 << 32);
+        assert_eq!(sorted(&gpu, &Sort::new(&gpu).unwrap(), &keys, 32), naive(&keys, 32));
+    }
+
+    #[test]
     fn sort_by_too_few_bits_is_caught() {
         let Some(gpu) = gpu() else { return };
         let keys = keys(1000, 1 << 12);
         let sort = Sort::new(&gpu).unwrap();
         assert_ne!(sorted(&gpu, &sort, &keys, 11), naive(&keys, 12));
+    }
+
+    #[test]
+    fn sort_shader_lays_out_its_digit_as_rust_does() {
+        let module = naga::front::wgsl::parse_str(shader(include_str!("sort.wgsl")).source()).unwrap();
+        let (_, digit) = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some("Digit")).unwrap();
+        let naga::TypeInner::Struct { members, .. } = &digit.inner else { panic!("Digit is no struct") };
+        let found: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset as usize)).collect();
+        let expected = [
+            ("count", std::mem::offset_of!(Digit, count)),
+            ("runs", std::mem::offset_of!(Digit, runs)),
+            ("shift", std::mem::offset_of!(Digit, shift)),
+            ("largest", std::mem::offset_of!(Digit, largest)),
+        ];
+        assert_eq!(found, expected);
     }
 
     #[test]

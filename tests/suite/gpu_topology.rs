@@ -34,7 +34,7 @@ fn gpu_topology_of_real_meshes_equals_the_hosts() {
     };
     let (mut files, mut collapsed) = (0, 0);
     for fact in facts(&folder) {
-        let scene = umbrage::read::read(&folder.join(&fact["name"])).unwrap();
+        let scene = umbrage::read::read(folder.join(&fact["name"])).unwrap();
         for mesh in &scene.meshes {
             check(mesh);
             collapsed += check(&weld(mesh, Weld::Exact).mesh);

@@ -131,7 +131,7 @@ impl GpuTopologyBuilder {
             encoder.copy_buffer_to_buffer(edges, 4 * half_edges as u64, &staging, 8, 4);
         })?;
         let Found { bad_face, kept, edges: edge_count } =
-            gpu.mapped(&staging, |bytes| bytemuck::pod_read_unaligned(bytes))?;
+            gpu.mapped(&staging, bytemuck::pod_read_unaligned)?;
         if bad_face != u32::MAX {
             return Err(GpuError::BadIndex { face: bad_face, vertex_count });
         }

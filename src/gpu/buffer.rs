@@ -127,7 +127,7 @@ impl Gpu {
     }
 
     /// The bytes of `count` values of `T`, which must be something that a shader can be given whole.
-    fn checked_size<T>(&self, what: &'static str, count: usize) -> Result<u64, GpuError> {
+    pub(crate) fn checked_size<T>(&self, what: &'static str, count: usize) -> Result<u64, GpuError> {
         let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);
         let limit = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
         if bytes > limit {

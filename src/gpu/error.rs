@@ -45,6 +45,29 @@ pub enum GpuError {
         /// How long it may be.
         limit: u32,
     },
+    /// A buffer of the caller's holds less than it is said to hold.
+    #[error(
+        "{what} of {needed} bytes are said to lie in a buffer of {bytes}; give the right count, or all of them"
+    )]
+    TooSmall {
+        /// What it should hold.
+        what: &'static str,
+        /// The size of the buffer.
+        bytes: u64,
+        /// The size that its contents have.
+        needed: u64,
+    },
+    /// A triangle list on the device has an index that is no vertex.
+    #[error(
+        "face {face} has a corner that is none of the {vertex_count} vertices; give the right vertex count, or \
+         leave the face out"
+    )]
+    BadIndex {
+        /// The first such face.
+        face: u32,
+        /// How many vertices there are.
+        vertex_count: u32,
+    },
     /// The device has no memory left.
     #[error("the graphics adapter is out of memory; use a smaller picture or mesh, or another --adapter")]
     OutOfMemory,

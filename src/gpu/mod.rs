@@ -7,12 +7,14 @@ mod buffer;
 mod error;
 mod kernel;
 mod scan;
+mod sort;
 
 use std::sync::{Arc, OnceLock};
 
 pub use error::GpuError;
 pub(crate) use kernel::{Kernel, Shader};
 pub(crate) use scan::Scan;
+pub(crate) use sort::{Pairs, Sort};
 
 // Buffers, textures and encoders are wgpu's; this is the version.
 pub use wgpu;
@@ -231,6 +233,17 @@ pub(crate) mod tests {
             }
         })
         .clone()
+    }
+
+    /// The same adapter, its limits tightened: what large meshes meet then meets small ones.
+    pub(crate) fn limited_gpu(tighten: impl FnOnce(&mut wgpu::Limits)) -> Option<Gpu> {
+        let name = gpu()?.info.name;
+        let adapter = adapters().into_iter().find(|adapter| adapter.get_info().name == name)?;
+        let mut required_limits = adapter.limits();
+        tighten(&mut required_limits);
+        let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+        Some(Gpu::from_device(device, queue).unwrap())
     }
 
     #[test]

@@ -2,10 +2,12 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+#[cfg(feature = "gpu")]
 use std::sync::OnceLock;
 
 use proptest::prelude::*;
 use umbrage::geom::Light;
+#[cfg(feature = "gpu")]
 use umbrage::gpu::Gpu;
 use umbrage::mesh::Mesh;
 
@@ -40,6 +42,7 @@ pub(crate) fn light() -> impl Strategy<Value = Light> {
 }
 
 /// The graphics adapter; without one says aloud that the test is skipped, or fails where one is demanded.
+#[cfg(feature = "gpu")]
 pub(crate) fn gpu() -> Option<Gpu> {
     static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
     GPU.get_or_init(|| match Gpu::new(None) {

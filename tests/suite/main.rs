@@ -8,6 +8,7 @@ mod gltf;
 mod oracle;
 mod picture;
 mod read;
+mod stencil;
 mod support;
 mod verify;
 mod volume;

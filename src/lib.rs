@@ -7,6 +7,7 @@
 //! file ─read─► Scene ─bake─► Mesh ─weld─► Mesh ─Topology::build─► Topology ─► CrackReport::of(&Mesh, &Topology)
 //! Topology + Light ─classify─► Facing per face ─extract─► Silhouette ─extrude─► ShadowVolume ─► winding number ┐
 //! Mesh ─Oracle::build─► Oracle ─verdict─► Lit | Shadowed | Grazing ────────────────────────────────► verify ◄──┘
+//! Shells + Light + Projection ─choose─► MethodPlan (z-pass or z-fail, and why) ─► stencil pass
 //! Oracle + View (camera, lamps) ─render─► Picture ─write_png─► PNG
 //! ```
 //!

@@ -1,18 +1,43 @@
-//! Counting in pixels: how many volumes the visible point of each pixel is in.
+//! The stencil pass: counting a shadow volume's faces along the way of every pixel.
+//!
+//! What is decided before anything is drawn stands here, and needs no graphics device: [`MethodPlan`] chooses z-pass
+//! or z-fail for every shell and says why, and [`most_layers`] bounds the counts, so that one that would not fit the
+//! stencil is known beforehand.
 
+mod apart;
+mod caster;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod layers;
 mod mask;
+mod method;
 
 #[cfg(feature = "gpu")]
+pub use caster::CastOnDevice;
+pub use caster::{Caster, Casting};
+#[cfg(feature = "gpu")]
 pub use gpu::{Depth, Draw, Receivers, StencilPass};
+pub use layers::{Layers, most_layers};
 pub use mask::{Counting, ShadowMask};
+pub use method::{Asked, MethodChoice, MethodPlan, Reason, ShellBoxes};
 
-/// How a volume is counted in the stencil.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Which faces of a shadow volume the stencil counts at a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StencilMethod {
-    /// What is in front of the visible point. Needs no caps; right only where the near rectangle is in no volume.
+    /// Those in front of the visible surface: no caps, but wrong if the near rectangle of the camera is in a volume
+    /// or is cut by one.
     ZPass,
-    /// What is behind it. Right everywhere.
+    /// Those behind it (also known as depth-fail): right wherever the camera is, and needs both caps.
     ZFail,
+}
+
+impl StencilMethod {
+    /// Lower-case name, as on the command line and in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ZPass => "zpass",
+            Self::ZFail => "zfail",
+        }
+    }
 }

@@ -6,11 +6,12 @@ mod data;
 mod facts;
 mod gltf;
 #[cfg(feature = "gpu")]
+mod gpu_stencil;
+#[cfg(feature = "gpu")]
 mod gpu_topology;
 mod oracle;
 mod picture;
 mod read;
-#[cfg(feature = "gpu")]
 mod stencil;
 mod support;
 mod verify;

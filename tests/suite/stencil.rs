@@ -1,135 +1,427 @@
-//! The stencil pass against the exact oracle, pixel by pixel, on the real meshes.
-//!
-//! `UMBRAGE_STENCIL_SIZE=512 cargo test --release --test suite stencil_counts -- --nocapture` is the long form.
+//! The choice between z-pass and z-fail, and the bound on the layers, against samples that are judged exactly.
 
-use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
-use umbrage::geom::{Aabb, Light, Projection};
-use umbrage::gpu::Gpu;
-use umbrage::mesh::{Mesh, Weld, weld};
-use umbrage::oracle::{Oracle, Verdict};
-use umbrage::scene::{Camera, Scope, Size, Up};
-use umbrage::silhouette::{Casters, Silhouette, classify};
-use umbrage::stencil::{Counting, Depth, Draw, Receivers, StencilMethod, StencilPass};
-use umbrage::topology::Topology;
-use umbrage::volume::{Caps, GpuVolume, ShadowVolume};
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+use umbrage::geom::{Light, Projection};
+use umbrage::mesh::{FaceId, Mesh, Weld, solid, weld};
+use umbrage::oracle::{Meeting, Oracle, Verdict, meet};
+use umbrage::scene::Scope;
+use umbrage::silhouette::{Casters, classify};
+use umbrage::stencil::{Asked, Layers, MethodPlan, Reason, ShellBoxes, StencilMethod, most_layers};
+use umbrage::topology::{Shells, Topology};
 
-use crate::support::{gpu, real_meshes};
+use crate::support::{light, place, real_meshes, soup};
 
-/// A point light outside, one inside the bounding box, and a directional one.
-fn lights(bounds: &Aabb) -> [Light; 3] {
-    let (centre, size) = (bounds.centre(), bounds.diagonal() as f32);
-    let inside = |i: usize| centre[i] + 0.21 * (bounds.high[i] - bounds.low[i]);
-    [
-        Light::point([centre[0] + 0.7 * size, centre[1] + 1.1 * size, centre[2] + 0.4 * size]),
-        Light::point([0, 1, 2].map(inside)),
-        Light::directional([-0.3, -1.0, -0.45]),
-    ]
-    .map(|light| light.expect("finite and not zero"))
+fn shells(mesh: &Mesh) -> Shells {
+    Topology::build(mesh.vertex_count(), mesh.triangles().to_vec()).shells()
 }
 
-/// An eye outside, one in a shadow, one whose near plane cuts the mesh and its volume, and one of a wide view close by.
-fn projections(oracle: &Oracle, light: &Light, size: Size) -> [(&'static str, Projection); 4] {
-    let bounds = oracle.bounds();
-    let (centre, diagonal) = (bounds.centre(), bounds.diagonal() as f32);
-    let outside = Camera::fit(&bounds, Up::Y, size.aspect());
-    let distance = (outside.eye - glam(centre)).length();
-    let dark = (1..200_u32)
-        .map(|i| {
-            let turn = |k: u32| (i.wrapping_mul(k) >> 8) as f32 / (1 << 24) as f32 * 2.0 - 1.0;
-            [0x9e37_79b1, 0x85eb_ca6b, 0xc2b2_ae35].map(turn)
-        })
-        .map(|unit| [0, 1, 2].map(|i| centre[i] + 0.7 * diagonal * unit[i]))
-        .find(|&p| oracle.verdict(p, light) == Verdict::Shadowed)
-        .unwrap_or(centre);
-    let inside = Camera::look_at(dark, centre.map(|x| x + 1e-3 * diagonal), 1.0, Up::Y).unwrap();
-    let close = [0, 1, 2].map(|i| centre[i] + 0.3 * (bounds.high[i] - bounds.low[i]));
-    let wide = Camera::look_at(close, bounds.low, 120_f32.to_radians(), Up::Y).unwrap();
-    let near = 1e-3 * diagonal;
-    [
-        ("outside", outside.projection(size, 0.3 * distance)),
-        ("in a volume", inside.projection(size, near)),
-        ("near plane cuts", outside.projection(size, 0.95 * distance)),
-        ("120 degrees", wide.projection(size, near)),
-    ]
+fn auto(mesh: &Mesh, projection: &Projection, light: &Light) -> MethodPlan {
+    MethodPlan::choose(mesh, &shells(mesh), projection, light, Asked::Auto)
 }
 
-fn glam([x, y, z]: [f32; 3]) -> umbrage::glam::Vec3 {
-    umbrage::glam::Vec3::new(x, y, z)
+fn narrow(p: DVec3) -> [f32; 3] {
+    p.as_vec3().to_array()
 }
 
-struct Caster<'a> {
-    mesh: &'a Mesh,
-    topology: Topology,
-    oracle: Oracle,
-    receivers: Receivers,
+fn wide(p: [f32; 3]) -> DVec3 {
+    DVec3::from(p.map(f64::from))
 }
 
-fn judge(
-    gpu: &Gpu,
-    pass: &StencilPass,
-    caster: &Caster<'_>,
-    light: &Light,
-    size: Size,
-    name: &str,
-) -> [usize; 7] {
-    let signs = Casters::All.signs(&classify(caster.mesh, light));
-    let silhouette = Silhouette::extract(&caster.topology, &signs);
-    let volume = ShadowVolume::extrude(caster.mesh, &caster.topology, light, &signs, &silhouette, Caps::Both);
-    let volume = GpuVolume::upload(gpu, &volume).unwrap();
-    let mut sum = [0; 7];
-    for (eye, projection) in projections(&caster.oracle, light, size) {
-        let draw = Draw { volume: &volume, method: StencilMethod::ZFail };
-        let mask = pass.mask(&projection, size, &caster.receivers, &[draw], Counting::Integer).unwrap();
-        let stencil = pass.mask(&projection, size, &caster.receivers, &[draw], Counting::Stencil).unwrap();
-        for (a, b) in mask.raw().iter().zip(stencil.raw()) {
-            assert_eq!(a & 255, *b, "{name} {eye}");
-        }
-        let rendered = Rendered {
-            mesh: caster.mesh,
-            signs: &signs,
-            light,
-            projection: &projection,
-            mask: &mask,
-            unsure: &[],
-        };
-        let result: Comparison = compare(&caster.oracle, &rendered, 5, &|_| {});
-        let counts = PixelVerdict::ALL.map(|verdict| result.count(verdict));
-        eprintln!("{name} {light} {eye}: {counts:?} {:?}", result.mismatches);
-        for (sum, count) in sum.iter_mut().zip(counts) {
-            *sum += count;
-        }
+/// Looks along −z from `eye`, with a square picture whose sides are as far off as they are deep.
+fn ahead(eye: [f32; 3], near: f32) -> Projection {
+    Projection { eye, right: [1.0, 0.0, 0.0], up: [0.0, 1.0, 0.0], forward: [0.0, 0.0, -1.0], near }
+}
+
+fn turned(projection: &Projection, by: DQuat) -> Projection {
+    let turn = |row: [f32; 3]| narrow(by * wide(row));
+    let [right, up, forward] = [projection.right, projection.up, projection.forward].map(turn);
+    Projection { right, up, forward, ..*projection }
+}
+
+/// Places of the near rectangle, its corners included; exact for a camera along an axis on small whole numbers.
+fn near_places(projection: &Projection, steps: usize) -> Vec<[f32; 3]> {
+    let [a, b, _, d] = projection.near_corners();
+    let at =
+        |i: usize, j: usize| a + (b - a) * (i as f64 / steps as f64) + (d - a) * (j as f64 / steps as f64);
+    (0..=steps).flat_map(|i| (0..=steps).map(move |j| (i, j))).map(|(i, j)| narrow(at(i, j))).collect()
+}
+
+/// Whether the way from a place of a face away from the light meets the near rectangle: the same question from the
+/// other end, in plain `f64`.
+fn shadow_meets(projection: &Projection, light: &Light, place: DVec3) -> bool {
+    let away = if light.is_directional() { -wide(light.xyz()) } else { place - wide(light.xyz()) };
+    let from = projection.clip(place.extend(1.0).to_array());
+    let step = projection.clip(away.extend(0.0).to_array());
+    let near = f64::from(projection.near);
+    let inside = |t: f64| (0..2).all(|i| (from[i] + t * step[i]).abs() <= near);
+    if step[3] == 0.0 {
+        from[3] == near && inside(0.0)
+    } else {
+        let t = (near - from[3]) / step[3];
+        t >= 0.0 && inside(t)
     }
-    sum
+}
+
+/// Whether a sample says that z-pass would miscount a shell.
+fn harmful(mesh: &Mesh, shells: &Shells, shell: usize, projection: &Projection, light: &Light) -> bool {
+    let places = near_places(projection, 8);
+    let faces = (0..mesh.face_count()).filter(|&face| shells.of_face[face] == Some(shell as u32));
+    faces.map(|face| mesh.corners(FaceId::new(face))).any(|corners| {
+        let [a, b, c] = corners.map(wide);
+        places.iter().any(|&p| meet(p, light, corners) != Meeting::None)
+            || [a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, (a + b + c) / 3.0]
+                .into_iter()
+                .any(|place| shadow_meets(projection, light, place))
+    })
+}
+
+/// The first shell that a plan counts with z-pass against the samples.
+fn miscounted(mesh: &Mesh, projection: &Projection, light: &Light, plan: &MethodPlan) -> Option<usize> {
+    let shells = shells(mesh);
+    (0..shells.count).find(|&shell| {
+        plan.choices[shell].method == StencilMethod::ZPass && harmful(mesh, &shells, shell, projection, light)
+    })
+}
+
+/// Along an axis, where contact is often exact; or any way round.
+fn camera() -> impl Strategy<Value = Projection> {
+    let near = prop_oneof![Just(0.25_f32), Just(0.5), Just(1.0)];
+    let grid = prop_oneof![Just(DQuat::IDENTITY), Just(DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5))];
+    let free = (-1.0..1.0, -1.0..1.0, -1.0..1.0, 0.1..1.0)
+        .prop_map(|(x, y, z, w)| DQuat::from_xyzw(x, y, z, w).normalize());
+    let eye = [-2_i8..=2, -2_i8..=2, -2_i8..=2].prop_map(|eye| eye.map(f32::from));
+    (eye, near, prop_oneof![grid, free]).prop_map(|(eye, near, turn)| turned(&ahead(eye, near), turn))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1500))]
+
+    #[test]
+    fn zpass_is_never_chosen_where_a_sample_forbids_it(mesh in soup(6), projection in camera(), light in light()) {
+        let plan = auto(&mesh, &projection, &light);
+        prop_assert_eq!(miscounted(&mesh, &projection, &light, &plan), None);
+    }
+}
+
+/// Small casters around a camera, generically placed; `between` puts them near the way of the light.
+fn generic(count: u64, between: bool) -> impl Iterator<Item = (Mesh, Projection, Light)> {
+    let mut state = 7_u64;
+    let mut unit = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
+    };
+    (0..count).map(move |k| {
+        let turn = DQuat::from_xyzw(unit(), unit(), unit(), unit()).normalize();
+        let projection = turned(&ahead([0.1, 0.2, 0.3], 0.1), turn);
+        let place = DVec3::new(20.0 * unit(), 20.0 * unit(), 20.0 * unit());
+        let light = if k % 3 == 0 { Light::directional(narrow(-place)) } else { Light::point(narrow(place)) };
+        let shape = [solid::icosphere(1), solid::cube(), solid::torus(12, 8, 1.0, 0.4), solid::tetrahedron()];
+        let scatter = DVec3::new(unit(), unit(), unit());
+        let offset = if between { place * (0.5 + 0.3 * unit()) + 1.5 * scatter } else { 8.0 * scatter };
+        (solid::translated(&shape[k as usize % 4], narrow(offset)), projection, light.unwrap())
+    })
 }
 
 #[test]
-fn stencil_counts_what_the_oracle_counts_on_every_real_mesh() {
-    let (Some(gpu), Some(folder)) = (gpu(), real_meshes()) else { return };
-    let side = std::env::var("UMBRAGE_STENCIL_SIZE").map_or(64, |n| n.parse().expect("a number of pixels"));
-    let size = Size::new(side, side).unwrap();
-    let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
-    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    files.sort();
-    let mut sum = [0; 7];
-    for file in files {
-        let Ok(scene) = umbrage::read::read(&file) else { continue }; // notes and facts, a buffer
-        let name = file.file_name().expect("a file").to_string_lossy().into_owned();
-        let meshes: Vec<Mesh> =
-            scene.bake(Scope::Mesh).unwrap().iter().map(|mesh| weld(mesh, Weld::Exact).mesh).collect();
-        let mesh = Mesh::concat(&meshes).unwrap();
-        let caster = Caster {
-            topology: Topology::build(mesh.vertex_count(), mesh.triangles().to_vec()),
-            oracle: Oracle::build(&mesh),
-            receivers: Receivers::upload(&gpu, &mesh).unwrap(),
-            mesh: &mesh,
+fn zpass_is_chosen_nearly_wherever_samples_allow_it() {
+    for (between, share, proven) in [(false, 0.9, 0.95), (true, 0.3, 0.85)] {
+        let (mut allowed, mut chosen) = (0, 0);
+        for (mesh, projection, light) in generic(500, between) {
+            let plan = auto(&mesh, &projection, &light);
+            assert_eq!(miscounted(&mesh, &projection, &light, &plan), None, "{projection:?} {light}");
+            allowed += usize::from(!harmful(&mesh, &shells(&mesh), 0, &projection, &light));
+            chosen += plan.count(StencilMethod::ZPass);
+        }
+        eprintln!("z-pass: allowed by samples {allowed}, proven {chosen}, of 500");
+        assert!(
+            allowed as f64 >= share * 500.0 && chosen as f64 >= proven * allowed as f64,
+            "{chosen} of {allowed}"
+        );
+    }
+}
+
+#[test]
+fn zpass_faults_are_seen_by_the_samples() {
+    let seen = |fault: &dyn Fn(&Mesh, &Projection, &Light) -> MethodPlan| {
+        generic(300, true)
+            .filter(|(mesh, projection, light)| {
+                miscounted(mesh, projection, light, &fault(mesh, projection, light)).is_some()
+            })
+            .count()
+    };
+    // Everything is z-pass; the rectangle is a point; the light is on the other side; half of the faces are skipped.
+    let shell_of = |mesh: &Mesh| shells(mesh);
+    assert!(seen(&|mesh, p, l| MethodPlan::choose(mesh, &shell_of(mesh), p, l, Asked::ZPass)) > 20);
+    let mirrored = |light: &Light| {
+        let other = light.xyz().map(|x| 0.0 - x);
+        if light.is_directional() { Light::directional(light.xyz()) } else { Light::point(other) }.unwrap()
+    };
+    assert!(seen(&|mesh, p, l| auto(mesh, p, &mirrored(l))) > 10);
+    let skipped = |mesh: &Mesh| {
+        let (positions, mut triangles, ..) = mesh.clone().into_parts();
+        let from = triangles.len() / 2;
+        triangles.drain(from..);
+        Mesh::new(positions, triangles).unwrap()
+    };
+    assert!(
+        seen(&|mesh, p, l| {
+            let half = skipped(mesh);
+            let all_clear = auto(&half, p, l).count(StencilMethod::ZFail) == 0;
+            MethodPlan::choose(mesh, &shells(mesh), p, l, if all_clear { Asked::ZPass } else { Asked::ZFail })
+        }) > 3
+    );
+}
+
+#[test]
+fn zpass_hard_cases_of_light_and_camera() {
+    use StencilMethod::{ZFail, ZPass};
+    let cube = solid::cuboid([-1.0; 3], [1.0; 3]);
+    let point = |x, y, z| Light::point([x, y, z]).unwrap();
+    let sun = |x, y, z| Light::directional([x, y, z]).unwrap();
+    let outside = ahead([0.0, 0.0, 8.0], 0.5);
+    let far = (2.0_f32).powi(40);
+    for (name, projection, light, expected) in [
+        ("light at the eye", outside, point(0.0, 0.0, 8.0), ZPass),
+        ("light behind the eye", outside, point(0.0, 1.0, 20.0), ZPass),
+        ("light in the middle of the near rectangle", outside, point(0.0, 0.0, 7.5), ZPass),
+        ("light on the near plane, far to the side", outside, point(90.0, 5.0, 7.5), ZPass),
+        ("light between camera and caster", outside, point(0.2, 0.3, 4.0), ZPass),
+        ("light beside the caster", outside, point(5.0, 0.0, 0.0), ZPass),
+        ("light behind the caster: the eye is in the volume", outside, point(0.0, 0.0, -5.0), ZFail),
+        ("light inside the caster", outside, point(0.1, 0.2, 0.3), ZFail),
+        ("light on a corner of the caster, on the side of the eye", outside, point(1.0, 1.0, 1.0), ZPass),
+        ("light on a corner of the caster, on the far side", outside, point(-1.0, -1.0, -1.0), ZFail),
+        ("light far above", outside, point(0.0, far, 0.0), ZPass),
+        ("light far behind the caster", outside, point(0.0, 0.0, -far), ZFail),
+        ("light far behind the eye", outside, point(0.0, 0.0, far), ZPass),
+        ("sun in the back", outside, sun(0.0, 0.0, -1.0), ZPass),
+        ("sun in the face, the caster between", outside, sun(0.0, 0.0, 1.0), ZFail),
+        ("sun in the face, the caster beside", ahead([5.0, 0.0, 8.0], 0.5), sun(0.0, 0.0, 1.0), ZPass),
+        ("sun from above", outside, sun(0.0, -1.0, 0.0), ZPass),
+        ("eye inside the caster", ahead([0.0; 3], 0.5), sun(0.0, -1.0, 0.0), ZFail),
+        ("near plane cuts the caster", ahead([0.0, 0.0, 1.25], 0.5), sun(0.0, 0.0, -1.0), ZFail),
+        ("near plane touches the caster", ahead([0.0, 0.0, 1.5], 0.5), sun(0.0, 0.0, -1.0), ZFail),
+        ("near plane touches from the side", ahead([1.5, 0.0, 0.0], 0.5), sun(0.0, -1.0, 0.0), ZFail),
+        (
+            "near rectangle cut by a side of the volume",
+            ahead([0.9, -4.0, 0.5], 0.5),
+            sun(0.0, -1.0, 0.0),
+            ZFail,
+        ),
+        (
+            "near rectangle touched by a side of the volume",
+            ahead([1.5, -4.0, 0.5], 0.5),
+            sun(0.0, -1.0, 0.0),
+            ZFail,
+        ),
+        ("near rectangle beside the volume", ahead([1.6, -4.0, 0.5], 0.5), sun(0.0, -1.0, 0.0), ZPass),
+        (
+            "near rectangle in the volume far from the caster",
+            ahead([0.0, -1e6, 0.0], 0.5),
+            sun(0.0, -1.0, 0.0),
+            ZFail,
+        ),
+        (
+            "the caster is behind the eye, and so is the light",
+            ahead([0.0, 0.0, -4.0], 0.5),
+            point(0.0, 0.0, 9.0),
+            ZFail,
+        ),
+        (
+            "the caster is behind the eye, the light before it",
+            ahead([0.0, 0.0, -4.0], 0.5),
+            point(0.0, 0.0, -9.0),
+            ZPass,
+        ),
+    ] {
+        let plan = auto(&cube, &projection, &light);
+        assert_eq!(plan.choices[0].method, expected, "{name}");
+        let reason = if expected == ZPass { Reason::NothingBetween } else { Reason::MayLieBetween };
+        assert_eq!(plan.choices[0].reason, reason);
+        assert_eq!(miscounted(&cube, &projection, &light, &plan), None, "{name}");
+    }
+}
+
+#[test]
+fn zpass_does_not_depend_on_the_size_of_the_scene_until_numbers_leave_f32() {
+    let cube = solid::cuboid([-1.0; 3], [1.0; 3]);
+    for k in [-100, -60, 0, 60, 100] {
+        let scale = 2.0_f32.powi(k);
+        let mesh = solid::scaled(&cube, scale);
+        let projection = ahead([0.0, 0.0, 8.0 * scale], 0.5 * scale);
+        let method = |light: [f32; 3]| {
+            auto(&mesh, &projection, &Light::point(light.map(|x| x * scale)).unwrap()).choices[0].method
         };
-        for light in lights(&caster.oracle.bounds()) {
-            let counts = judge(&gpu, &pass, &caster, &light, size, &name);
-            for (sum, count) in sum.iter_mut().zip(counts) {
-                *sum += count;
-            }
+        assert_eq!(method([0.0, 9.0, 2.0]), StencilMethod::ZPass, "2^{k}");
+        assert_eq!(method([0.0, 0.0, -9.0]), StencilMethod::ZFail, "2^{k}");
+    }
+    // Nothing is claimed where a shader's numbers may overflow, or of a projection that is none.
+    let huge = solid::cuboid([-3e38; 3], [3e38, 3e38, -1e38]);
+    let light = Light::directional([0.0, 0.0, -1.0]).unwrap();
+    assert_eq!(auto(&huge, &ahead([0.0; 3], 1.0), &light).choices[0].method, StencilMethod::ZFail);
+    for broken in [
+        Projection { near: 0.0, ..ahead([0.0, 0.0, 8.0], 1.0) },
+        Projection { near: f32::NAN, ..ahead([0.0, 0.0, 8.0], 1.0) },
+        Projection { right: [f32::NAN; 3], ..ahead([0.0, 0.0, 8.0], 1.0) },
+        Projection { forward: [0.0; 3], ..ahead([0.0, 0.0, 8.0], 1.0) },
+    ] {
+        assert_eq!(auto(&cube, &broken, &light).choices[0].method, StencilMethod::ZFail, "{broken:?}");
+    }
+}
+
+#[test]
+fn zpass_is_decided_for_each_shell_by_itself() {
+    let aside = solid::translated(&solid::cube(), [40.0, 0.0, 0.0]);
+    let mesh =
+        Mesh::concat(&[solid::cube(), aside, solid::translated(&solid::cube(), [0.0, 0.0, -9.0])]).unwrap();
+    let (projection, light) = (ahead([0.0, 0.0, 8.0], 0.1), Light::point([0.0, 0.0, -5.0]).unwrap());
+    let plan = auto(&mesh, &projection, &light);
+    let methods: Vec<&str> = plan.choices.iter().map(|choice| choice.method.name()).collect();
+    assert_eq!(methods, ["zfail", "zpass", "zpass"]);
+    assert_eq!(
+        plan.summary(),
+        "zpass for 2 shells: nothing of it can lie between the light and the near rectangle; \
+         zfail for 1 shell: a face may lie between the light and the near rectangle"
+    );
+    let boxes = ShellBoxes::new(&mesh, &shells(&mesh));
+    assert_eq!(boxes.choose(&mesh, &projection, &light), plan);
+    for (asked, words) in [
+        (Asked::ZPass, "zpass for 3 shells: z-pass was asked for; nothing is proven"),
+        (Asked::ZFail, "zfail for 3 shells: z-fail was asked for"),
+    ] {
+        assert_eq!(MethodPlan::choose(&mesh, &shells(&mesh), &projection, &light, asked).summary(), words);
+    }
+    let empty = Mesh::new(vec![[0.0; 3]], vec![[0, 0, 0]]).unwrap();
+    assert_eq!(auto(&empty, &projection, &light).summary(), "");
+}
+
+/// The most faces that any of many rays from the light crosses: those through places of every face.
+fn most_seen(mesh: &Mesh, light: &Light) -> u32 {
+    let oracle = Oracle::build(mesh);
+    let mut most = 0;
+    for face in 0..mesh.face_count() {
+        let [a, b, c] = mesh.corners(FaceId::new(face)).map(wide);
+        for [s, t, u] in [[0.4, 0.35, 0.25], [0.9, 0.06, 0.04], [0.05, 0.92, 0.03], [0.02, 0.05, 0.93]] {
+            let through = a * s + b * t + c * u;
+            let away = if light.is_directional() { -wide(light.xyz()) } else { through - wide(light.xyz()) };
+            let beyond = through + away * (100.0 / away.length().max(1e-9));
+            let crossings = oracle.crossings(narrow(beyond), light);
+            most = most.max(crossings.front + crossings.back);
         }
     }
-    eprintln!("{:?}: {sum:?}", PixelVerdict::ALL);
-    assert_eq!(sum[PixelVerdict::Real as usize], 0);
+    most
+}
+
+fn layers(mesh: &Mesh, light: &Light, limit: u32) -> Layers {
+    most_layers(mesh, &Casters::All.signs(&classify(mesh, light)), light, limit)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(600))]
+
+    #[test]
+    fn layers_no_ray_crosses_more_than_the_bound(mesh in soup(60), light in light(), limit in 1_u32..20) {
+        let bound = layers(&mesh, &light, limit);
+        let seen = most_seen(&mesh, &light);
+        prop_assert!(seen <= bound.at_most(), "{} crossed, {:?}", seen, bound);
+        prop_assert_eq!(bound.is_below(), bound.at_most() < limit);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    #[test]
+    fn layers_a_light_anywhere_around_a_surface_is_bounded(at in place(), torus in any::<bool>(), limit in 3_u32..80) {
+        let mesh = if torus { solid::torus(40, 20, 2.0, 0.75) } else { solid::icosphere(3) };
+        let light = Light::point(at).unwrap();
+        let bound = layers(&mesh, &light, limit);
+        prop_assert!(most_seen(&mesh, &light) <= bound.at_most());
+        prop_assert!(limit < 60 || bound.is_below(), "{:?}", bound);
+    }
+}
+
+#[test]
+fn layers_nested_cubes_reach_the_limit_when_they_do() {
+    let far = 2.0_f32.powi(40);
+    for light in [
+        Light::point([1000.0, 2000.0, 1500.0]).unwrap(),
+        Light::directional([-0.3, -1.0, -0.2]).unwrap(),
+        Light::point([0.3 * far, far, 0.2 * far]).unwrap(),
+    ] {
+        for (count, below) in [(100, true), (128, false), (256, false), (300, false)] {
+            let mesh = solid::nested_cubes(count);
+            let bound = layers(&mesh, &light, 256);
+            // Both sides of every cube are crossed on the way through the middle.
+            assert_eq!(most_seen(&mesh, &light).max(2 * count), 2 * count);
+            assert!(bound.at_most() >= 2 * count, "{count}: {bound:?}");
+            assert_eq!(bound.is_below(), below, "{count}: {bound:?}");
+            // Half of them with front faces alone.
+            let front = most_layers(&mesh, &Casters::Front.signs(&classify(&mesh, &light)), &light, 256);
+            assert!(front.at_most() >= count);
+            assert_eq!(front.is_below(), count < 256, "{count}: {front:?}");
+        }
+        // The light in the middle: every cube once.
+        let inside = Light::point([0.1, 0.2, 0.3]).unwrap();
+        assert!(layers(&solid::nested_cubes(60), &inside, 256).is_below());
+        assert!(!layers(&solid::nested_cubes(256), &inside, 256).is_below());
+    }
+}
+
+#[test]
+fn layers_a_face_that_is_left_out_is_seen_by_the_rays() {
+    // Ten triangles one above the other, and forty that have no other behind them.
+    let at = |x: f32, z: f32| [[x, 0.0, z], [x + 1.0, 0.0, z], [x, 1.0, z]];
+    let stack = (0..10).map(|k| at(0.0, k as f32));
+    let corners: Vec<[f32; 3]> = stack.chain((1..=40).map(|k| at(2.0 * k as f32, 0.0))).flatten().collect();
+    let mesh = Mesh::new(corners, (0..50).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect()).unwrap();
+    let light = Light::directional([0.01, 0.02, -1.0]).unwrap();
+    let mut signs = Casters::All.signs(&classify(&mesh, &light));
+    let seen = most_seen(&mesh, &light);
+    assert_eq!(seen, 10);
+    assert!(most_layers(&mesh, &signs, &light, 11).is_below());
+    assert!(most_layers(&mesh, &signs, &light, 10).at_most() >= seen);
+    signs[4] = 0;
+    assert!(most_layers(&mesh, &signs, &light, 10).at_most() < seen, "the fault is not seen");
+}
+
+#[test]
+fn layers_fewer_faces_than_the_limit_need_no_search() {
+    let light = Light::point([8.5, 9.5, 7.0]).unwrap();
+    assert_eq!(layers(&solid::cube(), &light, 256), Layers::Below(12));
+    assert_eq!(layers(&Mesh::default(), &light, 1), Layers::Below(0));
+    assert_eq!(layers(&Mesh::default(), &light, 0), Layers::Below(0));
+    assert_eq!(
+        layers(&solid::cube(), &light, 256).to_string(),
+        "no ray from the light crosses more than 12 casting faces"
+    );
+}
+
+#[test]
+fn layers_of_real_meshes_fit_eight_bits() {
+    let Some(folder) = real_meshes() else { return };
+    for name in [
+        "igea.glb",
+        "menger_sponge3.glb",
+        "tray_bottom_1002.stl",
+        "teapot.obj",
+        "boeing.obj",
+        "many-cubes.gltf",
+    ] {
+        let meshes = umbrage::read::read(&folder.join(name)).unwrap().bake(Scope::Scene).unwrap();
+        let [low, high] = meshes[0].bounds().unwrap().map(wide);
+        let (centre, size) = ((low + high) / 2.0, (high - low).length());
+        for light in [
+            Light::point(narrow(centre + size * DVec3::new(0.8, 1.9, 1.1))),
+            Light::point(narrow(centre)),
+            Light::directional([-0.4, -1.0, -0.3]),
+        ] {
+            let light = light.unwrap();
+            let start = std::time::Instant::now();
+            let bound = layers(&meshes[0], &light, 256);
+            eprintln!("{name}, {light}: {bound:?}, {:?} with signs", start.elapsed());
+            assert!(bound.is_below(), "{name}, {light}: {bound:?}");
+        }
+    }
 }

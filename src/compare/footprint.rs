@@ -22,9 +22,8 @@ use glam::DVec3;
 
 use super::{Pixels, Seen};
 use crate::geom::Light;
+use crate::geom::predicate::{Homogeneous, Sign, orient3d_homogeneous};
 use crate::mesh::FaceId;
-use crate::oracle::Meeting;
-use crate::silhouette::facing_of;
 
 /// Eight places a whole step away.
 const RIM: [[f64; 2]; 8] =
@@ -72,19 +71,21 @@ impl Pixels<'_> {
         to < 1.0 && (changes(from) || changes(to))
     }
 
-    /// Whether the volume begins or ends within the bound of two depths, at anything but a cap.
+    /// Whether the volume begins or ends within the bound of two depths, at a side. Caps are behind the visible surface
+    /// by definition.
     pub(super) fn changes_along_the_ray(&self, seen: &Seen, place: [f64; 2]) -> bool {
-        self.ends(seen, place).into_iter().any(|end| {
-            let (count, touching) = self.count(end);
-            touching || i64::from(count) != i64::from(seen.count) + self.caps_between(seen, end)
-        })
+        let bound = self.depth_bound(seen, place);
+        let ends = [-bound, bound].map(|part| Homogeneous::point(self.along(seen, place, part)));
+        let light = Homogeneous::light(self.rendered.light);
+        self.edges.iter().any(|edge| is_swept(*edge, ends, light))
     }
 
     /// The visible surface, and all others within the bound of two depths.
     fn surfaces(&self, seen: &Seen, place: [f64; 2]) -> Vec<FaceId> {
         let mut faces = vec![seen.visible.face];
-        for end in self.ends(seen, place) {
-            if let Ok(towards) = Light::point(end) {
+        let bound = self.depth_bound(seen, place);
+        for end in [-bound, bound] {
+            if let Ok(towards) = Light::point(self.along(seen, place, end)) {
                 self.oracle.for_each_meeting(seen.visible.point, &towards, |face, _| faces.push(face));
             }
         }
@@ -93,33 +94,37 @@ impl Pixels<'_> {
         faces
     }
 
-    /// The points on the ray that the bound of two depths reaches to, before and behind the visible point.
-    fn ends(&self, seen: &Seen, place: [f64; 2]) -> [[f32; 3]; 2] {
+    /// The bound of two depths, relative to that of the visible point.
+    fn depth_bound(&self, seen: &Seen, place: [f64; 2]) -> f64 {
         const U: f64 = f32::EPSILON as f64;
         let wide = |p: [f32; 3]| DVec3::from(p.map(f64::from));
-        let eye = wide(self.rendered.projection.eye);
-        let [a, b, c] = seen.visible.corners.map(|corner| wide(corner) - eye);
+        let [a, b, c] = seen.visible.corners.map(|corner| wide(corner) - wide(self.rendered.projection.eye));
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let at = seen.visible.t * self.ray(place);
         let farthest = [a, b, c, at].iter().fold(0.0_f64, |most, p| most.max(p.length()));
         let height = normal.dot(a).abs();
-        let bound = (32.0 * U * farthest / height).min(0.5); // also for a height of 0
-        [1.0 - bound, 1.0 + bound].map(|factor| (eye + factor * at).as_vec3().into())
+        (32.0 * U * farthest / height).min(0.5) // also for a height of 0
     }
 
-    /// By how much the count changes from the visible point to another point, for the faces in between alone.
-    fn caps_between(&self, seen: &Seen, other: [f32; 3]) -> i64 {
-        let Ok(towards) = Light::point(other) else { return 0 };
-        let mut change = 0;
-        self.oracle.for_each_meeting(seen.visible.point, &towards, |face, meeting| {
-            if self.rendered.signs[face.index()] == 0 {
-                return;
-            }
-            if let Meeting::Crossing(side) = meeting {
-                let lit_side = facing_of(self.rendered.mesh, face, self.rendered.light);
-                change += if side == lit_side { -1 } else { 1 };
-            }
-        });
-        change
+    /// The point on the ray that is by `part` of its depth behind the visible one, or before it.
+    fn along(&self, seen: &Seen, place: [f64; 2], part: f64) -> [f32; 3] {
+        let eye = DVec3::from(self.rendered.projection.eye.map(f64::from));
+        (eye + (1.0 + part) * seen.visible.t * self.ray(place)).as_vec3().into()
     }
+}
+
+/// Whether what an edge sweeps away from the light meets the segment between two points: whether the edge itself meets the
+/// triangle of the segment and the light. An edge in the plane of that triangle does not count.
+fn is_swept(edge: [[f32; 3]; 2], [p, q]: [Homogeneous; 2], light: Homogeneous) -> bool {
+    let [a, b] = edge.map(Homogeneous::point);
+    let sides = [orient3d_homogeneous([p, q, light, a]), orient3d_homogeneous([p, q, light, b])];
+    if sides[0] == sides[1] {
+        return false;
+    }
+    let around = [
+        orient3d_homogeneous([a, b, p, q]),
+        orient3d_homogeneous([a, b, q, light]),
+        orient3d_homogeneous([a, b, light, p]),
+    ];
+    !(around.contains(&Sign::Positive) && around.contains(&Sign::Negative))
 }

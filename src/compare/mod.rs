@@ -5,15 +5,20 @@
 //! real.
 
 mod footprint;
+mod local;
 
 use glam::{DVec2, DVec3};
+
+use local::Local;
 
 use crate::geom::{Light, Projection};
 use crate::mesh::{FaceId, Mesh};
 use crate::oracle::{Meeting, Oracle, Visible};
 use crate::parallel;
 use crate::scene::Size;
+use crate::silhouette::{Silhouette, SilhouetteEdge};
 use crate::stencil::{Counting, ShadowMask};
+use crate::topology::Topology;
 
 /// What is said of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -102,6 +107,8 @@ impl Comparison {
 pub struct Rendered<'a> {
     /// The mesh that casts and receives.
     pub mesh: &'a Mesh,
+    /// Its edge table.
+    pub topology: &'a Topology,
     /// The sign that each face casts with, exact: one entry a face.
     pub signs: &'a [i8],
     /// The light.
@@ -131,8 +138,30 @@ pub fn compare(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Comparison {
     assert_eq!(rendered.signs.len(), rendered.mesh.face_count(), "one sign a face");
+    match Local::of(rendered.mesh, rendered.light, rendered.projection) {
+        None => judge_all(oracle, rendered, keep, progress),
+        Some(Local { mesh, light, projection, origin }) => {
+            let moved = Rendered { mesh: &mesh, light: &light, projection: &projection, ..*rendered };
+            let mut comparison = judge_all(&Oracle::build(&mesh), &moved, keep, progress);
+            for point in comparison.mismatches.iter_mut().filter_map(|mismatch| mismatch.point.as_mut()) {
+                *point = [0, 1, 2].map(|i| point[i] + origin[i]);
+            }
+            comparison
+        }
+    }
+}
+
+fn judge_all(
+    oracle: &Oracle,
+    rendered: &Rendered<'_>,
+    keep: usize,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Comparison {
     let size = rendered.mask.size();
-    let pixels = Pixels { oracle, rendered, size };
+    let silhouette = Silhouette::extract(rendered.topology, rendered.signs);
+    let ends = |edge: &SilhouetteEdge| rendered.topology.vertices(edge.edge);
+    let edges = silhouette.edges.iter().map(|edge| ends(edge).map(|v| rendered.mesh.positions()[v.index()]));
+    let pixels = Pixels { oracle, rendered, size, edges: edges.collect() };
     let mut verdicts = vec![PixelVerdict::Sky; size.pixels()];
     parallel::rows(&mut verdicts, size.width() as usize, |y, row| {
         for (x, verdict) in (0..).zip(row) {
@@ -169,6 +198,8 @@ struct Pixels<'a> {
     oracle: &'a Oracle,
     rendered: &'a Rendered<'a>,
     size: Size,
+    /// The ends of the silhouette edges.
+    edges: Vec<[[f32; 3]; 2]>,
 }
 
 impl Pixels<'_> {

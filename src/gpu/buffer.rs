@@ -1,5 +1,8 @@
 //! Memory on the device: made, filled and read back, never larger than the device takes.
 
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
+
 use bytemuck::{NoUninit, Pod};
 use wgpu::BufferUsages;
 
@@ -111,13 +114,20 @@ impl Gpu {
         staging: &wgpu::Buffer,
         read: impl FnOnce(&[u8]) -> T,
     ) -> Result<T, GpuError> {
-        let (sender, receiver) = std::sync::mpsc::channel();
+        let (sender, receiver) = mpsc::channel();
         let result = self.attempt(|| {
             staging.map_async(wgpu::MapMode::Read, .., move |mapped| {
                 let _ = sender.send(mapped); // nobody listens any more: then nobody needs it
             });
-            self.device.poll(wgpu::PollType::wait_indefinitely()).ok()?;
-            receiver.try_recv().ok()?.ok()?;
+            // Another thread that polls may be the one to call back, a moment after our own poll returns.
+            loop {
+                self.device.poll(wgpu::PollType::wait_indefinitely()).ok()?;
+                match receiver.recv_timeout(Duration::from_millis(10)) {
+                    Ok(mapped) => break mapped.ok()?,
+                    Err(RecvTimeoutError::Timeout) if self.lost.get().is_none() => {}
+                    Err(_) => return None,
+                }
+            }
             let result = read(&staging.get_mapped_range(..).ok()?);
             staging.unmap();
             Some(result)

@@ -12,7 +12,7 @@ use std::sync::{Arc, OnceLock};
 
 pub use error::GpuError;
 pub(crate) use kernel::{Kernel, Shader};
-pub(crate) use scan::Scan;
+pub(crate) use scan::{Scan, ScanOf};
 
 // Buffers, textures and encoders are wgpu's; this is the version.
 pub use wgpu;

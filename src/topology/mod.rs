@@ -12,6 +12,8 @@
 mod build;
 mod crack;
 mod fan;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod intersect;
 mod part;
 mod shell;
@@ -19,6 +21,8 @@ mod star;
 mod validate;
 
 pub use crack::{Counts, CrackReport, Defect, DefectKind, NearMiss, SelfIntersections, ShellReport};
+#[cfg(feature = "gpu")]
+pub use gpu::GpuTopology;
 pub use intersect::{for_each_self_intersection, self_intersections};
 pub use shell::{Components, Shells};
 

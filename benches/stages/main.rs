@@ -1,6 +1,8 @@
 //! Every stage timed on generated meshes, its answer asserted. What each row means: `benches/README.md`.
 
 mod facing;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod machine;
 mod measure;
 mod report;
@@ -73,6 +75,8 @@ fn run(options: &Options) -> Result<(), String> {
     for stage in [topology::run, weld::run, facing::run, shadow::run, visibility::run] {
         stage(&mut bench);
     }
+    #[cfg(feature = "gpu")]
+    gpu::run(&mut bench);
     if bench.rows.is_empty() {
         return Err(format!("no stage is named {}; see benches/README.md", options.filter));
     }

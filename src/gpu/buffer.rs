@@ -117,7 +117,8 @@ impl Gpu {
                 let _ = sender.send(mapped); // nobody listens any more: then nobody needs it
             });
             self.device.poll(wgpu::PollType::wait_indefinitely()).ok()?;
-            receiver.try_recv().ok()?.ok()?;
+            // Another thread's wait may have taken the news, and be about to pass it on.
+            receiver.recv().ok()?.ok()?;
             let result = read(&staging.get_mapped_range(..).ok()?);
             staging.unmap();
             Some(result)

@@ -5,6 +5,8 @@ mod crack;
 mod data;
 mod facts;
 mod gltf;
+#[cfg(feature = "gpu")]
+mod gpu_silhouette;
 mod oracle;
 mod picture;
 mod read;

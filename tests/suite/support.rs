@@ -2,9 +2,13 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+#[cfg(feature = "gpu")]
+use std::sync::OnceLock;
 
 use proptest::prelude::*;
 use umbrage::geom::Light;
+#[cfg(feature = "gpu")]
+use umbrage::gpu::Gpu;
 use umbrage::mesh::Mesh;
 
 /// Whole and odd numbers near the origin: small grids make exact ties common.
@@ -35,6 +39,23 @@ pub(crate) fn light() -> impl Strategy<Value = Light> {
         Ok(light) if directional => light,
         _ => Light::point(xyz).unwrap(),
     })
+}
+
+/// The graphics adapter; without one says aloud that the test is skipped, or fails where one is demanded.
+#[cfg(feature = "gpu")]
+pub(crate) fn gpu() -> Option<Gpu> {
+    static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
+    GPU.get_or_init(|| match Gpu::new(None) {
+        Ok(gpu) => Some(gpu),
+        Err(error) if std::env::var("UMBRAGE_REQUIRE_GPU").is_ok_and(|value| value == "1") => {
+            panic!("UMBRAGE_REQUIRE_GPU=1: {error}")
+        }
+        Err(error) => {
+            eprintln!("SKIPPED, no graphics adapter: {error}");
+            None
+        }
+    })
+    .clone()
 }
 
 /// The folder of real meshes; says aloud that it is missing where it is.

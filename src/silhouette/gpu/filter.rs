@@ -87,7 +87,7 @@ impl Filter {
         };
         let unit = power_of_two(exponent);
         let n = mesh.face_count();
-        let groups = n.div_ceil(4);
+        let groups = n.div_ceil(4).max(1); // no buffer is empty
         let mut values = vec![[0.0; 4]; 5 * groups];
         values[4 * groups..].fill([ALWAYS_EDGE_ON; 4]);
         for face in 0..n {

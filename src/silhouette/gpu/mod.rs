@@ -315,13 +315,13 @@ impl GpuSilhouette {
     /// Runs the filter and reads back, ascending, which faces it leaves open.
     fn unsure_faces(&self, light: &Light) -> Result<Vec<u32>, GpuError> {
         let gpu = self.caster.gpu();
-        let parameters = self.parameters(light)?;
         let staging = self.staging.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let size = self.unsure.size().min(4 + 4 * FIRST_FACES);
         gpu.submit(|encoder| {
-            self.record_facing(encoder, &parameters);
+            self.record_facing(encoder, light)?;
             encoder.copy_buffer_to_buffer(&self.unsure, 0, &staging, 0, size);
-        })?;
+            Ok::<(), GpuError>(())
+        })??;
         let (count, mut faces) = gpu.mapped(&staging, |bytes| {
             let words: &[u32] = bytemuck::cast_slice(&bytes[..size as usize]);
             let count = words[0] as usize;
@@ -388,10 +388,42 @@ impl GpuSilhouette {
     ///
     /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, light: &Light) -> Result<(), GpuError> {
-        let parameters = self.parameters(light)?;
-        self.record_facing(encoder, &parameters);
+        self.record_facing(encoder, light)?;
         self.record_edges(encoder);
         Ok(())
+    }
+
+    /// The first half of [`GpuSilhouette::record`]: the side of every face.
+    ///
+    /// # Errors
+    ///
+    /// As [`GpuSilhouette::record`].
+    pub fn record_facing(&self, encoder: &mut wgpu::CommandEncoder, light: &Light) -> Result<(), GpuError> {
+        let parameters = self.parameters(light)?;
+        let shaders = &self.caster.shaders;
+        encoder.copy_buffer_to_buffer(&parameters, 0, &self.light, 0, parameters.size());
+        encoder.clear_buffer(&self.unsure, 0, Some(4));
+        let facing = match &self.caster.planes {
+            Some(_) => &shaders.facing_by_planes,
+            None => &shaders.facing_by_positions,
+        };
+        let groups = self.caster.topology.face_count.div_ceil(4) as usize;
+        facing.record(encoder, &self.groups.facing, groups);
+        Ok(())
+    }
+
+    /// The second half of [`GpuSilhouette::record`]: the silhouette of the sides that are stored.
+    pub fn record_edges(&self, encoder: &mut wgpu::CommandEncoder) {
+        let (shaders, groups) = (&self.caster.shaders, &self.groups);
+        let faces = self.caster.topology.face_count as usize;
+        let edges = self.caster.topology.edge_count as usize;
+        let runs = edges.div_ceil(RUN);
+        shaders.choose_casters.record(encoder, &groups.choose_casters, faces.div_ceil(4));
+        shaders.multiply.record(encoder, &groups.multiply, edges);
+        shaders.count_runs.record(encoder, &groups.count_runs, runs);
+        groups.scan_edges.record(encoder);
+        groups.scan_quads.record(encoder);
+        shaders.list_runs.record(encoder, &groups.list_runs, runs.max(1));
     }
 
     /// The side of every face as stored: a read-back that waits for the device.
@@ -429,31 +461,6 @@ impl GpuSilhouette {
             }
         };
         self.caster.gpu().upload("light", &[parameters])
-    }
-
-    fn record_facing(&self, encoder: &mut wgpu::CommandEncoder, parameters: &wgpu::Buffer) {
-        let shaders = &self.caster.shaders;
-        encoder.copy_buffer_to_buffer(parameters, 0, &self.light, 0, parameters.size());
-        encoder.clear_buffer(&self.unsure, 0, Some(4));
-        let facing = match &self.caster.planes {
-            Some(_) => &shaders.facing_by_planes,
-            None => &shaders.facing_by_positions,
-        };
-        let groups = self.caster.topology.face_count.div_ceil(4) as usize;
-        facing.record(encoder, &self.groups.facing, groups);
-    }
-
-    fn record_edges(&self, encoder: &mut wgpu::CommandEncoder) {
-        let (shaders, groups) = (&self.caster.shaders, &self.groups);
-        let faces = self.caster.topology.face_count as usize;
-        let edges = self.caster.topology.edge_count as usize;
-        let runs = edges.div_ceil(RUN);
-        shaders.choose_casters.record(encoder, &groups.choose_casters, faces.div_ceil(4));
-        shaders.multiply.record(encoder, &groups.multiply, edges);
-        shaders.count_runs.record(encoder, &groups.count_runs, runs);
-        groups.scan_edges.record(encoder);
-        groups.scan_quads.record(encoder);
-        shaders.list_runs.record(encoder, &groups.list_runs, runs.max(1));
     }
 }
 

@@ -102,7 +102,8 @@ const FIRST_EDGES: u64 = 16384;
 
 /// Sides and silhouette of one caster for one light at a time, on the device.
 ///
-/// The buffers may be read by a caller's own shaders, after the work that was recorded or found last.
+/// The buffers may be read by a caller's own shaders, after the work that was recorded or found last. Clones share
+/// them.
 #[derive(Clone, Debug)]
 pub struct GpuSilhouette {
     caster: GpuCaster,

@@ -4,6 +4,7 @@ use super::*;
 use crate::gpu::tests::gpu;
 use crate::mesh::solid;
 use crate::topology::Topology;
+use proptest::prelude::*;
 
 fn shaders() -> Option<SilhouetteShaders> {
     static SHADERS: std::sync::OnceLock<Option<SilhouetteShaders>> = std::sync::OnceLock::new();
@@ -18,6 +19,44 @@ fn on_device(shaders: &SilhouetteShaders, mesh: &Mesh, planes: &FacePlanes) -> G
     let topology = GpuTopology::upload(shaders.gpu(), &topology(mesh)).unwrap();
     let caster = GpuCaster::with_planes(shaders, mesh, topology, planes).unwrap();
     GpuSilhouette::new(&caster).unwrap()
+}
+
+/// Small grids for ties, places far from the origin, and both ends of the range.
+fn coordinate() -> impl Strategy<Value = f32> {
+    prop_oneof![
+        (-4_i8..=4).prop_map(f32::from),
+        -1.0_f32..1.0,
+        (-4_i8..=4).prop_map(|x| f32::from(x) + 1000.0),
+        (-1.0_f32..1.0).prop_map(|x| x * 1e-30),
+        (-1.0_f32..1.0).prop_map(|x| x * 1e30),
+        any::<f32>().prop_filter("finite", |x| x.is_finite()),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn silhouette_sides_of_the_device_equal_the_predicate_face_by_face(
+        positions in prop::collection::vec([coordinate(), coordinate(), coordinate()], 3..30),
+        picks in prop::collection::vec([any::<u32>(), any::<u32>(), any::<u32>()], 1..100),
+        lights in prop::collection::vec((coordinate(), coordinate(), coordinate(), any::<bool>()), 1..6),
+    ) {
+        let Some(shaders) = shaders() else { return Ok(()) };
+        let n = positions.len() as u32;
+        let triangles = picks.into_iter().map(|corners| corners.map(|c| c % n)).collect();
+        let on_vertex = Light::point(positions[0]).unwrap();
+        let mesh = Mesh::new(positions, triangles).unwrap();
+        let silhouette = on_device(&shaders, &mesh, &FacePlanes::new(&mesh));
+        let lights = lights.into_iter().map(|(x, y, z, directional)| match Light::directional([x, y, z]) {
+            Ok(light) if directional => light,
+            _ => Light::point([x, y, z]).unwrap(),
+        });
+        for light in lights.chain([on_vertex]) {
+            silhouette.classify(&mesh, &light).unwrap();
+            prop_assert_eq!(silhouette.download_facing().unwrap(), classify(&mesh, &light));
+        }
+    }
 }
 
 #[test]

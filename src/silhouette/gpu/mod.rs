@@ -9,6 +9,7 @@
 //! - [`GpuSilhouette::record`] writes into a caller's encoder and never waits. Unsure faces keep the sign that `f32`
 //!   gave. Each face still has one stored sign, so that volumes are closed as ever.
 
+mod caster;
 mod filter;
 mod shaders;
 #[cfg(test)]
@@ -16,84 +17,14 @@ mod tests;
 
 use std::sync::{Arc, Mutex};
 
-use super::{FacePlanes, Facing, Silhouette, SilhouetteEdge, facing_of};
+use super::{Facing, Silhouette, SilhouetteEdge, facing_of};
 use crate::geom::Light;
-use crate::gpu::{Gpu, GpuError, ScanOf, wgpu};
+use crate::gpu::{GpuError, ScanOf, wgpu};
 use crate::mesh::{EdgeId, FaceId, Mesh};
-use crate::topology::GpuTopology;
-use filter::{Filter, LightParameters};
+pub use caster::GpuCaster;
+use filter::LightParameters;
 pub use shaders::SilhouetteShaders;
 use shaders::{RUN, slot};
-
-/// A mesh on the device, ready for any number of lights.
-#[derive(Clone, Debug)]
-pub struct GpuCaster {
-    shaders: SilhouetteShaders,
-    /// `array<f32>`, three a vertex.
-    pub vertices: wgpu::Buffer,
-    /// Faces and edges.
-    pub topology: GpuTopology,
-    planes: Option<(Filter, wgpu::Buffer)>,
-}
-
-impl GpuCaster {
-    /// Copies a mesh that rests: its vertices, and a plane for each face. `topology` must be that of `mesh`. Takes
-    /// some 30 ns a face.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`].
-    ///
-    /// # Panics
-    ///
-    /// Panics if `topology` has another number of faces or vertices than `mesh`.
-    pub fn new(shaders: &SilhouetteShaders, mesh: &Mesh, topology: GpuTopology) -> Result<Self, GpuError> {
-        let planes = FacePlanes::new(mesh);
-        Self::with_planes(shaders, mesh, topology, &planes)
-    }
-
-    /// As [`GpuCaster::new`], with planes that are there already.
-    ///
-    /// # Errors
-    ///
-    /// As [`GpuCaster::new`].
-    ///
-    /// # Panics
-    ///
-    /// As [`GpuCaster::new`], and if `planes` are of another number of faces.
-    pub fn with_planes(
-        shaders: &SilhouetteShaders,
-        mesh: &Mesh,
-        topology: GpuTopology,
-        planes: &FacePlanes,
-    ) -> Result<Self, GpuError> {
-        assert_eq!(topology.face_count as usize, mesh.face_count(), "the topology is of another mesh");
-        assert_eq!(topology.vertex_count as usize, mesh.vertex_count(), "the topology is of another mesh");
-        assert_eq!(planes.offsets().len(), mesh.face_count(), "the planes are of another mesh");
-        let (filter, values) = Filter::new(mesh, planes);
-        let gpu = shaders.gpu();
-        Ok(Self {
-            shaders: shaders.clone(),
-            vertices: gpu.upload("vertices", mesh.positions())?,
-            topology,
-            planes: Some((filter, gpu.upload("planes of faces", &values)?)),
-        })
-    }
-
-    /// A mesh whose vertices change: `vertices` is the caller's buffer (`STORAGE`, three `f32` a vertex), which may be
-    /// written anew before each [`GpuSilhouette::record`]. Sides are then those of the plain `f32` cross product, which
-    /// leaves the range beyond coordinates of about 10¹².
-    #[must_use]
-    pub fn deforming(shaders: &SilhouetteShaders, vertices: wgpu::Buffer, topology: GpuTopology) -> Self {
-        Self { shaders: shaders.clone(), vertices, topology, planes: None }
-    }
-
-    /// The device it is on.
-    #[must_use]
-    pub fn gpu(&self) -> &Gpu {
-        self.shaders.gpu()
-    }
-}
 
 /// How many unsure faces are read back together with their number.
 const FIRST_FACES: u64 = 4095;

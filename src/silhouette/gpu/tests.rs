@@ -1,9 +1,9 @@
-use super::super::{Casters, classify};
+use super::super::{Casters, FacePlanes, classify};
 use super::shaders::{shader, with_body};
 use super::*;
 use crate::gpu::tests::gpu;
 use crate::mesh::solid;
-use crate::topology::Topology;
+use crate::topology::{GpuTopology, Topology};
 use proptest::prelude::*;
 
 fn shaders() -> Option<SilhouetteShaders> {

@@ -1,8 +1,8 @@
 // The side of every face, and the edges where sides change. Twins: plane.rs (facing) and scan.rs (edges).
 //
 // Faces go four to an invocation: their sides are four bytes of a u32 (0x01 in front, 0xff behind, 0x00 edge-on),
-// so that no two invocations write one word. Edges go one to an invocation, and runs of RUN of them where their
-// places in the list are counted; the order of the list is that of the edges, fixed by prefix sums.
+// so that no two invocations write one word. Edges go EDGES to an invocation, and RUN where their places in the list
+// are counted; the order of the list is that of the edges, fixed by prefix sums.
 
 struct Light {
     // The light in the units of the mesh (filter.rs), or as it is (`facing_by_positions`).
@@ -41,18 +41,22 @@ struct Found {
 // Bit 0 of a face's byte: it casts if in front; bit 1: it casts if behind.
 @group(0) @binding(7) var<storage, read_write> masks: array<u32>;
 // The sides of faces that cast, 0 of all others.
-@group(0) @binding(8) var<storage, read_write> signs: array<u32>;
+@group(0) @binding(8) var<storage, read> signs: array<u32>;
+// The same three, sixteen faces at a time.
+@group(0) @binding(2) var<storage, read_write> facing_16: array<vec4u>;
+@group(0) @binding(7) var<storage, read_write> masks_16: array<vec4u>;
+@group(0) @binding(8) var<storage, read_write> signs_16: array<vec4u>;
 @group(0) @binding(9) var<storage, read> offsets: array<u32>;
 @group(0) @binding(10) var<storage, read> entries: array<u32>;
 @group(0) @binding(11) var<storage, read_write> multiplicities: array<i32>;
-// Of each run: how many edges are silhouette, and the sum of their |m|. After the scan: of all runs before it.
-@group(0) @binding(12) var<storage, read_write> run_edges: array<u32>;
-@group(0) @binding(13) var<storage, read_write> run_quads: array<u32>;
-@group(0) @binding(14) var<storage, read_write> found: Found;
+// Of each run: how many edges are silhouette. Then of each run: the sum of their |m|. After the scan: the sum of
+// everything before, in one sequence.
+@group(0) @binding(12) var<storage, read_write> runs: array<u32>;
+@group(0) @binding(13) var<storage, read_write> found: Found;
 // Of each listed edge: the sum of |m| over those before it.
-@group(0) @binding(15) var<storage, read_write> quads: array<u32>;
-// x: edges or faces.
-@group(0) @binding(16) var<uniform> size: vec4u;
+@group(0) @binding(14) var<storage, read_write> quads: array<u32>;
+// x: edges, faces or patches.
+@group(0) @binding(15) var<uniform> size: vec4u;
 
 fn packed(s: vec4f) -> u32 {
     let bytes = select(select(vec4u(0u), vec4u(0xffu), s < vec4f(0.0)), vec4u(1u), s > vec4f(0.0));
@@ -73,11 +77,12 @@ fn facing_by_planes(@builtin(global_invocation_id) global: vec3u, @builtin(num_w
     let s = (x + y) + (z + d);
     let bound = EVALUATION * ((abs(x) + abs(y)) + (abs(z) + abs(d))) + (e * light.reach + light.lowest);
     facing[group] = packed(s);
-    let sure = abs(s) > bound;
-    if all(sure) { return; }
-    for (var lane = 0u; lane < 4u; lane++) {
-        let face = 4u * group + lane;
-        if !sure[lane] && face < light.faces {
+    let open = select(vec4u(0u), vec4u(1u, 2u, 4u, 8u), abs(s) <= bound);
+    var left = open.x | open.y | open.z | open.w;
+    while left != 0u {
+        let face = 4u * group + firstTrailingBit(left);
+        left &= left - 1u;
+        if face < light.faces {
             unsure.faces[atomicAdd(&unsure.count, 1u)] = face;
         }
     }
@@ -133,33 +138,39 @@ fn drop_collapsed(@builtin(global_invocation_id) global: vec3u, @builtin(num_wor
 
 @compute @workgroup_size(WORKGROUP)
 fn choose_casters(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let group = linear_id(global, groups);
-    if 4u * group >= size.x { return; }
-    let sides = facing[group];
-    let mask = masks[group];
-    let back = (sides >> 1u) & 0x01010101u;
-    let front = sides & 0x01010101u & ~back;
-    let casts = (front & mask) | (back & (mask >> 1u));
-    signs[group] = sides & (casts * 0xffu);
+    let i = linear_id(global, groups);
+    if 16u * i >= size.x { return; }
+    let each = vec4u(0x01010101u);
+    let sides = facing_16[i];
+    let mask = masks_16[i];
+    let back = (sides >> vec4u(1u)) & each;
+    let front = sides & each & ~back;
+    let casts = (front & mask) | (back & (mask >> vec4u(1u)));
+    signs_16[i] = sides & (casts * 0xffu);
 }
 
-fn sign_of(face: u32) -> i32 {
-    return bitcast<i32>(signs[face >> 2u] << (24u - 8u * (face & 3u))) >> 24u;
+// An entry's sign, along or against its edge.
+fn use_of(entry: u32) -> i32 {
+    let face = (entry >> 1u) / 3u;
+    let s = bitcast<i32>(signs[face >> 2u] << (24u - 8u * (face & 3u))) >> 24u;
+    return select(s, -s, (entry & 1u) == 1u);
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn multiply(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let edge = linear_id(global, groups);
-    if edge >= size.x { return; }
-    let end = offsets[edge + 1u];
-    var m = 0;
-    for (var i = offsets[edge]; i < end; i++) {
-        let entry = entries[i];
-        let s = sign_of((entry >> 1u) / 3u);
-        m += select(s, -s, (entry & 1u) == 1u);
+    let first = EDGES * linear_id(global, groups);
+    if first >= size.x { return; }
+    let last = min(first + EDGES, size.x);
+    var i = offsets[first];
+    for (var edge = first; edge < last; edge++) {
+        let end = offsets[edge + 1u];
+        var m = 0;
+        for (; i < end; i++) { m += use_of(entries[i]); }
+        multiplicities[edge] = m;
     }
-    multiplicities[edge] = m;
 }
+
+fn run_count() -> u32 { return (size.x + RUN - 1u) / RUN; }
 
 @compute @workgroup_size(WORKGROUP)
 fn count_runs(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -174,25 +185,26 @@ fn count_runs(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgro
         edges += u32(m != 0u);
         sum += m;
     }
-    run_edges[run] = edges;
-    run_quads[run] = sum;
+    runs[run] = edges;
+    runs[run_count() + run] = sum;
 }
 
 @compute @workgroup_size(WORKGROUP)
 fn list_runs(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let run = linear_id(global, groups);
+    let count = run_count();
+    let all = runs[count];
     if run == 0u {
-        let runs = (size.x + RUN - 1u) / RUN;
-        found.edges = run_edges[runs];
-        found.quads = run_quads[runs];
+        found.edges = all;
+        found.quads = runs[2u * count] - all;
     }
     let start = run * RUN;
     if start >= size.x { return; }
     // Most runs have none.
-    var place = run_edges[run];
-    if place == run_edges[run + 1u] { return; }
+    var place = runs[run];
+    if place == runs[run + 1u] { return; }
     let end = min(start + RUN, size.x);
-    var sum = run_quads[run];
+    var sum = runs[count + run] - all;
     for (var i = start; i < end; i++) {
         let m = multiplicities[i];
         if m != 0 {

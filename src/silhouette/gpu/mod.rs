@@ -24,7 +24,7 @@ use crate::mesh::{EdgeId, FaceId, Mesh};
 pub use caster::GpuCaster;
 use filter::LightParameters;
 pub use shaders::SilhouetteShaders;
-use shaders::{RUN, slot};
+use shaders::{EDGES, RUN, slot};
 
 /// How many unsure faces are read back together with their number.
 const FIRST_FACES: u64 = 4095;
@@ -63,8 +63,7 @@ struct Bindings {
     choose_casters: wgpu::BindGroup,
     multiply: wgpu::BindGroup,
     count_runs: wgpu::BindGroup,
-    scan_edges: ScanOf,
-    scan_quads: ScanOf,
+    scan_runs: ScanOf,
     list_runs: wgpu::BindGroup,
 }
 
@@ -88,16 +87,15 @@ impl GpuSilhouette {
         let (gpu, shaders) = (caster.gpu(), &caster.shaders);
         let topology = &caster.topology;
         let (faces, edges) = (topology.face_count as usize, topology.edge_count as usize);
-        let words = faces.div_ceil(4);
-        let facing = gpu.storage::<u32>("sides of faces", words)?;
-        let signs = gpu.storage::<u32>("signs of faces", words)?;
-        let masks = gpu.storage::<u32>("which faces cast", words)?;
+        let sixteens = faces.div_ceil(16).max(1); // no buffer is empty
+        let facing = gpu.storage::<[u32; 4]>("sides of faces", sixteens)?;
+        let signs = gpu.storage::<[u32; 4]>("signs of faces", sixteens)?;
+        let masks = gpu.storage::<[u32; 4]>("which faces cast", sixteens)?;
         let listed = if caster.planes.is_some() { faces } else { 0 };
         let unsure = gpu.storage::<u32>("unsure faces", 1 + listed.max(1))?;
         let multiplicities = gpu.storage::<i32>("multiplicities", edges)?;
         let runs = edges.div_ceil(RUN);
-        let run_edges = gpu.storage::<u32>("silhouette edges of runs", runs + 1)?;
-        let run_quads = gpu.storage::<u32>("quads of runs", runs + 1)?;
+        let counts = gpu.storage::<u32>("silhouette edges of runs", 2 * runs + 1)?;
         let found = gpu.storage::<[u32; 2]>("silhouette edges", 1 + edges.max(1))?;
         let quads = gpu.storage::<u32>("quads before an edge", edges)?;
         let light = gpu.storage_for::<LightParameters>("light", 1, wgpu::BufferUsages::UNIFORM)?;
@@ -149,21 +147,14 @@ impl GpuSilhouette {
             )?,
             count_runs: shaders.count_runs.bind(
                 gpu,
-                &[
-                    (slot::MULTIPLICITIES, &multiplicities),
-                    (slot::RUN_EDGES, &run_edges),
-                    (slot::RUN_QUADS, &run_quads),
-                    (slot::SIZE, &edge_count),
-                ],
+                &[(slot::MULTIPLICITIES, &multiplicities), (slot::RUNS, &counts), (slot::SIZE, &edge_count)],
             )?,
-            scan_edges: shaders.scan.of(gpu, &run_edges, runs)?,
-            scan_quads: shaders.scan.of(gpu, &run_quads, runs)?,
+            scan_runs: shaders.scan.of(gpu, &counts, 2 * runs)?,
             list_runs: shaders.list_runs.bind(
                 gpu,
                 &[
                     (slot::MULTIPLICITIES, &multiplicities),
-                    (slot::RUN_EDGES, &run_edges),
-                    (slot::RUN_QUADS, &run_quads),
+                    (slot::RUNS, &counts),
                     (slot::FOUND, &found),
                     (slot::QUADS, &quads),
                     (slot::SIZE, &edge_count),
@@ -350,11 +341,10 @@ impl GpuSilhouette {
         let faces = self.caster.topology.face_count as usize;
         let edges = self.caster.topology.edge_count as usize;
         let runs = edges.div_ceil(RUN);
-        shaders.choose_casters.record(encoder, &groups.choose_casters, faces.div_ceil(4));
-        shaders.multiply.record(encoder, &groups.multiply, edges);
+        shaders.choose_casters.record(encoder, &groups.choose_casters, faces.div_ceil(16));
+        shaders.multiply.record(encoder, &groups.multiply, edges.div_ceil(EDGES));
         shaders.count_runs.record(encoder, &groups.count_runs, runs);
-        groups.scan_edges.record(encoder);
-        groups.scan_quads.record(encoder);
+        groups.scan_runs.record(encoder);
         shaders.list_runs.record(encoder, &groups.list_runs, runs.max(1));
     }
 

@@ -5,6 +5,8 @@ use crate::gpu::{Gpu, GpuError, Kernel, Scan, Shader};
 
 /// How many edges one invocation counts and lists.
 pub(super) const RUN: usize = 64;
+/// How many edges one invocation finds the multiplicity of.
+pub(super) const EDGES: usize = 4;
 
 /// Where the shader binds its buffers.
 pub(super) mod slot {
@@ -20,11 +22,10 @@ pub(super) mod slot {
     pub(in super::super) const OFFSETS: u32 = 9;
     pub(in super::super) const ENTRIES: u32 = 10;
     pub(in super::super) const MULTIPLICITIES: u32 = 11;
-    pub(in super::super) const RUN_EDGES: u32 = 12;
-    pub(in super::super) const RUN_QUADS: u32 = 13;
-    pub(in super::super) const FOUND: u32 = 14;
-    pub(in super::super) const QUADS: u32 = 15;
-    pub(in super::super) const SIZE: u32 = 16;
+    pub(in super::super) const RUNS: u32 = 12;
+    pub(in super::super) const FOUND: u32 = 13;
+    pub(in super::super) const QUADS: u32 = 14;
+    pub(in super::super) const SIZE: u32 = 15;
 }
 
 /// The passes that find silhouettes, compiled for one device. Cheap to clone.
@@ -81,7 +82,7 @@ pub(super) fn shader() -> Shader {
 }
 
 pub(super) fn with_body(body: &str) -> Shader {
-    Shader::new("silhouette", body).constant("RUN", "u32", RUN).constant(
+    Shader::new("silhouette", body).constant("RUN", "u32", RUN).constant("EDGES", "u32", EDGES).constant(
         "EVALUATION",
         "f32",
         format_args!("{EVALUATION:e}"),

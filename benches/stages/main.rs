@@ -2,6 +2,8 @@
 
 mod facing;
 #[cfg(feature = "gpu")]
+mod gpu;
+#[cfg(feature = "gpu")]
 mod gpu_topology;
 mod machine;
 mod measure;
@@ -76,7 +78,9 @@ fn run(options: &Options) -> Result<(), String> {
         stage(&mut bench);
     }
     #[cfg(feature = "gpu")]
-    gpu_topology::run(&mut bench);
+    for stage in [gpu_topology::run, gpu::run] {
+        stage(&mut bench);
+    }
     if bench.rows.is_empty() {
         return Err(format!("no stage is named {}; see benches/README.md", options.filter));
     }

@@ -53,6 +53,19 @@ impl From<WriteError> for Failure {
     }
 }
 
+/// Most of them name a remedy already.
+#[cfg(feature = "gpu")]
+impl From<umbrage::gpu::GpuError> for Failure {
+    fn from(error: umbrage::gpu::GpuError) -> Self {
+        let line = error.to_string();
+        if line.contains("; ") {
+            Self::of(line, None)
+        } else {
+            Self::new(line, "use another --adapter, or leave the graphics out")
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,9 @@
 //! What the machine may be asked for: threads, a graphics adapter.
 
+use std::fmt;
+
 use super::error::Failure;
+use super::output::say;
 
 /// For commands that may be long.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -42,7 +45,7 @@ fn start(threads: usize) -> Result<(), String> {
 /// For commands that may use a graphics adapter.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct AdapterArgs {
-    /// The graphics adapter to use, by a part of its name (not built yet)
+    /// The graphics adapter to use, by a part of its name [default: $UMBRAGE_ADAPTER, or the fastest kind there is]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
 }
@@ -54,5 +57,25 @@ impl AdapterArgs {
             None => Ok(()),
             Some(name) => Err(Failure::not_built(format_args!("--adapter {name}"), "leave it out")),
         }
+    }
+
+    /// Says that an adapter was named which nothing uses, and why.
+    pub(crate) fn unused(&self, why: impl fmt::Display) {
+        if let Some(name) = &self.adapter {
+            say(format_args!("--adapter {name} is not used: {why}"));
+        }
+    }
+
+    /// Opens the adapter for `asker`, the option that needs one.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn open(&self, _asker: &str) -> Result<umbrage::gpu::Gpu, Failure> {
+        Ok(umbrage::gpu::Gpu::new(self.adapter.as_deref())?)
+    }
+
+    /// Refuses `asker`, the option that needs an adapter.
+    #[cfg(not(feature = "gpu"))]
+    pub(crate) fn open(&self, asker: &str) -> Result<std::convert::Infallible, Failure> {
+        let problem = format!("{asker}: this build has no graphics");
+        Err(Failure::new(problem, "leave it out, or build with the feature gpu"))
     }
 }

@@ -4,9 +4,15 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use umbrage::geom::Light;
+#[cfg(feature = "gpu")]
+use umbrage::gpu::Gpu;
 use umbrage::mesh::{Mesh, VertexId};
 use umbrage::scene::SceneLight;
 use umbrage::silhouette::{Casters, Facing, Silhouette, classify};
+#[cfg(feature = "gpu")]
+use umbrage::silhouette::{GpuCaster, GpuSilhouette, SilhouetteShaders};
+#[cfg(feature = "gpu")]
+use umbrage::topology::GpuTopology;
 use umbrage::topology::Topology;
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
@@ -50,21 +56,60 @@ enum Method {
     Scan,
     /// A tree of edges, for many lights on one mesh (not built yet)
     Tree,
-    /// A compute shader (not built yet)
+    /// Compute shaders on a graphics adapter
     Gpu,
 }
 
-impl Method {
-    /// Why the silhouettes are found by a scan, the only method there is so far.
-    fn reason(self) -> Result<&'static str, Failure> {
-        let refuse = |name| Err(Failure::not_built(format_args!("--method {name}"), "use --method scan"));
+/// How silhouettes are found, and why so.
+enum Finder {
+    /// The exact predicate for every face, then all edges.
+    Scan,
+    /// The mesh on a graphics adapter.
+    #[cfg(feature = "gpu")]
+    Device(Box<GpuSilhouette>),
+}
+
+impl Finder {
+    fn name(&self) -> &'static str {
         match self {
-            Self::Auto => Ok("one look a light: a scan of all edges costs less than building anything first"),
-            Self::Scan => Ok("asked for"),
-            Self::Tree => refuse("tree"),
-            Self::Gpu => refuse("gpu"),
+            Self::Scan => "scan",
+            #[cfg(feature = "gpu")]
+            Self::Device(_) => "gpu",
         }
     }
+
+    /// The silhouettes of all faces and of front faces, the sides, and how many of them took a second look.
+    fn find(&self, mesh: &Mesh, topology: &Topology, light: &Light) -> Result<Looked, Failure> {
+        match self {
+            Self::Scan => Ok(scan(mesh, topology, light)),
+            #[cfg(feature = "gpu")]
+            Self::Device(device) => {
+                let unsure_faces = device.classify(mesh, light)?;
+                let of = |casters: Casters| {
+                    device.set_masks(&vec![casters.mask(); mesh.face_count()])?;
+                    device.extract()
+                };
+                let (all, front) = (of(Casters::All)?, of(Casters::Front)?);
+                Ok(Looked { facing: device.download_facing()?, all, front, unsure_faces })
+            }
+        }
+    }
+}
+
+fn scan(mesh: &Mesh, topology: &Topology, light: &Light) -> Looked {
+    let facing = classify(mesh, light);
+    let [all, front] =
+        [Casters::All, Casters::Front].map(|casters| Silhouette::extract(topology, &casters.signs(&facing)));
+    // Every face was asked the exact predicate: none is left over.
+    Looked { facing, all, front, unsure_faces: 0 }
+}
+
+/// What a finder says of one light.
+struct Looked {
+    facing: Vec<Facing>,
+    all: Silhouette,
+    front: Silhouette,
+    unsure_faces: usize,
 }
 
 /// What was found for one light.
@@ -77,11 +122,25 @@ struct Found {
     loops: usize,
     /// With all faces casting.
     silhouette: Silhouette,
+    unsure_faces: usize,
 }
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
-    args.adapter.refuse()?;
-    let reason = args.method.reason()?;
+    let (adapter, reason) = match args.method {
+        Method::Auto => {
+            (None, "one look a light: a scan of all edges costs less than building anything first".to_owned())
+        }
+        Method::Scan => (None, "asked for".to_owned()),
+        Method::Tree => return Err(Failure::not_built("--method tree", "use --method scan")),
+        Method::Gpu => {
+            let gpu = args.adapter.open("--method gpu")?;
+            let reason = on_adapter(&gpu);
+            (Some(gpu), reason)
+        }
+    };
+    if adapter.is_none() {
+        args.adapter.unused("the scan runs on the processor; add --method gpu");
+    }
     if let Some(path) = &args.output {
         Target::from_path(path)?;
     }
@@ -90,7 +149,15 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
 
     let progress = Progress::spinner("finding silhouettes");
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
-    let found: Vec<Found> = lights.into_iter().map(|light| find(&mesh, &topology, light)).collect();
+    let finder = match adapter {
+        None => Finder::Scan,
+        Some(adapter) => on_device(&adapter, &mesh, &topology)?,
+    };
+    let look = |light: SceneLight| {
+        let looked = finder.find(&mesh, &topology, &light.light)?;
+        Ok(found(&topology, light, looked))
+    };
+    let found = lights.into_iter().map(look).collect::<Result<Vec<Found>, Failure>>()?;
     drop(progress);
 
     if let Some(path) = &args.output {
@@ -100,14 +167,37 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     }
     let mut out = Output::new();
     if args.json {
-        let lights: Vec<Value> = found.iter().map(|found| document(&topology, found, reason)).collect();
+        let lights: Vec<Value> =
+            found.iter().map(|found| document(&topology, found, finder.name(), &reason)).collect();
         out.json(&json!({ "file": args.source.file.to_string_lossy(), "format": format, "lights": lights }))?;
     } else {
         out.text(table(&args.source.file, &topology, &found))?;
-        out.text(format_args!("\n  method scan: {reason}\n"))?;
+        out.text(format_args!("\n  method {}: {reason}\n", finder.name()))?;
     }
     out.flush()?;
     Ok(Outcome::Sound)
+}
+
+#[cfg(feature = "gpu")]
+fn on_adapter(gpu: &Gpu) -> String {
+    format!("asked for; runs on {}", gpu.name())
+}
+
+#[cfg(feature = "gpu")]
+fn on_device(gpu: &Gpu, mesh: &Mesh, topology: &Topology) -> Result<Finder, Failure> {
+    let shaders = SilhouetteShaders::new(gpu)?;
+    let caster = GpuCaster::new(&shaders, mesh, GpuTopology::upload(gpu, topology)?)?;
+    Ok(Finder::Device(Box::new(GpuSilhouette::new(&caster)?)))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn on_adapter(none: &std::convert::Infallible) -> String {
+    match *none {}
+}
+
+#[cfg(not(feature = "gpu"))]
+fn on_device(none: &std::convert::Infallible, _: &Mesh, _: &Topology) -> Result<Finder, Failure> {
+    match *none {}
 }
 
 /// The silhouettes of several lights: a table, and a layer of lines for each.
@@ -117,28 +207,28 @@ pub(super) fn of_lights(
     topology: &Topology,
     lights: &[SceneLight],
 ) -> (String, Model) {
-    let found: Vec<Found> = lights.iter().map(|light| find(mesh, topology, light.clone())).collect();
+    let look = |light: &SceneLight| found(topology, light.clone(), scan(mesh, topology, &light.light));
+    let found: Vec<Found> = lights.iter().map(look).collect();
     let layers = found.iter().enumerate().map(|(index, found)| lines(mesh, topology, index, found));
     (table(file, topology, &found), Model { layers: layers.collect() })
 }
 
-fn find(mesh: &Mesh, topology: &Topology, SceneLight { name, light, .. }: SceneLight) -> Found {
-    let facing = classify(mesh, &light);
+fn found(topology: &Topology, SceneLight { name, light, .. }: SceneLight, looked: Looked) -> Found {
+    let Looked { facing, all, front, unsure_faces } = looked;
     let count = |wanted| facing.iter().filter(|&&facing| facing == wanted).count();
-    let silhouette = Silhouette::extract(topology, &Casters::All.signs(&facing));
-    let outline = Silhouette::extract(topology, &Casters::Front.signs(&facing));
     Found {
         name,
         light,
         front_faces: count(Facing::Front),
         edge_on_faces: count(Facing::EdgeOn),
-        outline_edges: outline.edges.len(),
-        loops: silhouette.loops(topology).len(),
-        silhouette,
+        outline_edges: front.edges.len(),
+        loops: all.loops(topology).len(),
+        silhouette: all,
+        unsure_faces,
     }
 }
 
-fn document(topology: &Topology, found: &Found, reason: &str) -> Value {
+fn document(topology: &Topology, found: &Found, method: &str, reason: &str) -> Value {
     json!({
         "light": found.light.to_string(),
         "name": lights::name(&found.name),
@@ -150,10 +240,9 @@ fn document(topology: &Topology, found: &Found, reason: &str) -> Value {
         "outline_edges": found.outline_edges,
         "max_multiplicity": found.silhouette.max_multiplicity(),
         "loops": found.loops,
-        "method": "scan",
+        "method": method,
         "reason": reason,
-        // A scan asks the exact predicate for every face.
-        "unsure_faces": 0,
+        "unsure_faces": found.unsure_faces,
     })
 }
 
@@ -215,7 +304,8 @@ mod tests {
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let light = "directional:-1,-1,-1".parse().unwrap();
         let light = SceneLight { name: String::new(), light, colour: [1.0; 3], intensity: 1.0, spot: None };
-        let found = find(&mesh, &topology, light);
+        let looked = scan(&mesh, &topology, &light.light);
+        let found = found(&topology, light, looked);
         let counts = (found.front_faces, found.edge_on_faces, found.outline_edges, found.loops);
         assert_eq!(counts, (6, 0, 6, 1));
         let layer = lines(&mesh, &topology, 0, &found);

@@ -13,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 
 pub use error::GpuError;
 pub(crate) use kernel::{Kernel, Shader};
-pub(crate) use scan::Scan;
+pub(crate) use scan::{Scan, ScanOf};
 pub(crate) use sort::{Pairs, Sort};
 
 // Buffers, textures and encoders are wgpu's; this is the version.

@@ -5,9 +5,13 @@
 //! no pairing of faces, so it holds on any mesh: open, non-manifold, not orientable. (Cf. Byungmoon Kim, Kihwan
 //! Kim, Greg Turk, *A Shadow-Volume Algorithm for Opaque and Transparent Nonmanifold Casters*, 2008.)
 
+#[cfg(feature = "gpu")]
+mod gpu;
 mod plane;
 mod scan;
 
+#[cfg(feature = "gpu")]
+pub use gpu::{FoundSilhouette, GpuCaster, GpuSilhouette, SilhouetteShaders};
 pub use plane::FacePlanes;
 
 use crate::geom::Light;
@@ -83,7 +87,22 @@ impl Casters {
             .map(|facing| if self == Self::All { facing.sign() } else { facing.sign().max(0) })
             .collect()
     }
+
+    /// Which sides a face casts on, as bits: [`CASTS_IN_FRONT`], [`CASTS_BEHIND`].
+    #[inline]
+    #[must_use]
+    pub fn mask(self) -> u8 {
+        match self {
+            Self::All => CASTS_IN_FRONT | CASTS_BEHIND,
+            Self::Front => CASTS_IN_FRONT,
+        }
+    }
 }
+
+/// In a face's mask: it casts if the light is in front of it.
+pub const CASTS_IN_FRONT: u8 = 1;
+/// In a face's mask: it casts if the light is behind it.
+pub const CASTS_BEHIND: u8 = 2;
 
 /// An edge where the sides change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

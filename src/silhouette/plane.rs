@@ -44,7 +44,7 @@ pub struct FacePlanes {
 /// 8u with u = 2⁻²⁴.
 const EVALUATION: f32 = f32::EPSILON * 4.0;
 /// 2⁻¹⁴⁵: more than the 2⁻¹⁵⁰ that each of seven roundings may lose below the normal range.
-const UNDERFLOW: f32 = f32::from_bits(1 << 4);
+pub(crate) const UNDERFLOW: f32 = f32::from_bits(1 << 4);
 
 impl FacePlanes {
     /// Computes the planes of all faces. Linear time, about 20 ns a face.
@@ -78,6 +78,42 @@ impl FacePlanes {
     #[cfg(feature = "gpu")]
     pub(crate) fn normal(&self, face: FaceId) -> [f32; 3] {
         [0, 1, 2].map(|axis| self.normal[axis][face.index()])
+    }
+
+    /// One component of every unit normal.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn normals(&self, axis: usize) -> &[f32] {
+        &self.normal[axis]
+    }
+
+    /// The offset of every plane.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn offsets(&self) -> &[f32] {
+        &self.offset
+    }
+
+    /// `e` of every plane: infinite where there is no bound.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn errors(&self) -> &[f32] {
+        &self.error
+    }
+
+    /// The local origin.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn origin(&self) -> [f32; 3] {
+        self.origin
+    }
+
+    /// `r`, rounded up; infinite if it does not fit.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn reach(&self) -> f32 {
+        self.reach
+    }
+
+    /// Without the error of the planes: what a test must notice.
+    #[cfg(all(test, feature = "gpu"))]
+    pub(crate) fn forget_errors(&mut self) {
+        self.error.fill(0.0);
     }
 
     /// The side of every face that `light` is on, exactly: as [`classify`](super::classify), faster.

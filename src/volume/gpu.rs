@@ -1,8 +1,13 @@
 //! A shadow volume in buffers of a graphics device, ready to draw.
 
+mod extrude;
+
 use wgpu::BufferUsages;
 
+pub use extrude::{Demand, GpuExtrusion, VolumeShaders};
+
 use super::ShadowVolume;
+use super::certificate::{BoundarySum, boundary_sum};
 use crate::geom::Light;
 use crate::gpu::{Gpu, GpuError, wgpu};
 
@@ -87,6 +92,23 @@ impl GpuVolume {
         let [vertices, _, first, _] = arguments[part as usize];
         let triangles = gpu.download::<[u32; 3]>(&self.triangles, (first + vertices) as usize / 3)?;
         Ok(triangles[first as usize / 3..].to_vec())
+    }
+
+    /// The certificate, from what stands on the device: see [`ShadowVolume::boundary_sum`]. Reads everything back.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
+    pub fn boundary_sum(&self, gpu: &Gpu) -> Result<BoundarySum, GpuError> {
+        let mut triangles = Vec::new();
+        for part in Part::ALL {
+            triangles.extend(self.download(gpu, part)?);
+        }
+        if self.light.is_directional() {
+            let one_far = |id: u32| id.min(self.vertex_count);
+            triangles.iter_mut().for_each(|corners| *corners = corners.map(one_far));
+        }
+        Ok(boundary_sum(&triangles))
     }
 }
 

@@ -21,7 +21,7 @@ use std::ops::Range;
 
 pub use certificate::BoundarySum;
 #[cfg(feature = "gpu")]
-pub use gpu::{GpuVolume, Part};
+pub use gpu::{Demand, GpuExtrusion, GpuVolume, Part, VolumeShaders};
 pub use plan::{Faces, LightPlace, Plan, ShellChoice, ShellProof, Variant};
 pub use winding::{WindingIndex, winding_number};
 

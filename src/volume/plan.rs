@@ -13,7 +13,7 @@ use super::winding::{Crossing, crossing, scattered};
 use crate::geom::Light;
 use crate::geom::predicate::{Homogeneous, Sign};
 use crate::mesh::{FaceId, Mesh};
-use crate::silhouette::Facing;
+use crate::silhouette::{CASTS_BEHIND, CASTS_IN_FRONT, Facing};
 use crate::topology::{CrackReport, Shells, Topology, for_each_self_intersection};
 
 /// Which faces of a shell cast.
@@ -46,6 +46,17 @@ impl Variant {
             Self::General => facing.sign(),
             Self::FrontOnly => facing.sign().max(0),
             Self::BackOnly => facing.sign().min(0),
+        }
+    }
+
+    /// Which sides a face of the shell casts on, as bits: [`CASTS_IN_FRONT`], [`CASTS_BEHIND`].
+    #[inline]
+    #[must_use]
+    pub fn mask(self) -> u8 {
+        match self {
+            Self::General => CASTS_IN_FRONT | CASTS_BEHIND,
+            Self::FrontOnly => CASTS_IN_FRONT,
+            Self::BackOnly => CASTS_BEHIND,
         }
     }
 }
@@ -217,6 +228,17 @@ impl Plan {
             shell.map_or(0, |shell| self.choices[shell as usize].variant.sign(facing))
         };
         shells.of_face.iter().zip(facing).map(sign).collect()
+    }
+
+    /// Which sides each face casts on, whatever the light: one entry a face, as [`Variant::mask`].
+    ///
+    /// # Panics
+    ///
+    /// Panics if `shells` belong to another mesh.
+    #[must_use]
+    pub fn masks(&self, shells: &Shells) -> Vec<u8> {
+        let mask = |shell: &Option<u32>| shell.map_or(0, |shell| self.choices[shell as usize].variant.mask());
+        shells.of_face.iter().map(mask).collect()
     }
 }
 

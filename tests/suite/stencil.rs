@@ -3,8 +3,8 @@
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use umbrage::geom::{Light, Projection};
-use umbrage::mesh::{FaceId, Mesh, Weld, solid, weld};
-use umbrage::oracle::{Meeting, Oracle, Verdict, meet};
+use umbrage::mesh::{FaceId, Mesh, solid};
+use umbrage::oracle::{Meeting, Oracle, meet};
 use umbrage::scene::Scope;
 use umbrage::silhouette::{Casters, classify};
 use umbrage::stencil::{Asked, Layers, MethodPlan, Reason, ShellBoxes, StencilMethod, most_layers};

@@ -92,3 +92,52 @@ fn silhouette_of_meshes_that_touch_keeps_them_apart() {
     assert_eq!(edges(" --scope primitive"), 36);
     assert!(edges("").as_u64().unwrap() < 36);
 }
+
+#[test]
+fn silhouette_adapter_without_the_method_that_uses_it_is_said_to_be_unused() {
+    let run = Folder::with_cubes().run("silhouette cube.obj --light point:1,2,3 --adapter llvmpipe");
+    assert_eq!(run.code, 0);
+    assert!(run.stderr.contains("--adapter llvmpipe is not used") && run.stderr.contains("--method gpu"));
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn silhouette_of_the_device_is_that_of_the_scan_and_says_what_it_left_over() {
+    let Some(gpu) = crate::support::gpu() else { return };
+    let folder = Folder::with_cubes();
+    for light in ["point:2,3,5", "directional:0,-1,0", "directional:-1,-1,-1"] {
+        let of = |method: &str| {
+            let document = folder.json(&format!("silhouette cube.obj --light {light} --method {method}"));
+            let mut found = document["lights"][0].as_object().unwrap().clone();
+            let [said, reason, unsure] =
+                ["method", "reason", "unsure_faces"].map(|key| found.remove(key).unwrap());
+            assert_eq!(said, method);
+            (found, reason.as_str().unwrap().to_owned(), unsure.as_u64().unwrap())
+        };
+        let ((device, reason, unsure), (scan, ..)) = (of("gpu"), of("scan"));
+        assert_eq!(device, scan);
+        assert!(reason.contains(&gpu.name()), "{reason}");
+        // Four sides of the cube are exactly edge-on for a light along an axis: eight faces.
+        let edge_on = device["edge_on_faces"].as_u64().unwrap();
+        assert!(unsure == edge_on, "{light}: {unsure} unsure, {edge_on} edge-on");
+    }
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn silhouette_adapter_that_is_not_there_is_refused_with_those_that_are() {
+    let Some(gpu) = crate::support::gpu() else { return };
+    let run = Folder::with_cubes().run("silhouette cube.obj --method gpu --adapter nosuchcard");
+    assert_eq!((run.code, run.stdout.as_str(), run.stderr.lines().count()), (2, "", 1), "{}", run.stderr);
+    assert!(run.stderr.contains("nosuchcard") && run.stderr.contains("there are: "), "{}", run.stderr);
+    let name = gpu.name();
+    assert!(run.stderr.contains(name.split(',').next().unwrap()), "{}", run.stderr);
+}
+
+#[cfg(not(feature = "gpu"))]
+#[test]
+fn silhouette_of_the_device_is_refused_where_there_are_no_graphics() {
+    let run = Folder::with_cubes().run("silhouette cube.obj --method gpu");
+    assert_eq!((run.code, run.stdout.as_str()), (2, ""));
+    assert!(run.stderr.contains("--method gpu: this build has no graphics; "), "{}", run.stderr);
+}

@@ -1,0 +1,251 @@
+//! Silhouettes and volumes that the device finds, against the processor's: the same lists, closed all the same.
+
+use umbrage::geom::{Aabb, Light};
+use umbrage::gpu::{Gpu, wgpu};
+use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::scene::Scope;
+use umbrage::silhouette::{
+    Casters, FacePlanes, Facing, GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders, classify,
+};
+use umbrage::topology::{GpuTopology, Topology};
+use umbrage::volume::{
+    Caps, Faces, GpuExtrusion, GpuVolume, Part, Plan, ShadowVolume, ShellProof, VolumeShaders,
+};
+
+use crate::support::{gpu, real_meshes};
+
+struct Device {
+    gpu: Gpu,
+    silhouettes: SilhouetteShaders,
+    volumes: VolumeShaders,
+}
+
+fn device() -> Option<Device> {
+    let gpu = gpu()?;
+    let silhouettes = SilhouetteShaders::new(&gpu).unwrap();
+    let volumes = VolumeShaders::new(&gpu).unwrap();
+    Some(Device { gpu, silhouettes, volumes })
+}
+
+/// A mesh on both sides.
+struct Case<'a> {
+    device: &'a Device,
+    mesh: &'a Mesh,
+    planes: FacePlanes,
+    topology: Topology,
+    silhouette: GpuSilhouette,
+}
+
+impl<'a> Case<'a> {
+    fn new(device: &'a Device, mesh: &'a Mesh) -> Self {
+        let planes = FacePlanes::new(mesh);
+        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let uploaded = GpuTopology::upload(&device.gpu, &topology).unwrap();
+        let caster = GpuCaster::with_planes(&device.silhouettes, mesh, uploaded, &planes).unwrap();
+        let silhouette = GpuSilhouette::new(&caster).unwrap();
+        Self { device, mesh, planes, topology, silhouette }
+    }
+
+    /// Everything for one light; how many faces were unsure.
+    fn judge(&self, light: &Light, what: &str) -> usize {
+        let facing = self.planes.classify(self.mesh, light);
+        self.silhouette.set_masks(&vec![Casters::All.mask(); self.mesh.face_count()]).unwrap();
+        let found = self.silhouette.find(self.mesh, light).unwrap();
+        assert!(self.silhouette.download_facing().unwrap() == facing, "{what} {light}: other sides");
+        self.judge_volume(light, &Casters::All.signs(&facing), &found.silhouette, Caps::Both, what);
+
+        self.silhouette.set_masks(&vec![Casters::Front.mask(); self.mesh.face_count()]).unwrap();
+        let outline = self.silhouette.extract().unwrap();
+        self.judge_volume(light, &Casters::Front.signs(&facing), &outline, Caps::None, what);
+        found.unsure_faces
+    }
+
+    /// What the device found for these signs, and the volume that it extrudes from it.
+    fn judge_volume(&self, light: &Light, signs: &[i8], found: &Silhouette, caps: Caps, what: &str) {
+        let Self { device, mesh, topology, silhouette, .. } = self;
+        let expected = Silhouette::extract(topology, signs);
+        assert!(*found == expected, "{what} {light}: another silhouette");
+        let volume = ShadowVolume::extrude(mesh, topology, light, signs, &expected, caps);
+        let extruded = GpuVolume::extrude(&device.volumes, silhouette, light, caps).unwrap();
+        assert_eq!(parts(&device.gpu, &extruded), parts_of(mesh, &volume), "{what} {light} {caps:?}");
+        if caps == Caps::Both {
+            assert!(extruded.boundary_sum(&device.gpu).unwrap().is_closed(), "{what} {light}");
+        }
+    }
+}
+
+/// The triangles of a volume on the device; all vertices that a directional light sends to infinity are one.
+fn parts(gpu: &Gpu, volume: &GpuVolume) -> [Vec<[u32; 3]>; 3] {
+    let one_far = |id: u32| if volume.light.is_directional() { id.min(volume.vertex_count) } else { id };
+    Part::ALL.map(|part| {
+        let triangles = volume.download(gpu, part).unwrap();
+        triangles.into_iter().map(|corners| corners.map(one_far)).collect()
+    })
+}
+
+/// The triangles of a volume with the ids that [`GpuVolume`] gives them.
+fn parts_of(mesh: &Mesh, volume: &ShadowVolume) -> [Vec<[u32; 3]>; 3] {
+    let count = volume.positions().len() as u32;
+    let far = mesh.vertex_count() as u32;
+    let id = |index: u32| match index.checked_sub(count) {
+        None => volume.casters()[index as usize].0,
+        Some(_) if volume.light().is_directional() => far,
+        Some(base) => far + volume.casters()[base as usize].0,
+    };
+    let part = |range: std::ops::Range<usize>| {
+        volume.triangles()[range].iter().map(|corners| corners.map(id)).collect()
+    };
+    [part(volume.light_cap()), part(volume.sides()), part(volume.dark_cap())]
+}
+
+/// Outside, on a vertex, and directional along an axis.
+fn lights(mesh: &Mesh) -> [Light; 3] {
+    let [low, high] = mesh.bounds().expect("it has faces");
+    let bounds = Aabb { low, high };
+    let (centre, size) = (bounds.centre(), bounds.diagonal() as f32);
+    let size = size.min(f32::MAX / 4.0);
+    [
+        Light::point([centre[0] + 0.7 * size, centre[1] + 1.1 * size, centre[2] + 0.4 * size]),
+        Light::point(mesh.positions()[mesh.vertex_count() / 2]),
+        Light::directional([0.0, -1.0, 0.0]),
+    ]
+    .map(|light| light.expect("finite and not zero"))
+}
+
+#[test]
+fn gpu_silhouette_and_volume_of_every_real_mesh_equal_the_processors() {
+    let (Some(folder), Some(device)) = (real_meshes(), device()) else { return };
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let mut judged = 0;
+    for file in files {
+        let Ok(scene) = umbrage::read::read(&file) else { continue }; // notes and facts, a buffer
+        let name = file.file_name().expect("a file").to_string_lossy().into_owned();
+        let meshes: Vec<Mesh> =
+            scene.bake(Scope::Mesh).unwrap().iter().map(|mesh| weld(mesh, Weld::Exact).mesh).collect();
+        let mesh = Mesh::concat(&meshes).unwrap();
+        let case = Case::new(&device, &mesh);
+        let unsure = lights(&mesh).map(|light| case.judge(&light, &name));
+        eprintln!("{name}: {} faces, unsure {unsure:?}", mesh.face_count());
+        judged += 1;
+    }
+    assert_eq!(judged, 29);
+}
+
+/// Corners on one another, and one face besides.
+fn collapsed() -> Mesh {
+    let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.7, 0.11]];
+    let triangles = vec![[0, 0, 1], [1, 3, 3], [0, 1, 2], [2, 1, 2], [3, 3, 3], [1, 3, 2]];
+    Mesh::new(positions, triangles).unwrap().with_name("collapsed")
+}
+
+#[test]
+fn gpu_silhouette_and_volume_of_hard_meshes_equal_the_processors() {
+    let Some(device) = device() else { return };
+    let sphere = solid::icosphere(2);
+    let meshes = [
+        solid::mobius(24),
+        solid::book(18),
+        solid::double_sheet(),
+        solid::duplicated_face(),
+        solid::misoriented_cube(),
+        solid::collinear_face(),
+        solid::sliver(),
+        solid::uv_capsule(8, 2, 1.0, 0.5),
+        solid::shuffled(&solid::torus(24, 16, 2.0, 0.7), 7),
+        solid::soup(&sphere),
+        solid::menger_sponge(2),
+        collapsed(),
+        Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap(),
+        Mesh::new(vec![], vec![]).unwrap(),
+        Mesh::new(vec![[1.0; 3]; 3], vec![[0, 1, 2]]).unwrap(),
+        solid::scaled(&sphere, 1e-30),
+        solid::scaled(&sphere, 1e-42), // below the normal range
+        solid::scaled(&sphere, 1e30),
+        solid::scaled(&solid::cube(), f32::MAX),
+        solid::translated(&solid::scaled(&sphere, 1e-4), [4096.0, -4096.0, 1.0]),
+    ];
+    let everywhere = ["point:0,0,0", "point:3,4,5", "point:1099511627776,0,1", "directional:1,-2,3"];
+    let everywhere: Vec<Light> = everywhere.iter().map(|light| light.parse().unwrap()).collect();
+    for mesh in &meshes {
+        let case = Case::new(&device, mesh);
+        let own = if mesh.face_count() > 0 { lights(mesh).to_vec() } else { Vec::new() };
+        for light in everywhere.iter().chain(&own) {
+            case.judge(light, &mesh.name);
+        }
+    }
+}
+
+#[test]
+fn gpu_silhouette_of_a_plan_casts_shell_by_shell() {
+    let Some(device) = device() else { return };
+    let outward = solid::translated(&solid::icosphere(2), [5.0, 0.0, 0.0]);
+    let mesh = Mesh::concat(&[solid::inside_out(&solid::cube()), outward, solid::mobius(12)]).unwrap();
+    let case = Case::new(&device, &mesh);
+    let shells = case.topology.shells();
+    let proofs = ShellProof::of(&mesh, &case.topology, &shells);
+    for light in ["point:3,14,5", "point:0.1,0.2,0.3", "directional:-1,-2,0.5"] {
+        let light: Light = light.parse().unwrap();
+        let plan = Plan::choose(&mesh, &shells, &proofs, &light, Faces::Auto);
+        case.silhouette.set_masks(&plan.masks(&shells)).unwrap();
+        let found = case.silhouette.find(&mesh, &light).unwrap();
+        let signs = plan.signs(&shells, &classify(&mesh, &light));
+        case.judge_volume(&light, &signs, &found.silhouette, Caps::Both, "a plan");
+    }
+}
+
+#[test]
+fn gpu_silhouette_recorded_with_its_volume_is_closed_even_where_f32_is_wrong() {
+    let Some(device) = device() else { return };
+    let mesh = solid::menger_sponge(2);
+    let case = Case::new(&device, &mesh);
+    // The light in many planes, of which f32 takes some for one side and some for the other.
+    let light = Light::point(mesh.positions()[mesh.vertex_count() / 2]).unwrap();
+    let extrusion = GpuExtrusion::new(&device.volumes, &case.silhouette, Caps::Both, None).unwrap();
+    let mut encoder = device.gpu.device().create_command_encoder(&Default::default());
+    case.silhouette.record(&mut encoder, &light).unwrap();
+    let volume = extrusion.record(&mut encoder, &light).unwrap();
+    device.gpu.queue().submit([encoder.finish()]);
+    assert!(case.silhouette.download_unsure_count().unwrap() > 0);
+    assert!(volume.boundary_sum(&device.gpu).unwrap().is_closed());
+    assert_eq!(extrusion.download_demand().unwrap().exceeded, 0);
+    // Where the filter was sure, f32 was right.
+    let recorded = case.silhouette.download_facing().unwrap();
+    let exact = classify(&mesh, &light);
+    let wrong = recorded.iter().zip(&exact).filter(|(a, b)| a != b).count();
+    assert!(wrong <= case.silhouette.download_unsure_count().unwrap());
+}
+
+#[test]
+fn gpu_silhouette_of_positions_that_change_follows_them() {
+    let Some(device) = device() else { return };
+    let mesh = solid::icosphere(3);
+    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let positions: Vec<f32> = mesh.positions().concat();
+    let bytes: Vec<u8> = positions.iter().flat_map(|x| x.to_ne_bytes()).collect();
+    let vertices = device.gpu.device().create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: bytes.len() as u64,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let uploaded = GpuTopology::upload(&device.gpu, &topology).unwrap();
+    let caster = GpuCaster::deforming(&device.silhouettes, vertices.clone(), 1.0, uploaded);
+    let silhouette = GpuSilhouette::new(&caster).unwrap();
+    let light = Light::point([3.0, 4.125, 5.5]).unwrap();
+    for stretch in [1.0, 0.4] {
+        let (moved, triangles, ..) = mesh.clone().into_parts();
+        let moved = moved.into_iter().map(|[x, y, z]| [x, y * stretch, z + 0.1 * x]).collect();
+        let moved = Mesh::new(moved, triangles).unwrap();
+        let bytes: Vec<u8> = moved.positions().iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
+        device.gpu.queue().write_buffer(&vertices, 0, &bytes);
+        let mut encoder = device.gpu.device().create_command_encoder(&Default::default());
+        silhouette.record(&mut encoder, &light).unwrap();
+        device.gpu.queue().submit([encoder.finish()]);
+        let facing = classify(&moved, &light);
+        assert_eq!(silhouette.download_facing().unwrap(), facing, "in general position f32 is right");
+        let expected = Silhouette::extract(&topology, &Casters::All.signs(&facing));
+        assert_eq!(silhouette.extract().unwrap(), expected);
+        assert!(facing.contains(&Facing::Front) && facing.contains(&Facing::Back));
+    }
+}

@@ -7,12 +7,14 @@ mod buffer;
 mod error;
 mod kernel;
 mod scan;
+mod texture;
 
 use std::sync::{Arc, OnceLock};
 
 pub use error::GpuError;
 pub(crate) use kernel::{Kernel, Shader};
 pub(crate) use scan::Scan;
+pub(crate) use texture::Texture;
 
 // Buffers, textures and encoders are wgpu's; this is the version.
 pub use wgpu;

@@ -6,6 +6,8 @@ mod mask;
 
 #[cfg(feature = "gpu")]
 pub use gpu::{Depth, Draw, Receivers, StencilPass};
+#[cfg(feature = "gpu")]
+pub(crate) use gpu::{Pipeline, SOURCE, Target, depth_stencil};
 pub use mask::{Counting, ShadowMask};
 
 /// How a volume is counted in the stencil.

@@ -8,6 +8,7 @@ mod error;
 mod kernel;
 mod scan;
 mod sort;
+mod texture;
 
 use std::sync::{Arc, OnceLock};
 
@@ -15,6 +16,7 @@ pub use error::GpuError;
 pub(crate) use kernel::{Kernel, Shader};
 pub(crate) use scan::{Scan, ScanOf};
 pub(crate) use sort::{Pairs, Sort};
+pub(crate) use texture::Texture;
 
 // Buffers, textures and encoders are wgpu's; this is the version.
 pub use wgpu;

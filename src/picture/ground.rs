@@ -11,8 +11,8 @@ use crate::scene::Up;
 pub struct Ground {
     /// The first of the two; all before it belong to the mesh.
     pub first_face: FaceId,
-    centre: DVec3,
-    diagonal: f64,
+    pub(super) centre: DVec3,
+    pub(super) diagonal: f64,
 }
 
 /// Half the side of the ground, in diagonals of the box above it.
@@ -23,7 +23,7 @@ const REACH: f64 = 64.0;
 const GAP: f64 = 1.0 / 4096.0;
 
 /// Where it begins to fade into the background and where it has, in diagonals from the middle of the box.
-const FADE: [f64; 2] = [1.0, 7.0];
+pub(super) const FADE: [f64; 2] = [1.0, 7.0];
 
 impl Ground {
     /// Appends a ground under `mesh`: a level square of 128 diagonals of the mesh's box, a hair below it.

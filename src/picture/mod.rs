@@ -1,6 +1,9 @@
-//! Pictures by exact ray cast: every pixel's visible point, its verdict for each lamp, and plain shading.
+//! Pictures by exact ray cast: every pixel's visible point, its verdict for each lamp, and plain shading. Then the
+//! same picture with the shadows that a stencil pass counts.
 
 mod colour;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod ground;
 mod overlay;
 mod png;
@@ -8,6 +11,8 @@ mod shade;
 
 use glam::Vec3;
 
+#[cfg(feature = "gpu")]
+pub use gpu::{LampShadow, render_stencil};
 pub use ground::Ground;
 pub use overlay::{Line, Overlay, Spot};
 pub use shade::Lamp;

@@ -16,12 +16,12 @@ use crate::scene::{SceneLight, SpotCone};
 const KEY: f32 = 0.95;
 
 /// Ambient light on faces that look sideways, and what looking straight up adds or straight down takes.
-const AMBIENT: f32 = 0.17;
-const AMBIENT_SLOPE: f32 = 0.07;
+pub(super) const AMBIENT: f32 = 0.17;
+pub(super) const AMBIENT_SLOPE: f32 = 0.07;
 
 /// The highlight's strength, and its exponent as a number of squarings: 2⁵ = 32.
-const SPECULAR: f32 = 0.12;
-const SPECULAR_SQUARINGS: u32 = 5;
+pub(super) const SPECULAR: f32 = 0.12;
+pub(super) const SPECULAR_SQUARINGS: u32 = 5;
 
 /// A light as a picture uses it: the same strength at any distance, so that nothing burns out or drowns.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,11 +83,17 @@ impl Lamp {
     }
 }
 
+/// The cosine of the angle where a spot light ends, and how much more it is where it is full; never 0.
+pub(super) fn cosines(cone: SpotCone) -> (f32, f32) {
+    let (inner, outer) = (cone.inner_rad.cos(), cone.outer_rad.cos());
+    (outer, (inner - outer).max(1e-3))
+}
+
 /// How much of a spot light goes this way: the curve that KHR_lights_punctual recommends.
 fn within(cone: SpotCone, to_light: Vec3) -> f32 {
     let cosine = -Vec3::from(cone.direction).dot(to_light);
-    let (inner, outer) = (cone.inner_rad.cos(), cone.outer_rad.cos());
-    ((cosine - outer) / (inner - outer).max(1e-3)).clamp(0.0, 1.0).powi(2)
+    let (outer, width) = cosines(cone);
+    ((cosine - outer) / width).clamp(0.0, 1.0).powi(2)
 }
 
 /// The light that goes from what is seen to the eye, without what is between. A grazing verdict counts as lit.

@@ -16,7 +16,9 @@ mod method;
 pub use caster::CastOnDevice;
 pub use caster::{Caster, Casting};
 #[cfg(feature = "gpu")]
-pub use gpu::{Depth, Draw, Receivers, StencilPass};
+pub use gpu::{Depth, Draw, Receivers, StencilFrame, StencilPass};
+#[cfg(feature = "gpu")]
+pub(crate) use gpu::{Pipeline, SOURCE, Target, depth_stencil};
 pub use layers::{Layers, most_layers};
 pub use mask::{Counting, ShadowMask};
 pub use method::{Asked, MethodChoice, MethodPlan, Reason, ShellBoxes};

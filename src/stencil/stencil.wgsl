@@ -36,6 +36,8 @@ struct Corner {
     @invariant @builtin(position) clip: vec4f,
     // Depth as a linear function of x, y, 1 in normalised device coordinates.
     @location(0) @interpolate(flat) depth: vec3f,
+    // The receiver's face.
+    @location(1) @interpolate(flat) face: u32,
 }
 
 fn vertex(id: u32) -> vec3f {
@@ -66,7 +68,7 @@ fn receiver(@builtin(vertex_index) index: u32) -> Corner {
     let q = vertex(triangles[index]) * frame.scale - frame.eye;
     let normal = vec3f(normals[3u * face], normals[3u * face + 1u], normals[3u * face + 2u]);
     let first = vertex(triangles[3u * face]) * frame.scale - frame.eye;
-    return Corner(project(q, 1.0), plane_depth(normal, first));
+    return Corner(project(q, 1.0), plane_depth(normal, first), face);
 }
 
 // Which vertex of the caster an id stands for, finite or not.
@@ -120,13 +122,13 @@ fn volume(@builtin(vertex_index) index: u32) -> Corner {
         b = swapped;
     }
     let normal = cross((b - a) * frame.scale, away(a));
-    return Corner(volume_clip(triangles[index]), plane_depth(normal, a * frame.scale - frame.eye));
+    return Corner(volume_clip(triangles[index]), plane_depth(normal, a * frame.scale - frame.eye), 0u);
 }
 
 // A corner of a cap: no depth is asked of it.
 @vertex
 fn cap(@builtin(vertex_index) index: u32) -> Corner {
-    return Corner(volume_clip(triangles[index]), vec3f(0.0));
+    return Corner(volume_clip(triangles[index]), vec3f(0.0), 0u);
 }
 
 @fragment

@@ -5,14 +5,16 @@
 use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
 use umbrage::geom::{Aabb, Light, Projection};
 use umbrage::glam::Vec3;
-use umbrage::gpu::Gpu;
+use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::{Mesh, Weld, solid, weld};
 use umbrage::oracle::{Oracle, Verdict};
 use umbrage::scene::{Camera, Scope, Size, Up};
+use umbrage::silhouette::{GpuCaster, GpuSilhouette, SilhouetteShaders};
 use umbrage::stencil::{
-    Asked, Caster, Counting, Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass,
+    Asked, Caster, Counting, Depth, Draw, Receivers, ShadowMask, StencilFrame, StencilMethod, StencilPass,
 };
-use umbrage::volume::{Faces, GpuVolume, Part};
+use umbrage::topology::GpuTopology;
+use umbrage::volume::{Caps, Faces, GpuExtrusion, GpuVolume, Part, VolumeShaders};
 
 use crate::support::{gpu, real_meshes};
 
@@ -292,4 +294,85 @@ fn stencil_pass_of_a_volume_without_a_face_is_caught() {
     let cast = other.upload(&gpu).unwrap();
     let mask = stage.mask(&projection, &cast.draws(), Counting::Stencil);
     assert!(!stage.compare(&light, &projection, &casting.signs, &mask).agrees());
+}
+
+#[test]
+fn stencil_frame_in_a_callers_encoder_counts_as_the_pass_of_our_own() {
+    let Some(gpu) = gpu() else { return };
+    let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
+    let mesh = solid::torus_knot(2, 3, 80, 10, 0.3);
+    let stage = Stage::new(&gpu, &pass, &mesh, Faces::All, 64);
+    let shaders = SilhouetteShaders::new(&gpu).unwrap();
+    let topology = GpuTopology::upload(&gpu, stage.caster.topology()).unwrap();
+    let silhouette = GpuSilhouette::new(&GpuCaster::new(&shaders, &mesh, topology).unwrap()).unwrap();
+    let volumes = VolumeShaders::new(&gpu).unwrap();
+    let extrusion = GpuExtrusion::new(&volumes, &silhouette, Caps::Both, None).unwrap();
+    let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: 64, height: 64, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: StencilFrame::FORMAT,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let back = gpu.device().create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: 64 * 256,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    for light in lights(&stage.oracle.bounds()) {
+        let (_, projection) = projections(&stage.oracle, &light, stage.size)[0];
+        // One encoder from the light to the counts, submitted once.
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        silhouette.record(&mut encoder, &light).unwrap();
+        let volume = extrusion.record(&mut encoder, &light).unwrap();
+        let draw = Draw { volume: &volume, method: StencilMethod::ZFail };
+        let frame = pass.prepare(&projection, stage.size, &stage.receivers, &[draw]).unwrap();
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let store = wgpu::StoreOp::Store;
+        let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: None,
+            color_attachments: &[],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &view,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store }),
+                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
+            }),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        frame.draw_receivers(&mut drawing);
+        frame.draw_volumes(&mut drawing);
+        drop(drawing);
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256), rows_per_image: None };
+        let mut from = texture.as_image_copy();
+        from.aspect = wgpu::TextureAspect::StencilOnly;
+        encoder.copy_texture_to_buffer(
+            from,
+            wgpu::TexelCopyBufferInfo { buffer: &back, layout },
+            texture.size(),
+        );
+        gpu.attempt(|| gpu.queue().submit([encoder.finish()])).unwrap();
+        let (sender, mapped) = std::sync::mpsc::channel();
+        back.map_async(wgpu::MapMode::Read, .., move |result| sender.send(result).unwrap());
+        gpu.device().poll(wgpu::PollType::wait_indefinitely()).unwrap();
+        mapped.recv().unwrap().unwrap();
+        let counts: Vec<i32> = back
+            .get_mapped_range(..)
+            .unwrap()
+            .chunks_exact(256)
+            .flat_map(|row| row[..64].iter().map(|&count| i32::from(count)).collect::<Vec<_>>())
+            .collect();
+        back.unmap();
+        let casting = stage.caster.cast(&light, &projection, Asked::ZFail);
+        let cast = casting.upload(&gpu).unwrap();
+        let mask = stage.mask(&projection, &cast.draws(), Counting::Stencil);
+        assert!(counts == mask.raw(), "{light}");
+        assert!(counts.iter().any(|&count| count != 0));
+    }
 }

@@ -1,5 +1,7 @@
 //! Pictures against a renderer that asks every triangle, on known places, and as files.
 
+mod stencil;
+
 use glam::{DVec3, Vec3};
 
 use umbrage::geom::predicate::{Sign, side_of_point};

@@ -9,9 +9,9 @@ use crate::scene::Size;
 /// Mirrors `struct Frame` in stencil.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     right: [f32; 3],
-    scale: f32,
+    pub(crate) scale: f32,
     up: [f32; 3],
     near: f32,
     forward: [f32; 3],

@@ -6,11 +6,16 @@
 //! Time*, 1991) as the caller says. A caster's faces are never in front of the visible surface, so its caps are
 //! drawn so as to fail the depth test whatever they are: no bias and no polygon offset anywhere.
 
+mod embed;
 mod frame;
 mod pipeline;
+mod target;
 
-use frame::Frame;
-use pipeline::{FORMAT, Pipelines};
+pub use embed::StencilFrame;
+pub(crate) use frame::Frame;
+use pipeline::Pipelines;
+pub(crate) use pipeline::{Pipeline, SOURCE, depth_stencil};
+pub(crate) use target::Target;
 
 use super::{Counting, ShadowMask};
 use crate::geom::Projection;
@@ -37,13 +42,27 @@ pub enum Depth {
 pub struct Receivers {
     vertices: wgpu::Buffer,
     triangles: wgpu::Buffer,
-    normals: wgpu::Buffer,
-    corners: u32,
+    pub(crate) normals: wgpu::Buffer,
+    pub(crate) corners: u32,
     /// The largest magnitude of a coordinate.
     largest: f32,
 }
 
 impl Receivers {
+    /// Receivers that are on the device already: `vertices` (three `f32` a vertex), `triangles` (three `u32` a face) and
+    /// `normals` (the unit normal of each face, three `f32`; read only with [`Depth::Plane`]), all of usage `STORAGE`. No
+    /// coordinate is much larger than `largest`.
+    #[must_use]
+    pub fn in_buffers(
+        vertices: wgpu::Buffer,
+        triangles: wgpu::Buffer,
+        normals: wgpu::Buffer,
+        face_count: u32,
+        largest: f32,
+    ) -> Self {
+        Self { vertices, triangles, normals, corners: 3 * face_count, largest }
+    }
+
     /// Copies the faces of a mesh, with their unit normals, to the device.
     ///
     /// # Errors
@@ -77,6 +96,7 @@ pub struct Draw<'a> {
 #[derive(Clone, Debug)]
 pub struct StencilPass {
     gpu: Gpu,
+    depth: Depth,
     pipelines: Pipelines,
 }
 
@@ -87,7 +107,7 @@ impl StencilPass {
     ///
     /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
     pub fn new(gpu: &Gpu, depth: Depth) -> Result<Self, GpuError> {
-        Ok(Self { gpu: gpu.clone(), pipelines: Pipelines::new(gpu, depth == Depth::Plane)? })
+        Ok(Self { gpu: gpu.clone(), depth, pipelines: Pipelines::new(gpu, depth == Depth::Plane)? })
     }
 
     /// Counts for each pixel of a picture how many of the `volumes` its visible point is in. All volumes of one light
@@ -108,51 +128,27 @@ impl StencilPass {
         counting: Counting,
     ) -> Result<ShadowMask, GpuError> {
         let target = Target::new(&self.gpu, size)?;
-        let bindings = self.bindings(projection, size, receivers, volumes)?;
-        let depth_back = self.gpu.staging(target.row_bytes(4) * u64::from(size.height()))?;
-        match counting {
-            Counting::Stencil => {
-                let stencil_back = self.gpu.staging(target.row_bytes(1) * u64::from(size.height()))?;
-                self.gpu.submit(|encoder| {
-                    let mut pass = target.begin(encoder);
-                    self.draw_receivers(&mut pass, receivers, &bindings.receivers);
-                    for (draw, bind) in volumes.iter().zip(&bindings.volumes) {
-                        self.draw_volume(&mut pass, draw, bind);
-                    }
-                    drop(pass);
-                    target.copy(encoder, wgpu::TextureAspect::DepthOnly, 4, &depth_back);
-                    target.copy(encoder, wgpu::TextureAspect::StencilOnly, 1, &stencil_back);
-                })?;
-                let counts =
-                    self.gpu.mapped(&stencil_back, |bytes| target.rows(bytes, 1, |b| i32::from(b[0])))?;
-                self.finish(&target, counting, counts, &depth_back)
-            }
-            Counting::Integer => {
-                let counts = self.gpu.storage::<i32>("counts of pixels", size.pixels())?;
-                let depth = target.texture.create_view(&wgpu::TextureViewDescriptor {
-                    aspect: wgpu::TextureAspect::DepthOnly,
-                    ..Default::default()
-                });
-                let counted: Vec<_> = volumes
-                    .iter()
-                    .zip(&bindings.frames)
-                    .map(|(draw, frame)| self.bind_counting(draw.volume, frame, &counts, &depth))
-                    .collect::<Result<_, _>>()?;
-                self.gpu.submit(|encoder| {
-                    let mut pass = target.begin(encoder);
-                    self.draw_receivers(&mut pass, receivers, &bindings.receivers);
-                    drop(pass);
-                    let mut pass = target.begin_read_only(encoder);
-                    for (draw, bind) in volumes.iter().zip(&counted) {
-                        self.count_volume(&mut pass, draw, bind);
-                    }
-                    drop(pass);
-                    target.copy(encoder, wgpu::TextureAspect::DepthOnly, 4, &depth_back);
-                })?;
-                let counts = self.gpu.download::<i32>(&counts, size.pixels())?;
-                self.finish(&target, counting, counts, &depth_back)
-            }
-        }
+        let receivers_frame = self.gpu.uniform(&self.frame(projection, size, receivers))?;
+        let bind = self.bind_receivers(&receivers_frame, receivers)?;
+        let counter = self.counter(&target, projection, volumes, counting)?;
+        let depth_back = self.gpu.staging_for(&target.0, 4)?;
+        let stencil_back = self.gpu.staging_for(&target.0, 1)?;
+        self.gpu.submit(|encoder| {
+            let mut pass = target.begin(encoder, &[]);
+            pass.set_pipeline(&self.pipelines.receivers);
+            pass.set_bind_group(0, &bind, &[]);
+            pass.draw(0..receivers.corners, 0..1);
+            drop(pass);
+            self.count(encoder, &target, &counter);
+            target.0.copy(encoder, wgpu::TextureAspect::DepthOnly, 4, &depth_back);
+            target.0.copy(encoder, wgpu::TextureAspect::StencilOnly, 1, &stencil_back);
+        })?;
+        let counts = match &counter.counts {
+            None => self.gpu.mapped(&stencil_back, |bytes| target.0.rows(bytes, 1, |b| i32::from(b[0])))?,
+            Some(counts) => self.gpu.download::<i32>(counts, size.pixels())?,
+        };
+        let receiver = self.gpu.mapped(&depth_back, |bytes| target.0.rows(bytes, 4, |b| b != [0; 4]))?;
+        Ok(ShadowMask::new(size, counting, counts, receiver))
     }
 
     /// What all triangles of the volumes add up to in each pixel, in front or behind, drawn so as to fail the depth
@@ -172,86 +168,83 @@ impl StencilPass {
             .iter()
             .map(|(volume, _)| self.bind_volume(projection, size, volume).map(|(bind, _)| bind))
             .collect::<Result<_, _>>()?;
-        let back = self.gpu.staging(target.row_bytes(1) * u64::from(size.height()))?;
+        let back = self.gpu.staging_for(&target.0, 1)?;
         self.gpu.submit(|encoder| {
-            let mut pass = target.begin(encoder);
+            let mut pass = target.begin(encoder, &[]);
             pass.set_pipeline(&self.pipelines.caps);
             for ((volume, parts), bind) in volumes.iter().zip(&bindings) {
                 pass.set_bind_group(0, bind, &[]);
                 parts.iter().for_each(|part| pass.draw_indirect(&volume.arguments, part.offset()));
             }
             drop(pass);
-            target.copy(encoder, wgpu::TextureAspect::StencilOnly, 1, &back);
+            target.0.copy(encoder, wgpu::TextureAspect::StencilOnly, 1, &back);
         })?;
-        self.gpu.mapped(&back, |bytes| target.rows(bytes, 1, |b| b[0]))
+        self.gpu.mapped(&back, |bytes| target.0.rows(bytes, 1, |b| b[0]))
     }
 
-    fn finish(
+    /// Prepares to count the volumes of one light.
+    pub(crate) fn counter<'a>(
         &self,
         target: &Target,
-        counting: Counting,
-        counts: Vec<i32>,
-        depth: &wgpu::Buffer,
-    ) -> Result<ShadowMask, GpuError> {
-        let receiver = self.gpu.mapped(depth, |bytes| target.rows(bytes, 4, |b| b != [0; 4]))?;
-        Ok(ShadowMask::new(target.size, counting, counts, receiver))
-    }
-
-    fn draw_receivers(&self, pass: &mut wgpu::RenderPass<'_>, receivers: &Receivers, bind: &wgpu::BindGroup) {
-        pass.set_pipeline(&self.pipelines.receivers);
-        pass.set_bind_group(0, bind, &[]);
-        pass.draw(0..receivers.corners, 0..1);
-    }
-
-    fn draw_volume(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>, bind: &wgpu::BindGroup) {
-        let arguments = &draw.volume.arguments;
-        pass.set_bind_group(0, bind, &[]);
-        match draw.method {
-            super::StencilMethod::ZPass => {
-                pass.set_pipeline(&self.pipelines.zpass_sides);
-                pass.draw_indirect(arguments, Part::Sides.offset());
-            }
-            super::StencilMethod::ZFail => {
-                pass.set_pipeline(&self.pipelines.zfail_sides);
-                pass.draw_indirect(arguments, Part::Sides.offset());
-                pass.set_pipeline(&self.pipelines.caps);
-                pass.draw_indirect(arguments, Part::LightCap.offset());
-                pass.draw_indirect(arguments, Part::DarkCap.offset());
-            }
-        }
-    }
-
-    fn count_volume(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>, bind: &wgpu::BindGroup) {
-        let arguments = &draw.volume.arguments;
-        pass.set_bind_group(0, bind, &[]);
-        match draw.method {
-            super::StencilMethod::ZPass => {
-                pass.set_pipeline(&self.pipelines.count_before);
-                pass.draw_indirect(arguments, Part::Sides.offset());
-            }
-            super::StencilMethod::ZFail => {
-                pass.set_pipeline(&self.pipelines.count_behind);
-                pass.draw_indirect(arguments, Part::Sides.offset());
-                pass.set_pipeline(&self.pipelines.count_all);
-                pass.draw_indirect(arguments, Part::LightCap.offset());
-                pass.draw_indirect(arguments, Part::DarkCap.offset());
-            }
-        }
-    }
-
-    fn bindings(
-        &self,
         projection: &Projection,
-        size: Size,
+        volumes: &'a [Draw<'a>],
+        counting: Counting,
+    ) -> Result<Counter<'a>, GpuError> {
+        let counts = match counting {
+            Counting::Stencil => None,
+            Counting::Integer => Some(self.gpu.storage::<i32>("counts of pixels", target.0.size.pixels())?),
+        };
+        let depth = target.depth();
+        let bind = |draw: &Draw<'_>| {
+            let (bind, frame) = self.bind_volume(projection, target.0.size, draw.volume)?;
+            match &counts {
+                None => Ok(bind),
+                Some(counts) => self.bind_counting(draw.volume, &frame, counts, &depth),
+            }
+        };
+        let bindings = volumes.iter().map(bind).collect::<Result<_, _>>()?;
+        Ok(Counter { volumes, bindings, counts })
+    }
+
+    /// Counts in the stencil, which is 0 before, or in the counter's buffer. Depth is there already.
+    pub(crate) fn count(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, counter: &Counter<'_>) {
+        let pipelines = &self.pipelines;
+        let (mut pass, chosen) = match counter.counts {
+            None => (target.begin_counting(encoder), pipelines.stencil()),
+            Some(_) => (target.begin_read_only(encoder, &[]), pipelines.integer()),
+        };
+        for (draw, bind) in counter.volumes.iter().zip(&counter.bindings) {
+            embed::draw_volume(&mut pass, draw.method, bind, &draw.volume.arguments, chosen);
+        }
+    }
+
+    /// The device that it was compiled for.
+    #[must_use]
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Where the depth of its fragments comes from.
+    #[must_use]
+    pub fn depth(&self) -> Depth {
+        self.depth
+    }
+
+    /// What group 0 of a pipeline holds that draws receivers: see [`StencilPass::bind_receivers`].
+    pub(crate) fn layout(&self) -> &wgpu::BindGroupLayout {
+        &self.pipelines.layout
+    }
+
+    pub(crate) fn frame(&self, projection: &Projection, size: Size, receivers: &Receivers) -> Frame {
+        Frame::new(projection, size, receivers.largest, None, 0)
+    }
+
+    pub(crate) fn bind_receivers(
+        &self,
+        frame: &wgpu::Buffer,
         receivers: &Receivers,
-        volumes: &[Draw<'_>],
-    ) -> Result<Bindings, GpuError> {
-        let frame = self.gpu.uniform(&Frame::new(projection, size, receivers.largest, None, 0))?;
-        let buffers = [&frame, &receivers.vertices, &receivers.triangles, &receivers.normals];
-        let receivers = self.bind(buffers)?;
-        let bound = volumes.iter().map(|draw| self.bind_volume(projection, size, draw.volume));
-        let (volumes, frames) = bound.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-        Ok(Bindings { receivers, volumes, frames })
+    ) -> Result<wgpu::BindGroup, GpuError> {
+        self.bind([frame, &receivers.vertices, &receivers.triangles, &receivers.normals])
     }
 
     fn bind_volume(
@@ -301,113 +294,10 @@ impl StencilPass {
     }
 }
 
-struct Bindings {
-    receivers: wgpu::BindGroup,
-    volumes: Vec<wgpu::BindGroup>,
-    frames: Vec<wgpu::Buffer>,
-}
-
-/// Depth and stencil of a picture.
-struct Target {
-    texture: wgpu::Texture,
-    view: wgpu::TextureView,
-    size: Size,
-}
-
-impl Target {
-    fn new(gpu: &Gpu, size: Size) -> Result<Self, GpuError> {
-        let side = size.width().max(size.height());
-        let limit = gpu.limits().max_texture_dimension_2d;
-        if side > limit {
-            return Err(GpuError::Picture { side, limit });
-        }
-        let texture = gpu.attempt(|| {
-            gpu.device().create_texture(&wgpu::TextureDescriptor {
-                label: Some("depth and stencil"),
-                size: wgpu::Extent3d { width: size.width(), height: size.height(), depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: FORMAT,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                    | wgpu::TextureUsages::COPY_SRC
-                    | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
-        })?;
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        Ok(Self { texture, view, size })
-    }
-
-    /// Begins a pass with everything infinitely far and counted 0.
-    fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
-        let store = wgpu::StoreOp::Store;
-        self.pass(
-            encoder,
-            Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store }),
-            Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
-        )
-    }
-
-    /// Begins a pass that can look at the depth, and change nothing.
-    fn begin_read_only<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
-        self.pass(encoder, None, None)
-    }
-
-    fn pass<'e>(
-        &self,
-        encoder: &'e mut wgpu::CommandEncoder,
-        depth_ops: Option<wgpu::Operations<f32>>,
-        stencil_ops: Option<wgpu::Operations<u32>>,
-    ) -> wgpu::RenderPass<'e> {
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: None,
-            color_attachments: &[],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.view,
-                depth_ops,
-                stencil_ops,
-            }),
-            timestamp_writes: None,
-            occlusion_query_set: None,
-            multiview_mask: None,
-        })
-    }
-
-    /// How many bytes a row takes in a buffer.
-    fn row_bytes(&self, pixel: u32) -> u64 {
-        u64::from(self.size.width() * pixel).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT.into())
-    }
-
-    fn copy(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        aspect: wgpu::TextureAspect,
-        pixel: u32,
-        to: &wgpu::Buffer,
-    ) {
-        let from = wgpu::TexelCopyTextureInfo {
-            texture: &self.texture,
-            mip_level: 0,
-            origin: wgpu::Origin3d::ZERO,
-            aspect,
-        };
-        let layout = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(self.row_bytes(pixel) as u32), // at most 4 × 2¹⁴
-            rows_per_image: None,
-        };
-        encoder.copy_texture_to_buffer(
-            from,
-            wgpu::TexelCopyBufferInfo { buffer: to, layout },
-            self.texture.size(),
-        );
-    }
-
-    /// The pixels of a copy without what pads its rows.
-    fn rows<T>(&self, bytes: &[u8], pixel: usize, read: impl Fn(&[u8]) -> T) -> Vec<T> {
-        let row = self.row_bytes(pixel as u32) as usize;
-        let width = self.size.width() as usize * pixel;
-        bytes.chunks_exact(row).flat_map(|row| row[..width].chunks_exact(pixel).map(&read)).collect()
-    }
+/// The volumes of one light, ready to be counted.
+pub(crate) struct Counter<'a> {
+    volumes: &'a [Draw<'a>],
+    bindings: Vec<wgpu::BindGroup>,
+    /// One `i32` a pixel, where the stencil does not count.
+    pub(crate) counts: Option<wgpu::Buffer>,
 }

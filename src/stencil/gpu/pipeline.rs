@@ -7,6 +7,9 @@ use crate::gpu::{Gpu, GpuError, Shader, wgpu};
 /// The depth and stencil of all passes; reversed, so that 0 is infinitely far.
 pub(super) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32FloatStencil8;
 
+/// The source of all that is drawn here, for shaders that go on with it.
+pub(crate) const SOURCE: &str = include_str!("../stencil.wgsl");
+
 /// The pipelines of a pass, and the layouts of what they are given.
 #[derive(Clone, Debug)]
 pub(super) struct Pipelines {
@@ -27,10 +30,20 @@ pub(super) struct Pipelines {
 const KEEP: StencilFaceState = StencilFaceState::IGNORE;
 
 impl Pipelines {
+    /// For z-pass sides, z-fail sides and caps, counted in the stencil.
+    pub(super) fn stencil(&self) -> [&wgpu::RenderPipeline; 3] {
+        [&self.zpass_sides, &self.zfail_sides, &self.caps]
+    }
+
+    /// The same, counted in whole numbers.
+    pub(super) fn integer(&self) -> [&wgpu::RenderPipeline; 3] {
+        [&self.count_before, &self.count_behind, &self.count_all]
+    }
+
     /// `plane`: fragments compute their depth from their plane; else it is interpolated.
     pub(super) fn new(gpu: &Gpu, plane: bool) -> Result<Self, GpuError> {
         use StencilOperation::{DecrementWrap, IncrementWrap};
-        let module = Shader::new("stencil", include_str!("../stencil.wgsl")).module(gpu)?;
+        let module = Shader::new("stencil", SOURCE).module(gpu)?;
         let layout = layout(gpu, false)?;
         let counting_layout = self::layout(gpu, true)?;
         let fragment = plane.then_some("plane");
@@ -42,20 +55,14 @@ impl Pipelines {
         let passes =
             |operation| StencilFaceState { pass_op: operation, compare: CompareFunction::Always, ..KEEP };
         let build = |vertex, fragment, depth_write, compare, front, back| {
-            let draw = Pipeline { vertex, fragment, depth_write, compare, front, back };
-            draw.build(gpu, &module, &layout)
+            let depth_stencil = Some(depth_stencil(depth_write, compare, front, back));
+            let layout = Some(&layout);
+            Pipeline { vertex, fragment, targets: &[], depth_stencil, layout }.build(gpu, &module)
         };
         let count = |vertex, fragment| {
-            let compare = CompareFunction::Always;
-            let draw = Pipeline {
-                vertex,
-                fragment: Some(fragment),
-                depth_write: false,
-                compare,
-                front: KEEP,
-                back: KEEP,
-            };
-            draw.build(gpu, &module, &counting_layout)
+            let depth_stencil = Some(depth_stencil(false, CompareFunction::Always, KEEP, KEEP));
+            let (fragment, layout) = (Some(fragment), Some(&counting_layout));
+            Pipeline { vertex, fragment, targets: &[], depth_stencil, layout }.build(gpu, &module)
         };
         let greater = CompareFunction::Greater;
         // z-fail counts what is behind the visible point: out where a volume ends there, in where it begins.
@@ -81,32 +88,33 @@ impl Pipelines {
     }
 }
 
-struct Pipeline<'a> {
-    vertex: &'a str,
-    fragment: Option<&'a str>,
-    depth_write: bool,
-    compare: CompareFunction,
-    front: StencilFaceState,
-    back: StencilFaceState,
+/// What a render pipeline is made of; the layout of its group 0 comes from the shader where none is given.
+pub(crate) struct Pipeline<'a> {
+    pub(crate) vertex: &'a str,
+    pub(crate) fragment: Option<&'a str>,
+    pub(crate) targets: &'a [Option<wgpu::ColorTargetState>],
+    pub(crate) depth_stencil: Option<wgpu::DepthStencilState>,
+    pub(crate) layout: Option<&'a wgpu::BindGroupLayout>,
 }
 
 impl Pipeline<'_> {
-    fn build(
-        &self,
+    pub(crate) fn build(
+        self,
         gpu: &Gpu,
         module: &wgpu::ShaderModule,
-        layout: &wgpu::BindGroupLayout,
     ) -> Result<wgpu::RenderPipeline, GpuError> {
         let compilation_options = wgpu::PipelineCompilationOptions::default;
         gpu.attempt(|| {
-            let layout = gpu.device().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: None,
-                bind_group_layouts: &[Some(layout)],
-                immediate_size: 0,
+            let layout = self.layout.map(|layout| {
+                gpu.device().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                    label: None,
+                    bind_group_layouts: &[Some(layout)],
+                    immediate_size: 0,
+                })
             });
             gpu.device().create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(self.vertex),
-                layout: Some(&layout),
+                layout: layout.as_ref(),
                 vertex: wgpu::VertexState {
                     module,
                     entry_point: Some(self.vertex),
@@ -117,27 +125,32 @@ impl Pipeline<'_> {
                     module,
                     entry_point: Some(entry),
                     compilation_options: compilation_options(),
-                    targets: &[],
+                    targets: self.targets,
                 }),
                 // Two-sided: both sides of a receiver are seen, both sides of a volume counted.
                 primitive: wgpu::PrimitiveState { cull_mode: None, ..Default::default() },
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: FORMAT,
-                    depth_write_enabled: Some(self.depth_write),
-                    depth_compare: Some(self.compare),
-                    stencil: wgpu::StencilState {
-                        front: self.front,
-                        back: self.back,
-                        read_mask: 0xff,
-                        write_mask: 0xff,
-                    },
-                    bias: wgpu::DepthBiasState::default(),
-                }),
+                depth_stencil: self.depth_stencil,
                 multisample: wgpu::MultisampleState::default(),
                 multiview_mask: None,
                 cache: None,
             })
         })
+    }
+}
+
+/// A test of depth and stencil; all bits of the stencil count.
+pub(crate) fn depth_stencil(
+    depth_write: bool,
+    compare: CompareFunction,
+    front: StencilFaceState,
+    back: StencilFaceState,
+) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: FORMAT,
+        depth_write_enabled: Some(depth_write),
+        depth_compare: Some(compare),
+        stencil: wgpu::StencilState { front, back, read_mask: 0xff, write_mask: 0xff },
+        bias: wgpu::DepthBiasState::default(),
     }
 }
 

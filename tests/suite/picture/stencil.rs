@@ -1,0 +1,176 @@
+//! The picture by stencil shadows against the exact one of the same view.
+
+use umbrage::geom::{Aabb, Light};
+use umbrage::glam;
+use umbrage::gpu::{Gpu, GpuError};
+use umbrage::mesh::{FaceId, Mesh, solid};
+use umbrage::oracle::Oracle;
+use umbrage::picture::{CLAY, Ground, Lamp, LampShadow, Picture, View, render_stencil};
+use umbrage::scene::{Camera, SpotCone, Up};
+use umbrage::silhouette::{Casters, Silhouette, classify};
+use umbrage::stencil::{Counting, Depth, Draw, Receivers, StencilMethod, StencilPass};
+use umbrage::topology::Topology;
+use umbrage::volume::{Caps, GpuVolume, ShadowVolume};
+
+use super::{QUIET, bounds, light, render, size};
+use crate::support::gpu;
+
+/// What is left out on purpose.
+#[derive(Clone, Copy, PartialEq)]
+enum Fault {
+    None,
+    /// The volumes have no caps.
+    Caps,
+    /// The first lamp has no volume.
+    Volume,
+}
+
+struct Subject {
+    mesh: Mesh,
+    ground: Ground,
+    bounds: Aabb,
+    camera: Camera,
+    lamps: Vec<Lamp>,
+}
+
+impl Subject {
+    fn new(mesh: Mesh, eye: [f32; 3], lamps: Vec<Lamp>) -> Self {
+        let bounds = bounds(&mesh);
+        let (mesh, ground) = Ground::under(mesh, Up::Y).unwrap();
+        let camera = Camera::look_at(eye, bounds.centre(), 0.8, Up::Y).unwrap();
+        Self { mesh, ground, bounds, camera, lamps }
+    }
+
+    fn view(&self, edge_samples: u32) -> View<'_> {
+        View {
+            camera: self.camera,
+            size: size("96x64"),
+            lamps: &self.lamps,
+            up: Up::Y,
+            ground: Some(self.ground),
+            paint: &|face: FaceId| if face.index() % 7 == 0 { [0.7, 0.3, 0.1] } else { CLAY },
+            edge_samples,
+        }
+    }
+
+    fn by_stencil(&self, gpu: &Gpu, depth: Depth, counting: Counting, samples: u32, fault: Fault) -> Picture {
+        let topology = Topology::build(self.mesh.vertex_count(), self.mesh.triangles().to_vec());
+        let caps = if fault == Fault::Caps { Caps::None } else { Caps::Both };
+        let volume = |lamp: &Lamp| {
+            let signs = Casters::All.signs(&classify(&self.mesh, &lamp.light));
+            let silhouette = Silhouette::extract(&topology, &signs);
+            let volume = ShadowVolume::extrude(&self.mesh, &topology, &lamp.light, &signs, &silhouette, caps);
+            GpuVolume::upload(gpu, &volume).unwrap()
+        };
+        let volumes: Vec<GpuVolume> = self.lamps.iter().map(volume).collect();
+        let draw = |volume| [Draw { volume, method: StencilMethod::ZFail }];
+        let draws: Vec<_> = volumes.iter().map(draw).collect();
+        let mut shadows: Vec<_> = draws.iter().map(|draws| LampShadow { draws, counting }).collect();
+        if fault == Fault::Volume {
+            shadows[0].draws = &[];
+        }
+        let view = self.view(samples);
+        let projection = self.camera.projection(view.size, 1e-3 * self.bounds.diagonal() as f32);
+        let receivers = Receivers::upload(gpu, &self.mesh).unwrap();
+        let pass = StencilPass::new(gpu, depth).unwrap();
+        render_stencil(&pass, &self.mesh, &receivers, &view, &projection, &shadows).unwrap()
+    }
+}
+
+/// How many pixels differ by more than `most` in any channel.
+fn differing(a: &Picture, b: &Picture, most: u8) -> usize {
+    assert_eq!(a.size, b.size);
+    let differ = |(a, b): &(&[u8; 4], &[u8; 4])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > most);
+    a.pixels.iter().zip(&b.pixels).filter(differ).count()
+}
+
+fn subjects() -> [Subject; 4] {
+    let equal = |lights: &[&str]| Lamp::equal(&lights.iter().map(|text| light(text)).collect::<Vec<Light>>());
+    let knot = solid::translated(&solid::torus_knot(2, 3, 60, 10, 0.4), [0.0, 1.0, 0.0]);
+    let mut spot = equal(&["point:2,5,3"]);
+    let direction = glam::Vec3::new(-2.0, -5.0, -3.0).normalize().into();
+    spot[0].spot = Some(SpotCone { direction, inner_rad: 0.1, outer_rad: 0.35 });
+    [
+        Subject::new(knot, [3.0, 4.0, 9.0], equal(&["point:3,9,4", "directional:0.3,-1,-0.2"])),
+        // The eye is in a shadow.
+        Subject::new(solid::menger_sponge(2), [-1.0, 0.2, 0.6], equal(&["directional:1,-0.6,-0.9"])),
+        // Faces in the light's planes, and an open mesh.
+        Subject::new(solid::open_cube(), [1.5, 3.0, 3.5], equal(&["directional:0,-1,0", "point:-3,4,0"])),
+        Subject::new(solid::icosphere(3), [1.0, 3.0, 5.0], spot),
+    ]
+}
+
+/// Bytes differ by no more than this where nothing but rounding differs: light adds up in half floats.
+const NOISE: u8 = 2;
+
+/// How many of the 6144 pixels may differ by more: the middle of a pixel is in a rasteriser's footprint of an edge.
+const AT_EDGES: usize = 6;
+
+#[test]
+fn stencil_picture_is_the_exact_one_but_at_edges() {
+    let Some(gpu) = gpu() else { return };
+    let mut unshadowed = 0;
+    for (number, subject) in subjects().iter().enumerate() {
+        let exact = render(&Oracle::build(&subject.mesh), &subject.view(1), QUIET);
+        let wrong = |depth, counting, fault| {
+            differing(&subject.by_stencil(&gpu, depth, counting, 1, fault), &exact, NOISE)
+        };
+        for counting in [Counting::Stencil, Counting::Integer] {
+            let sound = wrong(Depth::Plane, counting, Fault::None);
+            assert!(sound <= AT_EDGES, "{number} {counting:?}: {sound}");
+            let open = wrong(Depth::Plane, counting, Fault::Caps);
+            assert!(open > 50 * AT_EDGES, "{number} {counting:?}: {open}");
+            unshadowed += wrong(Depth::Plane, counting, Fault::Volume);
+        }
+        let interpolated = wrong(Depth::Interpolated, Counting::Stencil, Fault::None);
+        assert!(interpolated <= 10 * AT_EDGES, "{number}: {interpolated}");
+    }
+    assert!(unshadowed > 200 * AT_EDGES, "{unshadowed}");
+}
+
+#[test]
+fn stencil_picture_smooths_as_the_exact_one() {
+    let Some(gpu) = gpu() else { return };
+    for (number, subject) in subjects().iter().enumerate() {
+        let exact = render(&Oracle::build(&subject.mesh), &subject.view(2), QUIET);
+        for counting in [Counting::Stencil, Counting::Integer] {
+            let picture = subject.by_stencil(&gpu, Depth::Plane, counting, 2, Fault::None);
+            // The exact one takes several rays only where a pixel differs from its neighbour by 20.
+            let [more, edges] = [NOISE, 20].map(|most| differing(&picture, &exact, most));
+            assert!(more <= 10 * AT_EDGES && edges <= AT_EDGES, "{number} {counting:?}: {more} {edges}");
+        }
+        // The sabotage: without smoothing hundreds of pixels differ.
+        let plain = subject.by_stencil(&gpu, Depth::Plane, Counting::Stencil, 1, Fault::None);
+        assert!(differing(&plain, &exact, NOISE) > 10 * AT_EDGES, "{number}");
+    }
+}
+
+#[test]
+fn stencil_picture_of_coinciding_faces_is_lit_once() {
+    let Some(gpu) = gpu() else { return };
+    let lamps = Lamp::equal(&[light("point:3,5,4")]);
+    let twice = Mesh::concat(&[solid::icosphere(2), solid::icosphere(2)]).unwrap();
+    let [once, twice] = [solid::icosphere(2), twice].map(|mesh| {
+        let subject = Subject::new(mesh, [1.0, 3.0, 5.0], lamps.clone());
+        subject.by_stencil(&gpu, Depth::Plane, Counting::Stencil, 1, Fault::None)
+    });
+    assert_eq!(differing(&once, &twice, NOISE), 0);
+}
+
+#[test]
+fn stencil_picture_of_nothing_is_background_and_one_too_large_an_error() {
+    let Some(gpu) = gpu() else { return };
+    let subject = Subject::new(solid::cube(), [1.0, 3.0, 5.0], Lamp::equal(&[light("point:3,5,4")]));
+    let empty = Mesh::default();
+    let (pass, receivers) =
+        (StencilPass::new(&gpu, Depth::Plane).unwrap(), Receivers::upload(&gpu, &empty).unwrap());
+    let view = View { lamps: &[], ground: None, ..subject.view(1) };
+    let projection = subject.camera.projection(view.size, 0.1);
+    let picture = render_stencil(&pass, &empty, &receivers, &view, &projection, &[]).unwrap();
+    assert_eq!(differing(&picture, &render(&Oracle::build(&empty), &view, QUIET), 1), 0);
+    for edge_samples in [2, u32::MAX] {
+        let view = View { size: size("16384x1"), edge_samples, ..view };
+        let error = render_stencil(&pass, &empty, &receivers, &view, &projection, &[]).unwrap_err();
+        assert!(matches!(error, GpuError::Picture { .. }), "{error}");
+    }
+}

@@ -7,7 +7,8 @@
 //! file ─read─► Scene ─bake─► Mesh ─weld─► Mesh ─Topology::build─► Topology ─► CrackReport::of(&Mesh, &Topology)
 //! Topology + Light ─classify─► Facing per face ─extract─► Silhouette ─extrude─► ShadowVolume ─► winding number ┐
 //! Mesh ─Oracle::build─► Oracle ─verdict─► Lit | Shadowed | Grazing ────────────────────────────────► verify ◄──┘
-//! Shells + Light + Projection ─choose─► MethodPlan (z-pass or z-fail, and why) ─► stencil pass
+//! Mesh + Light + Projection ─Caster::cast─► Casting (volumes, z-pass or z-fail and why) ─StencilPass::mask─► ShadowMask
+//! ShadowMask + Oracle ─compare─► Comparison: the last word on every pixel
 //! Oracle + View (camera, lamps) ─render─► Picture ─write_png─► PNG
 //! ```
 //!

@@ -1,10 +1,46 @@
 #!/usr/bin/env bash
 # Every test: the default build, the examples in the documentation, and the lean library without features.
 #
+# Tests on a graphics adapter run on whatever there is, a software driver included. Where Linux has neither a graphics
+# card nor a software Vulkan driver, Mesa's is installed (Debian and Ubuntu, as root or with sudo). Without an adapter
+# the tests fail; UMBRAGE_REQUIRE_GPU=0 lets them say aloud what they skip instead.
+#
 # The real meshes are looked for in $UMBRAGE_MESHES, or in ../shared/meshes; without them their tests say aloud that
 # they are skipped. Arguments go to the test binaries (for example a part of a test's name).
 set -euo pipefail
 cd "$(dirname "$0")/.."
+
+export UMBRAGE_REQUIRE_GPU="${UMBRAGE_REQUIRE_GPU:-1}"
+
+# Whether anything here could be an adapter.
+has_adapter() {
+    [ "$(uname -s)" != Linux ] && return 0
+    [ -n "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ] && return 0
+    # ls fails if one of several is missing; what it finds is what counts.
+    [ -n "$(ls /dev/dri/renderD* /usr/share/vulkan/icd.d/lvp_icd.*.json /etc/vulkan/icd.d/*.json 2>/dev/null)" ]
+}
+
+if [ "$UMBRAGE_REQUIRE_GPU" = 1 ] && ! has_adapter; then
+    sudo=""
+    [ "$(id -u)" = 0 ] || sudo="sudo -n"
+    if command -v apt-get >/dev/null && { [ -z "$sudo" ] || $sudo true 2>/dev/null; }; then
+        echo "no graphics adapter: installing Mesa's software Vulkan driver (mesa-vulkan-drivers)"
+        $sudo apt-get update -qq
+        $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends mesa-vulkan-drivers
+    else
+        echo "no graphics adapter: install a software Vulkan driver (Debian and Ubuntu: mesa-vulkan-drivers;" >&2
+        echo "Fedora: mesa-vulkan-drivers; Arch: vulkan-swrast), or set UMBRAGE_REQUIRE_GPU=0 to skip its tests" >&2
+        exit 2
+    fi
+fi
+
+# Mesa looks for a display server and complains on standard error where there is none.
+export NODEVICE_SELECT=1
+if [ -z "${XDG_RUNTIME_DIR:-}" ]; then
+    XDG_RUNTIME_DIR="$(mktemp -d)"
+    export XDG_RUNTIME_DIR
+    trap 'rm -rf "$XDG_RUNTIME_DIR"' EXIT
+fi
 
 cargo test --locked --lib --bins --tests -- "$@"
 cargo test --locked --doc -- "$@"

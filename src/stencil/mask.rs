@@ -21,8 +21,14 @@ pub struct ShadowMask {
 }
 
 impl ShadowMask {
-    /// Row after row from the top: the counts, and whether there is anything to receive a shadow.
-    pub(crate) fn new(size: Size, counting: Counting, counts: Vec<i32>, receiver: Vec<bool>) -> Self {
+    /// A mask from counts and from whether a pixel has anything to receive a shadow: row after row from the top. A pass
+    /// of this crate makes them; so may any other renderer that wants to be judged.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there is not one entry of each a pixel.
+    #[must_use]
+    pub fn new(size: Size, counting: Counting, counts: Vec<i32>, receiver: Vec<bool>) -> Self {
         assert!(counts.len() == size.pixels() && receiver.len() == size.pixels(), "one entry a pixel");
         Self { size, counting, counts, receiver }
     }

@@ -1,6 +1,7 @@
 //! Every integration test, one file a stage, named as in `src`.
 
 mod cli;
+mod compare;
 mod crack;
 mod data;
 mod facts;

@@ -1,5 +1,8 @@
 //! What the machine may be asked for: threads, a graphics adapter.
 
+#[cfg(feature = "gpu")]
+use umbrage::gpu::{Gpu, GpuError};
+
 use super::error::Failure;
 
 /// For commands that may be long.
@@ -42,7 +45,9 @@ fn start(threads: usize) -> Result<(), String> {
 /// For commands that may use a graphics adapter.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct AdapterArgs {
-    /// The graphics adapter to use, by a part of its name (not built yet)
+    /// The graphics adapter to use, by a part of its name
+    ///
+    /// [default: what the environment variable UMBRAGE_ADAPTER names, else the fastest kind there is]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
 }
@@ -53,6 +58,23 @@ impl AdapterArgs {
         match &self.adapter {
             None => Ok(()),
             Some(name) => Err(Failure::not_built(format_args!("--adapter {name}"), "leave it out")),
+        }
+    }
+
+    /// Opens the adapter, which must be there.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn open(&self) -> Result<Gpu, Failure> {
+        Ok(Gpu::new(self.adapter.as_deref())?)
+    }
+
+    /// Opens the adapter if there is one; says why not. One that is asked for by name must be there.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn find(&self) -> Result<Result<Gpu, GpuError>, Failure> {
+        match Gpu::new(self.adapter.as_deref()) {
+            Err(error) if self.adapter.is_some() || matches!(error, GpuError::NoSuchAdapter { .. }) => {
+                Err(error.into())
+            }
+            found => Ok(found),
         }
     }
 }

@@ -46,7 +46,7 @@ const POINTS: usize = 20_000;
 const SIZE: (u32, u32) = (960, 540);
 /// The size of each of two pictures side by side.
 #[cfg(feature = "gpu")]
-const HALF: (u32, u32) = (800, 450);
+const HALF: (u32, u32) = (720, 405);
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     #[cfg(feature = "gpu")]

@@ -37,8 +37,8 @@ pub(super) fn judge(
     let stage = Stage::new(gpu, mesh, bounds, View { edge_samples: SAMPLES, ..view }, None)?;
     let picture = stage.picture()?;
     let progress = Progress::bar("judging pixels", (lights.len() as u64) * u64::from(view.size.height()));
-    let mut table = Table::new(&["light", "pixels", "sky", "agree", "grazing", "disagree", "method"]);
-    let (mut panels, mut agrees): (Vec<Picture>, bool) = (Vec::new(), true);
+    let mut table = Table::new(&["light", "pixels", "sky", "agree", "grazing", "disagree"]);
+    let (mut panels, mut methods, mut agrees) = (Vec::new(), String::new(), true);
     for (light, casting) in lights.iter().zip(&stage.castings) {
         let mask = stage.mask(casting)?;
         let rendered = Rendered {
@@ -59,14 +59,18 @@ pub(super) fn judge(
         let disagree = counts[0] - counts[1..].iter().sum::<usize>();
         let cells = counts.into_iter().chain([disagree]).map(|count| count.to_string());
         let name = label(&light.light, &light.name);
-        table.row([name].into_iter().chain(cells).chain([casting.said.clone()]).collect());
+        methods += &format!("  {name}: {}\n", casting.said);
+        table.row([name].into_iter().chain(cells).collect());
         agrees &= result.agrees();
         panels.push(false_colours(&result, &picture));
     }
     drop(progress);
     let verdict = if agrees { "every pixel agrees or grazes" } else { "some pixels disagree" };
-    let text =
-        format!("{}, {} pixels\n{table}\n\nverdict: {verdict}\n{LEGEND}\n", plain(&gpu.name()), view.size);
+    let text = format!(
+        "{}, {} pixels\n{table}\n{methods}\nverdict: {verdict}\n{LEGEND}\n",
+        plain(&gpu.name()),
+        view.size
+    );
     Ok(Judged { picture, verdicts: beside(&panels.iter().collect::<Vec<_>>()), text, agrees })
 }
 
@@ -74,7 +78,7 @@ const LEGEND: &str = "agree: the stencil pass counts exactly what the ray cast d
                       rasteriser's rounding; in verdicts.png bright is lit, dark shadowed, yellow grazing, red disagrees";
 
 /// A dot for each pixel that does not simply agree: alone it would be lost.
-const DOT_RADIUS: usize = 1;
+const DOT_RADIUS: usize = 2;
 
 fn false_colours(result: &Comparison, picture: &Picture) -> Picture {
     let (width, height) = (result.size.width() as usize, result.size.height() as usize);

@@ -4,7 +4,7 @@
 mod pixels;
 
 use std::f32::consts::FRAC_PI_2;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use umbrage::glam::{Mat4, Vec3};
 #[cfg(feature = "gpu")]
@@ -17,11 +17,13 @@ use umbrage::topology::Topology;
 use umbrage::verify::{Options, Verification, Verifier};
 use umbrage::write::{self, Layer, Model, write_atomic};
 
+#[cfg(feature = "gpu")]
+use super::load;
 use super::load::MeshArgs;
 use super::machine::{AdapterArgs, ThreadArgs};
 use super::output::Output;
 use super::progress::Progress;
-use super::{Failure, Outcome, check, load, output, silhouette, verify, volume};
+use super::{Failure, Outcome, check, output, silhouette, verify, volume};
 
 /// All of it on a generated scene: report, silhouettes, volumes, pictures, verification
 ///
@@ -49,10 +51,7 @@ const SIZE: (u32, u32) = (960, 540);
 const HALF: (u32, u32) = (720, 405);
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
-    #[cfg(feature = "gpu")]
-    let found = args.adapter.find()?;
-    #[cfg(not(feature = "gpu"))]
-    args.adapter.refuse()?;
+    let found = find(&args.adapter)?;
     args.threads.apply()?;
     std::fs::create_dir_all(&args.out).map_err(|error| {
         let problem = format!("the folder cannot be made: {error}");
@@ -89,23 +88,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     out.flush()?;
 
     // 4. The pictures, and the judges of pixels.
-    let oracle = Oracle::build(&mesh);
-    let (mut files, mut pixels_agree) = ("picture.png", true);
-    #[cfg(feature = "gpu")]
-    match found.and_then(|gpu| both(&gpu, &mesh, &oracle, &lights)) {
-        Ok((both, judged)) => {
-            both?.write_png(at("picture.png"))?;
-            judged.verdicts.write_png(at("verdicts.png"))?;
-            out.text(format_args!("Pixels: {}\n", judged.text))?;
-            (files, pixels_agree) = ("picture.png, verdicts.png", judged.agrees);
-        }
-        Err(error) => {
-            output::say(format_args!("note: no stencil pass, the picture comes from the ray cast: {error}"));
-            by_rays(&mesh, &oracle, &lights, SIZE)?.write_png(at("picture.png"))?;
-        }
-    }
-    #[cfg(not(feature = "gpu"))]
-    by_rays(&mesh, &oracle, &lights, SIZE)?.write_png(at("picture.png"))?;
+    let (files, pixels_agree) = pictures(found, &mesh, &lights, &args.out, &mut out)?;
     out.flush()?;
 
     // 5. The judges of points.
@@ -195,19 +178,64 @@ fn by_rays(
     .map_err(|error| Failure::new(error, "free some memory"))
 }
 
-/// The picture by a stencil pass and the one by rays, and what is said of the pixels.
+/// The adapter that was asked for, or any; why there is none.
 #[cfg(feature = "gpu")]
-fn both(
-    gpu: &Gpu,
+type Found = Result<Gpu, GpuError>;
+#[cfg(not(feature = "gpu"))]
+type Found = ();
+
+#[cfg(feature = "gpu")]
+fn find(adapter: &AdapterArgs) -> Result<Found, Failure> {
+    adapter.find()
+}
+
+#[cfg(not(feature = "gpu"))]
+fn find(adapter: &AdapterArgs) -> Result<Found, Failure> {
+    adapter.refuse()
+}
+
+/// Writes the pictures into a folder: the names of their files, and whether all pixels agree.
+#[cfg(feature = "gpu")]
+fn pictures(
+    found: Found,
     mesh: &Mesh,
-    oracle: &Oracle,
     lights: &[SceneLight],
-) -> Result<(Result<Picture, Failure>, pixels::Judged), GpuError> {
+    folder: &Path,
+    out: &mut Output,
+) -> Result<(&'static str, bool), Failure> {
+    let oracle = Oracle::build(mesh);
     let bounds = load::bounds(mesh);
-    let judged =
-        with_view(mesh, lights, HALF, |view| pixels::judge(gpu, mesh, &bounds, oracle, view, lights))?;
-    let rays = by_rays(mesh, oracle, lights, HALF);
-    Ok((rays.map(|rays| pixels::beside(&[&judged.picture, &rays])), judged))
+    let judged = found.and_then(|gpu| {
+        with_view(mesh, lights, HALF, |view| pixels::judge(&gpu, mesh, &bounds, &oracle, view, lights))
+    });
+    match judged {
+        Ok(judged) => {
+            let rays = by_rays(mesh, &oracle, lights, HALF)?;
+            pixels::beside(&[&judged.picture, &rays]).write_png(folder.join("picture.png"))?;
+            judged.verdicts.write_png(folder.join("verdicts.png"))?;
+            out.text(format_args!("Pixels: {}\n", judged.text))?;
+            Ok(("picture.png, verdicts.png", judged.agrees))
+        }
+        Err(error) => {
+            output::say(format_args!("note: no stencil pass, the picture comes from the ray cast: {error}"));
+            by_rays(mesh, &oracle, lights, SIZE)?.write_png(folder.join("picture.png"))?;
+            Ok(("picture.png", true))
+        }
+    }
+}
+
+#[cfg(not(feature = "gpu"))]
+fn pictures(
+    _: Found,
+    mesh: &Mesh,
+    lights: &[SceneLight],
+    folder: &Path,
+    _: &mut Output,
+) -> Result<(&'static str, bool), Failure> {
+    let oracle = Oracle::build(mesh);
+    by_rays(mesh, &oracle, lights, SIZE)?.write_png(folder.join("picture.png"))?;
+    output::say("note: the picture comes from the ray cast: this build cannot use a graphics adapter");
+    Ok(("picture.png", true))
 }
 
 fn judge(mesh: &Mesh, lights: &[SceneLight]) -> Vec<Verification> {

@@ -97,7 +97,7 @@ enum Way {
     Rays,
     #[cfg(feature = "gpu")]
     Stencil {
-        gpu: Gpu,
+        gpu: Box<Gpu>,
         asked: Option<StencilMethod>,
     },
 }
@@ -109,7 +109,7 @@ impl Method {
             Self::Rays => return Ok(Way::Rays),
             Self::Auto => {
                 return Ok(match adapter.find()? {
-                    Ok(gpu) => Way::Stencil { gpu, asked: None },
+                    Ok(gpu) => Way::Stencil { gpu: Box::new(gpu), asked: None },
                     Err(error) => {
                         note_rays(&error);
                         Way::Rays
@@ -119,7 +119,7 @@ impl Method {
             Self::Zpass => StencilMethod::ZPass,
             Self::Zfail => StencilMethod::ZFail,
         };
-        Ok(Way::Stencil { gpu: adapter.open()?, asked: Some(asked) })
+        Ok(Way::Stencil { gpu: Box::new(adapter.open()?), asked: Some(asked) })
     }
 
     #[cfg(not(feature = "gpu"))]
@@ -143,6 +143,7 @@ fn note_rays(error: &GpuError) {
 }
 
 /// Samples along each side of a pixel.
+#[cfg(feature = "gpu")]
 const STENCIL_SAMPLES: u32 = 2;
 const RAYS_SAMPLES: u32 = 3;
 

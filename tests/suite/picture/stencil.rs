@@ -47,7 +47,7 @@ impl Subject {
             lamps: &self.lamps,
             up: Up::Y,
             ground: Some(self.ground),
-            paint: &|face: FaceId| if face.index() % 7 == 0 { [0.7, 0.3, 0.1] } else { CLAY },
+            paint: &|face: FaceId| if face.index().is_multiple_of(7) { [0.7, 0.3, 0.1] } else { CLAY },
             edge_samples,
         }
     }
@@ -87,7 +87,7 @@ fn subjects() -> [Subject; 4] {
     let equal = |lights: &[&str]| Lamp::equal(&lights.iter().map(|text| light(text)).collect::<Vec<Light>>());
     let knot = solid::translated(&solid::torus_knot(2, 3, 60, 10, 0.4), [0.0, 1.0, 0.0]);
     let mut spot = equal(&["point:2,5,3"]);
-    let direction = umbrage::glam::Vec3::new(-2.0, -5.0, -3.0).normalize().into();
+    let direction = glam::Vec3::new(-2.0, -5.0, -3.0).normalize().into();
     spot[0].spot = Some(SpotCone { direction, inner_rad: 0.1, outer_rad: 0.35 });
     [
         Subject::new(knot, [3.0, 4.0, 9.0], equal(&["point:3,9,4", "directional:0.3,-1,-0.2"])),
@@ -154,6 +154,22 @@ fn stencil_picture_of_coinciding_faces_is_lit_once() {
         subject.by_stencil(&gpu, Depth::Plane, Counting::Stencil, 1, Fault::None)
     });
     assert_eq!(differing(&once, &twice, NOISE), 0);
+}
+
+#[test]
+fn stencil_picture_does_not_depend_on_the_unit() {
+    let Some(gpu) = gpu() else { return };
+    let picture = |exponent: i32| {
+        let scaled = |p: [f32; 3]| p.map(|x| x * 2_f32.powi(exponent));
+        let mesh = solid::scaled(&solid::torus_knot(2, 3, 60, 10, 0.4), 2_f32.powi(exponent));
+        let lamp = Light::point(scaled([3.0, 9.0, 4.0])).unwrap();
+        let lamps = Lamp::equal(&[lamp, light("directional:0.3,-1,-0.2")]);
+        let subject = Subject::new(mesh, scaled([3.0, 4.0, 9.0]), lamps);
+        subject.by_stencil(&gpu, Depth::Plane, Counting::Stencil, 1, Fault::None)
+    };
+    for exponent in [-40, 40] {
+        assert_eq!(differing(&picture(exponent), &picture(0), 0), 0, "{exponent}");
+    }
 }
 
 #[test]

@@ -188,4 +188,7 @@ fn stencil_picture_of_nothing_is_background_and_one_too_large_an_error() {
         let error = render_stencil(&pass, &empty, &receivers, &view, &projection, &[]).unwrap_err();
         assert!(matches!(error, GpuError::Picture { .. }), "{error}");
     }
+    let view = View { size: size("16384x4097"), ..view };
+    let error = render_stencil(&pass, &empty, &receivers, &view, &projection, &[]).unwrap_err();
+    assert!(matches!(error, GpuError::TooLarge { .. }), "{error}");
 }

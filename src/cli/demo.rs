@@ -1,27 +1,35 @@
 //! `umbrage demo`: all of it on a generated scene.
 
+#[cfg(feature = "gpu")]
+mod pixels;
+
 use std::f32::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
 use umbrage::glam::{Mat4, Vec3};
+#[cfg(feature = "gpu")]
+use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::{Mesh, solid};
 use umbrage::oracle::Oracle;
-use umbrage::picture::{self, CLAY, Lamp, View};
+use umbrage::picture::{self, CLAY, Lamp, Picture, View};
 use umbrage::scene::{Camera, Instance, Scene, SceneLight, Scope, Size, Up};
 use umbrage::topology::Topology;
 use umbrage::verify::{Options, Verification, Verifier};
 use umbrage::write::{self, Layer, Model, write_atomic};
 
+#[cfg(feature = "gpu")]
+use super::load;
 use super::load::MeshArgs;
 use super::machine::{AdapterArgs, ThreadArgs};
 use super::output::Output;
 use super::progress::Progress;
 use super::{Failure, Outcome, check, output, silhouette, verify, volume};
 
-/// All of it on a generated scene: report, silhouettes, volumes, picture, verification
+/// All of it on a generated scene: report, silhouettes, volumes, pictures, verification
 ///
 /// A torus knot, a sphere and an open sheet over a ground, with a point light and a directional light. Open the
-/// .glb files in any glTF viewer.
+/// .glb files in any glTF viewer. With a graphics adapter picture.png shows the shadows of a stencil pass on the left
+/// and of exact ray cast on the right, and verdicts.png where the two agree; without one, the ray cast alone.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     /// The folder that everything is written into; made if it is missing
@@ -38,9 +46,12 @@ pub(crate) struct Args {
 /// Points judged for each light, and the size of the picture.
 const POINTS: usize = 20_000;
 const SIZE: (u32, u32) = (960, 540);
+/// The size of each of two pictures side by side.
+#[cfg(feature = "gpu")]
+const HALF: (u32, u32) = (720, 405);
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
-    args.adapter.refuse()?;
+    let found = find(&args.adapter)?;
     args.threads.apply()?;
     std::fs::create_dir_all(&args.out).map_err(|error| {
         let problem = format!("the folder cannot be made: {error}");
@@ -76,23 +87,23 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     }
     out.flush()?;
 
-    // 4. The picture.
-    draw(&mesh, &lights, &at("picture.png"))?;
+    // 4. The pictures, and the judges of pixels.
+    let (files, pixels_agree) = pictures(found, &mesh, &lights, &args.out, &mut out)?;
+    out.flush()?;
 
-    // 5. The judges.
+    // 5. The judges of points.
     let results = judge(&mesh, &lights);
     let table = verify::text(&file, &lights, &results);
     out.text(format_args!("Verification: {table}\n"))?;
     write_atomic(at("verification.txt"), |writer| writer.write_all(table.as_bytes()))?;
     out.text(format_args!(
-        "Written to {}: scene, marked, silhouettes, volume-0, volume-1 (.glb), report.json, picture.png, \
+        "Written to {}: scene, marked, silhouettes, volume-0, volume-1 (.glb), report.json, {files}, \
          verification.txt\n",
         output::plain(&args.out.to_string_lossy())
     ))?;
     out.flush()?;
-    output::say("note: the picture comes from the ray cast: this version has no stencil pass");
     let agreed = results.iter().all(Verification::agrees);
-    Ok(if agreed && closed { Outcome::Sound } else { Outcome::Unsound })
+    Ok(if agreed && pixels_agree && closed { Outcome::Sound } else { Outcome::Unsound })
 }
 
 /// A knot that stands, a sphere, a sheet that leans and is open, and the ground; y is up.
@@ -129,8 +140,14 @@ fn lights() -> Vec<SceneLight> {
         .to_vec()
 }
 
-fn draw(mesh: &Mesh, lights: &[SceneLight], path: &Path) -> Result<(), Failure> {
-    let size = Size::new(SIZE.0, SIZE.1).expect("a small picture");
+/// Runs `work` with the view that pictures show.
+fn with_view<T>(
+    mesh: &Mesh,
+    lights: &[SceneLight],
+    (width, height): (u32, u32),
+    work: impl FnOnce(View<'_>) -> T,
+) -> T {
+    let size = Size::new(width, height).expect("a small picture");
     let fov = 34_f32.to_radians();
     let camera =
         Camera::look_at([2.2, 3.9, 9.6], [0.1, 1.15, 0.0], fov, Up::Y).expect("the eye is not the target");
@@ -145,13 +162,80 @@ fn draw(mesh: &Mesh, lights: &[SceneLight], path: &Path) -> Result<(), Failure> 
         Some(name) if name.starts_with("sheet") => [0.62, 0.62, 0.30],
         _ => CLAY,
     };
-    let view = View { camera, size, lamps: &lamps, up: Up::Y, ground: None, paint: &paint, edge_samples: 4 };
-    let progress = Progress::bar("drawing", view.steps());
-    let picture = picture::render(&Oracle::build(mesh), &view, &|steps| progress.done(steps));
-    drop(progress);
-    let picture = picture.map_err(|error| Failure::new(error, "free some memory"))?;
-    picture.write_png(path)?;
-    Ok(())
+    work(View { camera, size, lamps: &lamps, up: Up::Y, ground: None, paint: &paint, edge_samples: 4 })
+}
+
+fn by_rays(
+    mesh: &Mesh,
+    oracle: &Oracle,
+    lights: &[SceneLight],
+    size: (u32, u32),
+) -> Result<Picture, Failure> {
+    with_view(mesh, lights, size, |view| {
+        let progress = Progress::bar("drawing", view.steps());
+        picture::render(oracle, &view, &|steps| progress.done(steps))
+    })
+    .map_err(|error| Failure::new(error, "free some memory"))
+}
+
+/// The adapter that was asked for, or any; why there is none.
+#[cfg(feature = "gpu")]
+type Found = Result<Gpu, GpuError>;
+#[cfg(not(feature = "gpu"))]
+type Found = ();
+
+#[cfg(feature = "gpu")]
+fn find(adapter: &AdapterArgs) -> Result<Found, Failure> {
+    adapter.find()
+}
+
+#[cfg(not(feature = "gpu"))]
+fn find(adapter: &AdapterArgs) -> Result<Found, Failure> {
+    adapter.refuse()
+}
+
+/// Writes the pictures into a folder: the names of their files, and whether all pixels agree.
+#[cfg(feature = "gpu")]
+fn pictures(
+    found: Found,
+    mesh: &Mesh,
+    lights: &[SceneLight],
+    folder: &Path,
+    out: &mut Output,
+) -> Result<(&'static str, bool), Failure> {
+    let oracle = Oracle::build(mesh);
+    let bounds = load::bounds(mesh);
+    let judged = found.and_then(|gpu| {
+        with_view(mesh, lights, HALF, |view| pixels::judge(&gpu, mesh, &bounds, &oracle, view, lights))
+    });
+    match judged {
+        Ok(judged) => {
+            let rays = by_rays(mesh, &oracle, lights, HALF)?;
+            pixels::beside(&[&judged.picture, &rays]).write_png(folder.join("picture.png"))?;
+            judged.verdicts.write_png(folder.join("verdicts.png"))?;
+            out.text(format_args!("Pixels: {}\n", judged.text))?;
+            Ok(("picture.png, verdicts.png", judged.agrees))
+        }
+        Err(error) => {
+            output::say(format_args!("note: no stencil pass, the picture comes from the ray cast: {error}"));
+            by_rays(mesh, &oracle, lights, SIZE)?.write_png(folder.join("picture.png"))?;
+            Ok(("picture.png", true))
+        }
+    }
+}
+
+#[cfg(not(feature = "gpu"))]
+fn pictures(
+    _: Found,
+    mesh: &Mesh,
+    lights: &[SceneLight],
+    folder: &Path,
+    _: &mut Output,
+) -> Result<(&'static str, bool), Failure> {
+    let oracle = Oracle::build(mesh);
+    by_rays(mesh, &oracle, lights, SIZE)?.write_png(folder.join("picture.png"))?;
+    output::say("note: the picture comes from the ray cast: this build cannot use a graphics adapter");
+    Ok(("picture.png", true))
 }
 
 fn judge(mesh: &Mesh, lights: &[SceneLight]) -> Vec<Verification> {

@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+#[cfg(feature = "gpu")]
+use umbrage::gpu::{Gpu, GpuError};
+
 use super::error::Failure;
 use super::output::say;
 
@@ -45,31 +48,41 @@ fn start(threads: usize) -> Result<(), String> {
 /// For commands that may use a graphics adapter.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct AdapterArgs {
-    /// The graphics adapter to use, by a part of its name [default: $UMBRAGE_ADAPTER, or the fastest kind there is]
+    /// The graphics adapter to use, by a part of its name
+    ///
+    /// [default: the one that the environment variable UMBRAGE_ADAPTER names, else the fastest kind there is]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
 }
 
 impl AdapterArgs {
-    /// Refuses an adapter, which nothing could use.
-    pub(crate) fn refuse(&self) -> Result<(), Failure> {
-        match &self.adapter {
-            None => Ok(()),
-            Some(name) => Err(Failure::not_built(format_args!("--adapter {name}"), "leave it out")),
-        }
+    /// Whether one was asked for.
+    pub(crate) fn was_asked_for(&self) -> bool {
+        self.adapter.is_some()
     }
 
     /// Says that an adapter was named which nothing uses, and why.
     pub(crate) fn unused(&self, why: impl fmt::Display) {
         if let Some(name) = &self.adapter {
-            say(format_args!("--adapter {name} is not used: {why}"));
+            say(format_args!("note: --adapter {name} is not used: {why}"));
         }
     }
 
     /// Opens the adapter for `asker`, the option that needs one.
     #[cfg(feature = "gpu")]
-    pub(crate) fn open(&self, _asker: &str) -> Result<umbrage::gpu::Gpu, Failure> {
-        Ok(umbrage::gpu::Gpu::new(self.adapter.as_deref())?)
+    pub(crate) fn open(&self, _asker: &str) -> Result<Gpu, Failure> {
+        Ok(Gpu::new(self.adapter.as_deref())?)
+    }
+
+    /// Opens the adapter if there is one; says why not. One that is asked for by name must be there.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn find(&self) -> Result<Result<Gpu, GpuError>, Failure> {
+        match Gpu::new(self.adapter.as_deref()) {
+            Err(error) if self.adapter.is_some() || matches!(error, GpuError::NoSuchAdapter { .. }) => {
+                Err(error.into())
+            }
+            found => Ok(found),
+        }
     }
 
     /// Refuses `asker`, the option that needs an adapter.
@@ -77,5 +90,14 @@ impl AdapterArgs {
     pub(crate) fn open(&self, asker: &str) -> Result<std::convert::Infallible, Failure> {
         let problem = format!("{asker}: this build has no graphics");
         Err(Failure::new(problem, "leave it out, or build with the feature gpu"))
+    }
+
+    /// Refuses an adapter that nothing could use.
+    #[cfg(not(feature = "gpu"))]
+    pub(crate) fn refuse(&self) -> Result<(), Failure> {
+        match &self.adapter {
+            None => Ok(()),
+            Some(name) => self.open(&format!("--adapter {name}")).map(|_| ()),
+        }
     }
 }

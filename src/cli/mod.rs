@@ -3,6 +3,8 @@
 //! Standard output is the result, standard error the talk. Every command is `Args`, which says what can be
 //! asked, and `run`, which does it.
 
+#[cfg(feature = "gpu")]
+mod casting;
 mod error;
 mod lights;
 mod load;
@@ -10,6 +12,8 @@ mod machine;
 mod output;
 mod progress;
 mod source;
+#[cfg(feature = "gpu")]
+mod stage;
 mod values;
 
 mod check;

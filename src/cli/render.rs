@@ -2,23 +2,35 @@
 
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "gpu")]
+use umbrage::geom::Aabb;
 use umbrage::geom::Light;
+#[cfg(feature = "gpu")]
+use umbrage::gpu::{Gpu, GpuError};
+use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
-use umbrage::picture::{self, CLAY, Ground, Lamp, View};
+use umbrage::picture::{self, CLAY, Ground, Lamp, Picture, View};
 use umbrage::scene::{Camera, Size, Up};
+#[cfg(feature = "gpu")]
+use umbrage::stencil::StencilMethod;
 
-use super::machine::ThreadArgs;
+#[cfg(feature = "gpu")]
+use super::lights;
+use super::machine::{AdapterArgs, ThreadArgs};
 use super::output;
 use super::progress::Progress;
 use super::source::{Source, SourceArgs};
+#[cfg(feature = "gpu")]
+use super::stage::Stage;
 use super::values::{degrees, refuse_overwriting};
 use super::{Failure, Outcome};
 
-/// Picture: every pixel's visible point and its shadow by exact ray cast, flat faces, plain shading
+/// Picture: shadows by a stencil pass or by exact ray cast, flat faces, plain shading
 ///
-/// Shading is for the eye, shadows are exact: a light is as strong far away as near. Lights asked for share one
-/// brightness; those of a file keep the ratio that their candela and lux have at the centre of the scene, a spot
-/// light within its cone. A point that a ray only grazes is drawn lit.
+/// Shading is for the eye: a light is as strong far away as near. Lights asked for share one brightness; those of a
+/// file keep the ratio that their candela and lux have at the centre of the scene, a spot light within its cone.
+/// Both ways shade alike; a stencil pass says of each light how its shells were counted. A point that a ray only
+/// grazes is drawn lit.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -47,6 +59,12 @@ pub(crate) struct Args {
     #[arg(long, value_enum, default_value_t = Method::Auto)]
     method: Method,
 
+    /// How many samples a pixel is the mean of: 1, 4, 9 or 16; where rays find shadows, pixels at edges only
+    ///
+    /// [default: 4 in a stencil pass, 9 for rays]
+    #[arg(long, value_name = "N", value_parser = parse_samples, allow_negative_numbers = true)]
+    samples: Option<u32>,
+
     /// Add a large floor below everything: lowest in z for stl and md2, lowest in y for every other format
     #[arg(long)]
     ground: bool,
@@ -57,37 +75,87 @@ pub(crate) struct Args {
 
     #[command(flatten)]
     threads: ThreadArgs,
+
+    #[command(flatten)]
+    adapter: AdapterArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Method {
-    /// The fastest that is built
+    /// A stencil pass where there is a graphics adapter, for each light and shell as it is right; else rays
     Auto,
-    /// Stencil counting in front of what is seen (not built yet)
+    /// Stencil counting in front of what is seen; wrong where the eye is in a shadow
     Zpass,
-    /// Stencil counting behind what is seen (not built yet)
+    /// Stencil counting behind what is seen; right everywhere
     Zfail,
     /// Exact ray cast
     Rays,
 }
 
+/// How shadows are found, once that is settled.
+enum Way {
+    Rays,
+    #[cfg(feature = "gpu")]
+    Stencil {
+        gpu: Box<Gpu>,
+        asked: Option<StencilMethod>,
+    },
+}
+
 impl Method {
-    fn settle(self) -> Result<(), Failure> {
-        let refuse = |name| Err(Failure::not_built(format_args!("--method {name}"), "use --method rays"));
-        match self {
+    #[cfg(feature = "gpu")]
+    fn settle(self, adapter: &AdapterArgs) -> Result<Way, Failure> {
+        let asked = match self {
+            Self::Rays => return Ok(Way::Rays),
             Self::Auto => {
-                output::say("note: --method auto: no GPU pass in this build: rays");
-                Ok(())
+                return Ok(match adapter.find()? {
+                    Ok(gpu) => Way::Stencil { gpu: Box::new(gpu), asked: None },
+                    Err(error) => {
+                        note_rays(&error);
+                        Way::Rays
+                    }
+                });
             }
-            Self::Rays => Ok(()),
-            Self::Zpass => refuse("zpass"),
-            Self::Zfail => refuse("zfail"),
-        }
+            Self::Zpass => StencilMethod::ZPass,
+            Self::Zfail => StencilMethod::ZFail,
+        };
+        Ok(Way::Stencil { gpu: Box::new(adapter.open()?), asked: Some(asked) })
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn settle(self, adapter: &AdapterArgs) -> Result<Way, Failure> {
+        adapter.refuse()?;
+        let name = match self {
+            Self::Rays | Self::Auto => return Ok(Way::Rays),
+            Self::Zpass => "zpass",
+            Self::Zfail => "zfail",
+        };
+        Err(Failure::new(
+            format_args!("--method {name}: this build cannot use a graphics adapter"),
+            "use --method rays",
+        ))
     }
 }
 
-/// Rays along each side of a pixel at an edge.
-const EDGE_SAMPLES: u32 = 3;
+#[cfg(feature = "gpu")]
+fn note_rays(error: &GpuError) {
+    output::say(format_args!("note: --method auto: rays: {error}"));
+}
+
+/// Samples along each side of a pixel.
+#[cfg(feature = "gpu")]
+const STENCIL_SAMPLES: u32 = 2;
+const RAYS_SAMPLES: u32 = 3;
+
+fn parse_samples(text: &str) -> Result<u32, String> {
+    match text {
+        "1" => Ok(1),
+        "4" => Ok(2),
+        "9" => Ok(3),
+        "16" => Ok(4),
+        _ => Err("write 1, 4, 9 or 16".to_owned()),
+    }
+}
 
 fn parse_point(text: &str) -> Result<[f32; 3], String> {
     let numbers: Option<Vec<f32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
@@ -109,19 +177,19 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     require_png(&args.output)?;
     refuse_overwriting("--output", Some(&args.output), &args.source.file)?;
     let asked = camera(&args, Up::Y)?; // nonsense is refused before the file is read
-    args.method.settle()?;
+    let way = args.method.settle(&args.adapter)?;
     args.threads.apply()?;
 
-    let Source { up, mesh, bounds, lights, camera: of_file, .. } = args.source.load()?;
+    let Source { up, mesh, bounds, lights: of_scene, camera: of_file, .. } = args.source.load()?;
     let camera = match asked {
         Some(_) => camera(&args, up)?,
         None => of_file.inspect(|_| output::say("note: no --eye: using the camera of the file")),
     };
     let camera = camera.unwrap_or_else(|| Camera::fit(&bounds, up, args.size.aspect()));
     let lamps = if args.source.lights.were_asked_for() {
-        Lamp::equal(&lights.iter().map(|light| light.light).collect::<Vec<Light>>())
+        Lamp::equal(&of_scene.iter().map(|light| light.light).collect::<Vec<Light>>())
     } else {
-        Lamp::balanced(&lights, &bounds)
+        Lamp::balanced(&of_scene, &bounds)
     };
     let (mesh, ground) = if args.ground {
         let (mesh, ground) = Ground::under(mesh, up)
@@ -131,24 +199,61 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         (mesh, None)
     };
 
-    let view = View {
+    let view = |samples| View {
         camera,
         size: args.size,
         lamps: &lamps,
         up,
         ground,
         paint: &|_| CLAY,
-        edge_samples: EDGE_SAMPLES,
+        edge_samples: args.samples.unwrap_or(samples),
     };
-    let oracle = Oracle::build(&mesh);
-    drop(mesh);
-    let progress = Progress::bar("rendering", view.steps());
-    let picture = picture::render(&oracle, &view, &|steps| progress.done(steps));
-    drop(progress);
-    let picture = picture.map_err(|error| Failure::new(error, "choose a smaller --size"))?;
+    let picture = match way {
+        Way::Rays => by_rays(mesh, &view(RAYS_SAMPLES))?,
+        #[cfg(feature = "gpu")]
+        Way::Stencil { gpu, asked } => match by_stencil(&gpu, &mesh, &bounds, view(STENCIL_SAMPLES), asked) {
+            Ok(picture) => picture,
+            // Anything but a defect of ours.
+            Err(error) if asked.is_none() && !matches!(error, GpuError::Wgpu(_)) => {
+                note_rays(&error);
+                by_rays(mesh, &view(RAYS_SAMPLES))?
+            }
+            Err(error) => return Err(error.into()),
+        },
+    };
     picture.write_png(&args.output)?;
     output::wrote(&args.output);
     Ok(Outcome::Sound)
+}
+
+/// Lets go of the mesh, of which the oracle has its own.
+fn by_rays(mesh: Mesh, view: &View<'_>) -> Result<Picture, Failure> {
+    let oracle = Oracle::build(&mesh);
+    drop(mesh);
+    let progress = Progress::bar("rendering", view.steps());
+    let picture = picture::render(&oracle, view, &|steps| progress.done(steps));
+    drop(progress);
+    picture.map_err(|error| Failure::new(error, "choose a smaller --size"))
+}
+
+/// Says of each light how it was counted.
+#[cfg(feature = "gpu")]
+fn by_stencil(
+    gpu: &Gpu,
+    mesh: &Mesh,
+    bounds: &Aabb,
+    view: View<'_>,
+    asked: Option<StencilMethod>,
+) -> Result<Picture, GpuError> {
+    let progress = Progress::spinner("rendering");
+    let stage = Stage::new(gpu, mesh, bounds, view, asked)?;
+    let picture = stage.picture()?;
+    drop(progress);
+    output::say(format_args!("note: stencil pass on {}", output::plain(&gpu.name())));
+    for (lamp, casting) in view.lamps.iter().zip(&stage.castings) {
+        output::say(format_args!("note: {}: {}", lights::label(&lamp.light, ""), casting.said));
+    }
+    Ok(picture)
 }
 
 /// The camera that was asked for.

@@ -33,7 +33,10 @@ pub struct LampShadow<'a> {
 ///
 /// `receivers` are the faces of `mesh`, `projection` is the view's camera, and each lamp of the view has one of the
 /// `shadows`. Every pixel is the mean of `edge_samples`² samples, each counted for itself. What is nearer than the near
-/// plane is not seen. Takes about 20 ms to compile shaders, and 32 bytes a sample on the device.
+/// plane is not seen.
+///
+/// Compiling the shaders takes some tens of milliseconds. On the device a sample takes 20 bytes, 24 where a lamp is
+/// counted in whole numbers, and a pixel 16; there may be 2²⁶ samples.
 ///
 /// # Errors
 ///
@@ -101,7 +104,7 @@ impl SceneUniform {
             up,
             first_ground,
             ground_centre: centre.as_vec3().into(),
-            diagonals: diagonals as f32,
+            diagonals: diagonals.min(f32::MAX.into()) as f32,
             samples: view.edge_samples.max(1),
             padding: [0; 3],
         }
@@ -169,6 +172,12 @@ struct Stage<'a> {
     normals: &'a wgpu::Buffer,
 }
 
+/// Depth and stencil, face, light.
+const SAMPLE_BYTES: u64 = 8 + 4 + 8;
+
+/// What a picture may take on the device: a software one takes it from the host.
+const MOST_BYTES: u64 = SAMPLE_BYTES << 26;
+
 const FACES: TextureFormat = TextureFormat::R32Uint;
 const LIGHT: TextureFormat = TextureFormat::Rgba16Float;
 const RESOLVED: TextureFormat = TextureFormat::Rgba32Float;
@@ -188,6 +197,16 @@ impl<'a> Stage<'a> {
         let limit = gpu.limits().max_texture_dimension_2d.min(Size::MOST);
         let size =
             Size::new(width, height).map_err(|_| GpuError::Picture { side: width.max(height), limit })?;
+        let bytes = size.pixels() as u64 * SAMPLE_BYTES;
+        if bytes > MOST_BYTES {
+            let remedy = "use a smaller --size, fewer --samples, or --method rays";
+            return Err(GpuError::TooLarge {
+                what: "samples of a picture",
+                bytes,
+                limit: MOST_BYTES,
+                remedy,
+            });
+        }
         let target = Target::new(gpu, size)?;
         let frame = pass.frame(projection, size, receivers);
         let scale = frame.scale;

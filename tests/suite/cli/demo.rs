@@ -1,32 +1,42 @@
 //! `umbrage demo`.
 
 use super::Folder;
+use crate::support::gpu;
+
+const FILES: [&str; 9] = [
+    "marked.glb",
+    "picture.png",
+    "report.json",
+    "scene.glb",
+    "silhouettes.glb",
+    "verdicts.png",
+    "verification.txt",
+    "volume-0.glb",
+    "volume-1.glb",
+];
+
+fn names(folder: &std::path::Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
 
 #[test]
 fn demo_does_all_of_it_and_its_files_can_be_read() {
+    if gpu().is_none() {
+        return; // the next test is about that
+    }
     let folder = Folder::new();
     let run = folder.run("demo --out here/and/there");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(run.stdout.contains("verdict: all judges agree"), "{}", run.stdout);
+    for verdict in ["verdict: all judges agree", "verdict: every pixel agrees or grazes"] {
+        assert!(run.stdout.contains(verdict), "{}", run.stdout);
+    }
     let there = folder.path("here/and/there");
-    let mut names: Vec<String> = std::fs::read_dir(&there)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    assert_eq!(
-        names,
-        [
-            "marked.glb",
-            "picture.png",
-            "report.json",
-            "scene.glb",
-            "silhouettes.glb",
-            "verification.txt",
-            "volume-0.glb",
-            "volume-1.glb"
-        ]
-    );
+    let names = names(&there);
+    assert_eq!(names, FILES);
     for name in names.iter().filter(|name| name.ends_with(".glb")) {
         umbrage::read::read(there.join(name)).unwrap();
     }
@@ -37,6 +47,19 @@ fn demo_does_all_of_it_and_its_files_can_be_read() {
         (&report["verdict"], &report["files"][0]["total"]["closed_shells"]),
         (&"cracked".into(), &2.into())
     );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn demo_without_an_adapter_says_so_and_does_everything_else() {
+    let folder = Folder::new();
+    let run = folder.run_without_adapter("demo --out there");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("note: no stencil pass, the picture comes from the ray cast: "));
+    assert!(run.stderr.contains("apt-get install mesa-vulkan-drivers"), "{}", run.stderr);
+    assert!(run.stdout.contains("verdict: all judges agree") && !run.stdout.contains("Pixels: "));
+    let wanted: Vec<&str> = FILES.into_iter().filter(|&name| name != "verdicts.png").collect();
+    assert_eq!(names(&folder.path("there")), wanted);
 }
 
 #[test]

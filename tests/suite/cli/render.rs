@@ -5,6 +5,7 @@ use std::fs;
 use umbrage::mesh::solid;
 
 use super::Folder;
+use crate::support::gpu;
 
 /// Width, height and pixels.
 fn png(folder: &Folder, name: &str) -> (u32, u32, Vec<u8>) {
@@ -18,10 +19,9 @@ fn png(folder: &Folder, name: &str) -> (u32, u32, Vec<u8>) {
 #[test]
 fn render_writes_the_same_picture_whatever_the_threads() {
     let folder = Folder::with_cubes();
-    let run = folder.run("render cube.obj --ground --size 64x48 -o a.png");
+    let run = folder.run("render cube.obj --ground --size 64x48 --method rays -o a.png");
     assert_eq!((run.code, run.stdout.as_str()), (0, ""), "{}", run.stderr);
-    assert!(run.stderr.contains("no GPU pass in this build: rays"), "{}", run.stderr);
-    assert_eq!(folder.code("render cube.obj --ground --size 64x48 -o b.png --threads 1"), 0);
+    assert_eq!(folder.code("render cube.obj --ground --size 64x48 --method rays -o b.png --threads 1"), 0);
     assert_eq!(fs::read(folder.path("a.png")).unwrap(), fs::read(folder.path("b.png")).unwrap());
     let (width, height, pixels) = png(&folder, "a.png");
     assert_eq!((width, height, pixels.len()), (64, 48, 64 * 48 * 4));
@@ -98,4 +98,53 @@ fn render_says_when_the_camera_is_the_file_s_own() {
     let note = "note: no --eye: using the camera of the file";
     assert!(folder.run(&format!("render a.gltf {rest}")).stderr.contains(note));
     assert!(!folder.run(&format!("render a.gltf --eye 1,2,3 --target 0,0,0 {rest}")).stderr.contains(note));
+}
+
+#[test]
+fn render_by_stencil_pass_is_the_ray_cast_but_at_edges() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = Folder::with_cubes();
+    // The eye is in no shadow: zpass is right too.
+    let scene = "cube.obj --light point:3,5,4 --light directional:1,-1,0 --ground --size 96x64 --samples 1";
+    assert_eq!(folder.code(&format!("render {scene} --method rays -o rays.png")), 0);
+    let (.., rays) = png(&folder, "rays.png");
+    for method in ["auto", "zpass", "zfail"] {
+        let run = folder.run(&format!("render {scene} --method {method} -o a.png"));
+        assert_eq!((run.code, run.stdout.as_str()), (0, ""), "{}", run.stderr);
+        let named = if method == "auto" { "z" } else { method };
+        for light in ["point:3,5,4", "directional:1,-1,0"] {
+            assert!(run.stderr.contains(&format!("note: {light}: {named}")), "{}", run.stderr);
+        }
+        let (width, height, pixels) = png(&folder, "a.png");
+        assert_eq!((width, height), (96, 64));
+        let differs = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 2);
+        let differing = pixels.chunks(4).zip(rays.chunks(4)).filter(differs).count();
+        assert!(differing <= 6, "{method}: {differing} of 6144");
+    }
+    let run = folder.run(&format!("render {scene} --adapter none-such -o b.png"));
+    assert!(run.code == 2 && run.stderr.contains("no graphics adapter is named like `none-such`"));
+    assert!(!folder.path("b.png").exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn render_without_an_adapter_falls_back_only_where_it_may() {
+    let folder = Folder::with_cubes();
+    let rest = "cube.obj --light point:3,5,4 --size 32x24 -o a.png";
+    for method in ["zpass", "zfail"] {
+        let run = folder.run_without_adapter(&format!("render --method {method} {rest}"));
+        assert_eq!((run.code, run.stderr.lines().count()), (2, 1), "{}", run.stderr);
+        assert!(run.stderr.contains("apt-get install mesa-vulkan-drivers"), "{}", run.stderr);
+        assert!(!folder.path("a.png").exists());
+    }
+    let run = folder.run_without_adapter(&format!("render {rest}"));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.starts_with("umbrage: note: --method auto: rays: "), "{}", run.stderr);
+    assert!(run.stderr.contains("apt-get install mesa-vulkan-drivers"), "{}", run.stderr);
+    let auto = fs::read(folder.path("a.png")).unwrap();
+    assert_eq!(folder.code(&format!("render --method rays {rest}")), 0);
+    assert_eq!(fs::read(folder.path("a.png")).unwrap(), auto);
+    assert_eq!(folder.run_without_adapter(&format!("render --adapter llvmpipe {rest}")).code, 2);
 }

@@ -48,7 +48,7 @@ impl Subject {
             lamps: &self.lamps,
             up: Up::Y,
             ground: Some(self.ground),
-            paint: &|face: FaceId| if face.index() % 7 == 0 { [0.7, 0.3, 0.1] } else { CLAY },
+            paint: &|face: FaceId| if face.index().is_multiple_of(7) { [0.7, 0.3, 0.1] } else { CLAY },
             edge_samples,
         }
     }
@@ -158,6 +158,22 @@ fn stencil_picture_of_coinciding_faces_is_lit_once() {
 }
 
 #[test]
+fn stencil_picture_does_not_depend_on_the_unit() {
+    let Some(gpu) = gpu() else { return };
+    let picture = |exponent: i32| {
+        let scaled = |p: [f32; 3]| p.map(|x| x * 2_f32.powi(exponent));
+        let mesh = solid::scaled(&solid::torus_knot(2, 3, 60, 10, 0.4), 2_f32.powi(exponent));
+        let lamp = Light::point(scaled([3.0, 9.0, 4.0])).unwrap();
+        let lamps = Lamp::equal(&[lamp, light("directional:0.3,-1,-0.2")]);
+        let subject = Subject::new(mesh, scaled([3.0, 4.0, 9.0]), lamps);
+        subject.by_stencil(&gpu, Depth::Plane, Counting::Stencil, 1, Fault::None)
+    };
+    for exponent in [-40, 40] {
+        assert_eq!(differing(&picture(exponent), &picture(0), 0), 0, "{exponent}");
+    }
+}
+
+#[test]
 fn stencil_picture_of_nothing_is_background_and_one_too_large_an_error() {
     let Some(gpu) = gpu() else { return };
     let subject = Subject::new(solid::cube(), [1.0, 3.0, 5.0], Lamp::equal(&[light("point:3,5,4")]));
@@ -173,4 +189,7 @@ fn stencil_picture_of_nothing_is_background_and_one_too_large_an_error() {
         let error = render_stencil(&pass, &empty, &receivers, &view, &projection, &[]).unwrap_err();
         assert!(matches!(error, GpuError::Picture { .. }), "{error}");
     }
+    let view = View { size: size("16384x4097"), ..view };
+    let error = render_stencil(&pass, &empty, &receivers, &view, &projection, &[]).unwrap_err();
+    assert!(matches!(error, GpuError::TooLarge { .. }), "{error}");
 }

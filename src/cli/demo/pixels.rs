@@ -1,0 +1,125 @@
+//! Both judges of every pixel: the stencil pass beside the ray cast, and where they differ.
+
+use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
+use umbrage::geom::Aabb;
+use umbrage::gpu::{Gpu, GpuError};
+use umbrage::mesh::Mesh;
+use umbrage::oracle::Oracle;
+use umbrage::picture::{Picture, View};
+use umbrage::scene::{SceneLight, Size};
+
+use crate::cli::lights::label;
+use crate::cli::output::{Table, plain};
+use crate::cli::progress::Progress;
+use crate::cli::stage::Stage;
+
+/// What the stencil pass shows, and what the ray cast says of it.
+pub(super) struct Judged {
+    pub(super) picture: Picture,
+    /// The verdicts in false colour, light beside light.
+    pub(super) verdicts: Picture,
+    pub(super) text: String,
+    pub(super) agrees: bool,
+}
+
+/// Rays along each side of a pixel, all of them counted.
+const SAMPLES: u32 = 2;
+
+/// Draws the view by a stencil pass, and judges its pixels for each of the lights, which are those of the lamps.
+pub(super) fn judge(
+    gpu: &Gpu,
+    mesh: &Mesh,
+    bounds: &Aabb,
+    oracle: &Oracle,
+    view: View<'_>,
+    lights: &[SceneLight],
+) -> Result<Judged, GpuError> {
+    let stage = Stage::new(gpu, mesh, bounds, View { edge_samples: SAMPLES, ..view }, None)?;
+    let picture = stage.picture()?;
+    let progress = Progress::bar("judging pixels", (lights.len() as u64) * u64::from(view.size.height()));
+    let mut table = Table::new(&["light", "pixels", "sky", "agree", "grazing", "disagree"]);
+    let (mut panels, mut methods, mut agrees) = (Vec::new(), String::new(), true);
+    for (light, casting) in lights.iter().zip(&stage.castings) {
+        let mask = stage.mask(casting)?;
+        let rendered = Rendered {
+            mesh,
+            signs: &casting.signs,
+            light: &light.light,
+            projection: &stage.projection,
+            mask: &mask,
+            unsure: &[],
+        };
+        let result = compare(oracle, &rendered, 0, &|rows| progress.done(rows));
+        let counts = [
+            view.size.pixels(),
+            result.count(PixelVerdict::Sky),
+            result.count(PixelVerdict::Lit) + result.count(PixelVerdict::Shadowed),
+            result.count(PixelVerdict::Grazing),
+        ];
+        let disagree = counts[0] - counts[1..].iter().sum::<usize>();
+        let cells = counts.into_iter().chain([disagree]).map(|count| count.to_string());
+        let name = label(&light.light, &light.name);
+        methods += &format!("  {name}: {}\n", casting.said);
+        table.row([name].into_iter().chain(cells).collect());
+        agrees &= result.agrees();
+        panels.push(false_colours(&result, &picture));
+    }
+    drop(progress);
+    let verdict = if agrees { "every pixel agrees or grazes" } else { "some pixels disagree" };
+    let text = format!(
+        "{}, {} pixels\n{table}\n{methods}\nverdict: {verdict}\n{LEGEND}\n",
+        plain(&gpu.name()),
+        view.size
+    );
+    Ok(Judged { picture, verdicts: beside(&panels.iter().collect::<Vec<_>>()), text, agrees })
+}
+
+const LEGEND: &str = "agree: the stencil pass counts exactly what the ray cast does; grazing: it does within the \
+                      rasteriser's rounding; in verdicts.png bright is lit, dark shadowed, yellow grazing, red disagrees";
+
+/// A dot for each pixel that does not simply agree: alone it would be lost.
+const DOT_RADIUS: usize = 2;
+
+fn false_colours(result: &Comparison, picture: &Picture) -> Picture {
+    let (width, height) = (result.size.width() as usize, result.size.height() as usize);
+    // A little of the picture, to see what is where.
+    let over = |[r, g, b, _]: [u8; 4], tint: [u32; 3]| {
+        let grey = (2 * u32::from(r) + 5 * u32::from(g) + u32::from(b)) / 8;
+        let [r, g, b] = tint.map(|x| ((3 * x + grey) / 4) as u8); // a mean of bytes is one
+        [r, g, b, 255]
+    };
+    let pixels = result.verdicts.iter().zip(&picture.pixels).map(|(verdict, &pixel)| match verdict {
+        PixelVerdict::Sky => over(pixel, [24, 26, 30]),
+        PixelVerdict::Shadowed => over(pixel, [44, 62, 104]),
+        _ => over(pixel, [206, 212, 214]),
+    });
+    let mut pixels: Vec<[u8; 4]> = pixels.collect();
+    for (place, verdict) in result.verdicts.iter().enumerate().filter(|(_, v)| **v >= PixelVerdict::Grazing) {
+        let colour = if *verdict == PixelVerdict::Grazing { [250, 190, 0, 255] } else { [230, 0, 30, 255] };
+        let (x, y) = (place % width, place / width);
+        for y in y.saturating_sub(DOT_RADIUS)..(y + DOT_RADIUS + 1).min(height) {
+            let row = y * width;
+            pixels[row + x.saturating_sub(DOT_RADIUS)..row + (x + DOT_RADIUS + 1).min(width)].fill(colour);
+        }
+    }
+    Picture { size: result.size, pixels }
+}
+
+/// Between two pictures.
+const GAP: usize = 6;
+
+/// Pictures of one height in a row, from left to right.
+pub(super) fn beside(pictures: &[&Picture]) -> Picture {
+    let [first, ..] = pictures else { panic!("nothing to show") };
+    let height = first.size.height() as usize;
+    let mut pixels = Vec::new();
+    for y in 0..height {
+        for (i, picture) in pictures.iter().enumerate() {
+            let width = picture.size.width() as usize;
+            pixels.extend(std::iter::repeat_n([255; 4], if i > 0 { GAP } else { 0 }));
+            pixels.extend(&picture.pixels[y * width..(y + 1) * width]);
+        }
+    }
+    let size = Size::new((pixels.len() / height) as u32, height as u32).expect("a few small pictures");
+    Picture { size, pixels }
+}

@@ -53,6 +53,13 @@ impl From<WriteError> for Failure {
     }
 }
 
+#[cfg(feature = "gpu")]
+impl From<umbrage::gpu::GpuError> for Failure {
+    fn from(error: umbrage::gpu::GpuError) -> Self {
+        Self::of(error.to_string(), None)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

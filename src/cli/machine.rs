@@ -1,5 +1,8 @@
 //! What the machine may be asked for: threads, a graphics adapter.
 
+#[cfg(feature = "gpu")]
+use umbrage::gpu::Gpu;
+
 use super::error::Failure;
 
 /// For commands that may be long.
@@ -42,13 +45,25 @@ fn start(threads: usize) -> Result<(), String> {
 /// For commands that may use a graphics adapter.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct AdapterArgs {
-    /// The graphics adapter to use, by a part of its name (not built yet)
+    /// The graphics adapter to use, by a part of its name
+    /// [default: the one that the environment variable UMBRAGE_ADAPTER names, else the fastest kind there is]
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
 }
 
 impl AdapterArgs {
-    /// Refuses an adapter, which nothing could use.
+    /// Opens the adapter that was asked for.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn open(&self) -> Result<Gpu, Failure> {
+        Ok(Gpu::new(self.adapter.as_deref())?)
+    }
+
+    /// Whether one was asked for.
+    pub(crate) fn was_asked_for(&self) -> bool {
+        self.adapter.is_some()
+    }
+
+    /// Refuses an adapter, where nothing could use it yet.
     pub(crate) fn refuse(&self) -> Result<(), Failure> {
         match &self.adapter {
             None => Ok(()),

@@ -11,6 +11,7 @@ mod output;
 mod progress;
 mod source;
 mod values;
+mod view;
 
 mod check;
 mod silhouette;

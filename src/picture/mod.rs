@@ -5,12 +5,14 @@ mod ground;
 mod overlay;
 mod png;
 mod shade;
+mod verdicts;
 
 use glam::Vec3;
 
 pub use ground::Ground;
 pub use overlay::{Line, Overlay, Spot};
 pub use shade::Lamp;
+pub use verdicts::{verdict_colour, verdicts};
 
 use crate::mesh::FaceId;
 use crate::oracle::Oracle;

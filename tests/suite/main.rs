@@ -6,6 +6,8 @@ mod data;
 mod facts;
 mod gltf;
 #[cfg(feature = "gpu")]
+mod gpu_compare;
+#[cfg(feature = "gpu")]
 mod gpu_stencil;
 #[cfg(feature = "gpu")]
 mod gpu_topology;

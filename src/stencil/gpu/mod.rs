@@ -108,6 +108,7 @@ impl StencilPass {
         counting: Counting,
     ) -> Result<ShadowMask, GpuError> {
         let target = Target::new(&self.gpu, size)?;
+        target.require_memory(&self.gpu, counting)?;
         let bindings = self.bindings(projection, size, receivers, volumes)?;
         let depth_back = self.gpu.staging(target.row_bytes(4) * u64::from(size.height()))?;
         match counting {
@@ -337,6 +338,22 @@ impl Target {
         })?;
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         Ok(Self { texture, view, size })
+    }
+
+    /// Refuses a picture whose depths or counts are more than a buffer may hold.
+    fn require_memory(&self, gpu: &Gpu, counting: Counting) -> Result<(), GpuError> {
+        let (limits, rows) = (gpu.limits(), u64::from(self.size.height()));
+        let mut wanted = vec![("the depths of a picture", self.row_bytes(4) * rows, limits.max_buffer_size)];
+        if counting == Counting::Integer {
+            let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+            wanted.push(("the counts of a picture", 4 * self.size.pixels() as u64, limit));
+        }
+        match wanted.into_iter().find(|(_, bytes, limit)| bytes > limit) {
+            None => Ok(()),
+            Some((what, bytes, limit)) => {
+                Err(GpuError::TooLarge { what, bytes, limit, remedy: "use a smaller --size" })
+            }
+        }
     }
 
     /// Begins a pass with everything infinitely far and counted 0.

@@ -1,0 +1,166 @@
+//! Runs the stencil passes and judges their pixels.
+
+use std::path::{Path, PathBuf};
+
+use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
+use umbrage::geom::{Light, Projection};
+use umbrage::gpu::Gpu;
+use umbrage::mesh::Mesh;
+use umbrage::oracle::Oracle;
+use umbrage::picture::{MemoryError, verdict_colour, verdicts};
+use umbrage::scene::{SceneLight, Size};
+use umbrage::stencil::{
+    Asked, Caster, Casting, Counting, Depth, MethodPlan, Receivers, ShadowMask, StencilMethod, StencilPass,
+};
+use umbrage::volume::Faces;
+
+use super::SHOWN;
+use super::pixels::{Counts, LightPixels, PASSES, Pass, Pixels};
+use crate::cli::Failure;
+use crate::cli::output;
+use crate::cli::progress::Progress;
+
+/// What is to be judged.
+pub(super) struct Job<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) oracle: &'a Oracle,
+    pub(super) lights: &'a [SceneLight],
+    pub(super) projection: Projection,
+    pub(super) size: Size,
+    /// Where a picture goes, one a light; empty for none.
+    pub(super) pictures: &'a [PathBuf],
+}
+
+/// Bytes that a pixel takes in memory at the most: depth and counts as they come back, two masks, two comparisons, a
+/// picture.
+const PIXEL_BYTES: usize = 24;
+
+/// Refuses a picture that memory could not hold, before any work.
+fn require_memory(size: Size) -> Result<(), Failure> {
+    let mut probe: Vec<u8> = Vec::new();
+    let reserved = probe.try_reserve_exact(size.pixels().saturating_mul(PIXEL_BYTES));
+    reserved.map_err(|_| Failure::new(MemoryError(size), "choose a smaller --size"))
+}
+
+pub(super) fn judge(gpu: &Gpu, job: &Job<'_>) -> Result<Pixels, Failure> {
+    require_memory(job.size)?;
+    let progress = Progress::spinner("topology, proofs and shaders");
+    let bench = Bench {
+        gpu,
+        job,
+        pass: StencilPass::new(gpu, Depth::Plane)?,
+        receivers: Receivers::upload(gpu, job.mesh)?,
+        caster: Caster::new(job.mesh, Faces::Auto),
+    };
+    drop(progress);
+    let mut lights = Vec::new();
+    for (index, light) in job.lights.iter().enumerate() {
+        let (pixels, comparison) = bench.judge_light(index, &light.light)?;
+        if let Some(path) = job.pictures.get(index) {
+            draw(job, &comparison, path)?;
+        }
+        lights.push(pixels);
+    }
+    let Job { projection, size, .. } = *job;
+    Ok(Pixels { adapter: gpu.name(), size, projection, lights })
+}
+
+struct Bench<'a> {
+    gpu: &'a Gpu,
+    job: &'a Job<'a>,
+    pass: StencilPass,
+    receivers: Receivers,
+    caster: Caster<'a>,
+}
+
+impl Bench<'_> {
+    /// The passes of one light, and all of them as one comparison.
+    fn judge_light(&self, index: usize, light: &Light) -> Result<(LightPixels, Comparison), Failure> {
+        let [zfail, auto] = PASSES.map(|(asked, _)| asked);
+        let casting = self.caster.cast(light, &self.job.projection, Asked::ZFail);
+        let mask = self.mask(&casting)?;
+        let mut worst = self.compare(index, light, &casting, &mask);
+        let mut passes = vec![describe(zfail, &casting, &worst)];
+
+        let casting = self.caster.cast(light, &self.job.projection, Asked::Auto);
+        if casting.methods.count(StencilMethod::ZPass) > 0 {
+            let chosen = self.mask(&casting)?;
+            if counts_the_same(&mask, &chosen) {
+                passes.push(describe(auto, &casting, &worst));
+            } else {
+                let comparison = self.compare(index, light, &casting, &chosen);
+                passes.push(describe(auto, &casting, &comparison));
+                for (worst, verdict) in worst.verdicts.iter_mut().zip(comparison.verdicts) {
+                    *worst = (*worst).max(verdict);
+                }
+            }
+        }
+        Ok((LightPixels { passes, counts: counts(&worst) }, worst))
+    }
+
+    fn mask(&self, casting: &Casting) -> Result<ShadowMask, Failure> {
+        let volumes = casting.upload(self.gpu)?;
+        let Job { projection, size, .. } = self.job;
+        Ok(self.pass.mask(projection, *size, &self.receivers, &volumes.draws(), casting.counting())?)
+    }
+
+    fn compare(&self, index: usize, light: &Light, casting: &Casting, mask: &ShadowMask) -> Comparison {
+        let Job { mesh, oracle, lights, projection, size, .. } = self.job;
+        let what = format!("judging pixels, light {} of {}", index + 1, lights.len());
+        let progress = Progress::bar(what, size.height().into());
+        // The volumes come from exact signs: no face is unsure.
+        let rendered = Rendered { mesh, signs: &casting.signs, light, projection, mask, unsure: &[] };
+        compare(oracle, &rendered, SHOWN, &|rows| progress.done(rows))
+    }
+}
+
+/// Whether no pixel tells two masks apart: then their verdicts are the same.
+fn counts_the_same(a: &ShadowMask, b: &ShadowMask) -> bool {
+    let mut pixels = (0..a.size().height()).flat_map(|y| (0..a.size().width()).map(move |x| (x, y)));
+    a.counting() == b.counting() && pixels.all(|(x, y)| a.count(x, y) == b.count(x, y))
+}
+
+fn describe(asked: &'static str, casting: &Casting, comparison: &Comparison) -> Pass {
+    Pass {
+        asked,
+        method: method(&casting.methods),
+        reason: casting.methods.summary(),
+        counting: match casting.counting() {
+            Counting::Stencil => "stencil",
+            Counting::Integer => "integer",
+        },
+        counting_reason: casting.layers.to_string(),
+        counts: counts(comparison),
+        mismatches: comparison.mismatches.clone(),
+    }
+}
+
+/// The method of all shells.
+fn method(plan: &MethodPlan) -> &'static str {
+    match (plan.count(StencilMethod::ZPass), plan.count(StencilMethod::ZFail)) {
+        (0, _) => StencilMethod::ZFail.name(),
+        (_, 0) => StencilMethod::ZPass.name(),
+        _ => "mixed",
+    }
+}
+
+fn counts(comparison: &Comparison) -> Counts {
+    Counts(PixelVerdict::ALL.map(|verdict| comparison.count(verdict)))
+}
+
+/// Draws a comparison, and says what its colours mean.
+fn draw(job: &Job<'_>, comparison: &Comparison, path: &Path) -> Result<(), Failure> {
+    let progress = Progress::bar("drawing", job.size.height().into());
+    let picture = verdicts(job.oracle, &job.projection, comparison, &|rows| progress.done(rows));
+    drop(progress);
+    let picture = picture.map_err(|error| Failure::new(error, "leave out --picture"))?;
+    picture.write_png(path)?;
+    let occur = PixelVerdict::ALL.into_iter().filter(|&verdict| comparison.count(verdict) > 0);
+    let meaning = occur.map(|verdict| match verdict {
+        PixelVerdict::Real => format!("{} real (ringed)", verdict_colour(verdict).0),
+        _ => format!("{} {}", verdict_colour(verdict).0, verdict.name()),
+    });
+    let meaning = meaning.collect::<Vec<_>>().join(", ");
+    output::say(format_args!("wrote {}: {meaning}", output::plain(&path.to_string_lossy())));
+    Ok(())
+}

@@ -35,7 +35,7 @@ const RING_PX: u32 = 7;
 
 /// Draws the pixels of `comparison`: the faces of `oracle` as `projection` sees them, light where they agree on lit, dark
 /// where they agree on shadowed; every other pixel as a square of 3 × 3 in its verdict's colour, the gravest on top, those
-/// that nothing explains with a ring around them. Swatches in the lower left corner show the colours of the verdicts that
+/// that nothing explains with a ring around them, dark-rimmed so that it stands out from any surface. Swatches in the lower left corner show the colours of the verdicts that
 /// occur, in the order of [`PixelVerdict::ALL`], the sky left out.
 ///
 /// `progress` hears of rows done, from any thread. One ray a pixel; 4 bytes a pixel.
@@ -63,12 +63,19 @@ pub fn verdicts(
         let places = (0..).zip(&comparison.verdicts).filter(move |(_, other)| **other == verdict);
         places.map(move |(place, _): (u32, _)| [place % size.width(), place / size.width()])
     };
-    for place in at(PixelVerdict::Real) {
-        ring(&mut picture, place);
+    // The rims of all rings first: they must not cover each other's colour.
+    let reach = i64::from(RING_PX);
+    for (colour, radii) in
+        [([30; 3], reach - 3..reach + 1), (verdict_colour(PixelVerdict::Real).1, reach - 2..reach)]
+    {
+        let squared = radii.start * radii.start..radii.end * radii.end;
+        for place in at(PixelVerdict::Real) {
+            draw(&mut picture, place, RING_PX, colour, |distance| squared.contains(&distance));
+        }
     }
     for verdict in [PixelVerdict::Grazing, PixelVerdict::Unsure, PixelVerdict::Overflow, PixelVerdict::Real] {
         for place in at(verdict) {
-            dot(&mut picture, place, verdict_colour(verdict).1);
+            draw(&mut picture, place, DOT_PX, verdict_colour(verdict).1, |_| true);
         }
     }
     let occur = PixelVerdict::ALL.into_iter().skip(1).filter(|&verdict| comparison.count(verdict) > 0);
@@ -99,19 +106,6 @@ fn agreeing(
     let grey = verdict_colour(if verdict == PixelVerdict::Shadowed { verdict } else { PixelVerdict::Lit }).1;
     let [r, g, b] = (Vec3::from(grey.map(f32::from)) * (EDGE_ON + (1.0 - EDGE_ON) * facing)).to_array();
     [r as u8, g as u8, b as u8, 255]
-}
-
-/// A square of one colour.
-fn dot(picture: &mut Picture, place: [u32; 2], colour: [u8; 3]) {
-    draw(picture, place, DOT_PX, colour, |_| true);
-}
-
-/// A ring two pixels wide between dark rims, so that it stands out from any surface.
-fn ring(picture: &mut Picture, place: [u32; 2]) {
-    let within = |low: i64, high: i64| move |squared: i64| (low * low..high * high).contains(&squared);
-    let reach = i64::from(RING_PX);
-    draw(picture, place, RING_PX, [30; 3], within(reach - 3, reach + 1));
-    draw(picture, place, RING_PX, verdict_colour(PixelVerdict::Real).1, within(reach - 2, reach));
 }
 
 /// Sets the pixels up to `reach` away in both directions whose squared distance is asked for.

@@ -22,6 +22,7 @@ pub struct ShadowMask {
 
 impl ShadowMask {
     /// Row after row from the top: the counts, and whether there is anything to receive a shadow.
+    #[cfg(feature = "gpu")]
     pub(crate) fn new(size: Size, counting: Counting, counts: Vec<i32>, receiver: Vec<bool>) -> Self {
         assert!(counts.len() == size.pixels() && receiver.len() == size.pixels(), "one entry a pixel");
         Self { size, counting, counts, receiver }

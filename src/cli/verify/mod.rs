@@ -6,13 +6,13 @@ mod pixels;
 mod stencil;
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use umbrage::scene::{Camera, Size, Up};
+use umbrage::scene::{Size, Up};
 use umbrage::verify::{Judge, Options, Stratum, Verification, Verifier};
 
 use super::machine::{AdapterArgs, ThreadArgs};
-use super::output::{self, Output};
+use super::output::Output;
 use super::progress::Progress;
 use super::render::require_png;
 use super::source::{Source, SourceArgs};
@@ -20,6 +20,8 @@ use super::values::{refuse_overwriting, seed, whole};
 use super::view::ViewArgs;
 use super::{Failure, Outcome};
 use pixels::Pixels;
+#[cfg(feature = "gpu")]
+use stencil::Graphics;
 pub(super) use text::text;
 
 /// Every judge against every other: ray cast, winding numbers of the volume, whole numbers, stencil pass
@@ -76,9 +78,6 @@ const SHOWN: usize = 10;
 /// The points of one run stay in memory: 16 bytes each.
 const MOST_POINTS: usize = 100_000_000;
 
-/// The pixels of a picture for which no size is asked, in a row and in a column.
-const SIDE: u32 = 512;
-
 impl Args {
     /// Refuses what is about the stencil pass if none was asked for.
     fn require_gpu(&self) -> Result<(), Failure> {
@@ -105,35 +104,6 @@ impl Args {
         refuse_overwriting("--picture", self.picture.as_deref(), &self.source.file)?;
         self.view.camera(Up::Y).map(|_| ())
     }
-
-    /// The camera that was asked for, else the file's, else one that shows everything.
-    fn camera(&self, source: &Source, size: Size) -> Result<Camera, Failure> {
-        let asked = self.view.camera(source.up)?;
-        let of_file =
-            || source.camera.inspect(|_| output::say("note: no --eye: using the camera of the file"));
-        let fitted = || Camera::fit(&source.bounds, source.up, size.aspect());
-        Ok(asked.or_else(of_file).unwrap_or_else(fitted))
-    }
-
-    /// Where the pictures go, one a light.
-    fn pictures(&self, lights: usize) -> Result<Vec<PathBuf>, Failure> {
-        let Some(path) = &self.picture else { return Ok(Vec::new()) };
-        let paths: Vec<PathBuf> = (1..=lights).map(|light| numbered(path, light)).collect();
-        for path in &paths {
-            refuse_overwriting("--picture", Some(path), &self.source.file)?;
-        }
-        Ok(paths)
-    }
-}
-
-/// `a.png`, `a-2.png`, `a-3.png`.
-fn numbered(path: &Path, number: usize) -> PathBuf {
-    if number == 1 {
-        return path.to_owned();
-    }
-    let mut name = path.file_stem().unwrap_or_default().to_owned();
-    name.push(format!("-{number}.png"));
-    path.with_file_name(name)
 }
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
@@ -174,31 +144,6 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let agreed = results.iter().all(Verification::agrees)
         && pixels.is_none_or(|pixels| pixels.counts().disagree() == 0);
     Ok(if agreed { Outcome::Sound } else { Outcome::Unsound })
-}
-
-/// The graphics adapter, opened before any work, so that a missing one is found out at once.
-#[cfg(feature = "gpu")]
-struct Graphics(umbrage::gpu::Gpu);
-
-#[cfg(feature = "gpu")]
-impl Graphics {
-    fn open(adapter: &AdapterArgs) -> Result<Self, Failure> {
-        adapter.open().map(Self)
-    }
-
-    fn judge(&self, args: &Args, source: &Source, verifier: &Verifier<'_>) -> Result<Pixels, Failure> {
-        let size = args.size.unwrap_or(Size::new(SIDE, SIDE).expect("in range"));
-        let camera = args.camera(source, size)?;
-        let job = stencil::Job {
-            mesh: &source.mesh,
-            oracle: verifier.oracle(),
-            lights: &source.lights,
-            projection: camera.projection(size, camera.near(&source.bounds)),
-            size,
-            pictures: &args.pictures(source.lights.len())?,
-        };
-        stencil::judge(&self.0, &job)
-    }
 }
 
 /// There is no such thing in this build.
@@ -242,15 +187,4 @@ fn summed(judges: &[Vec<Judge>]) -> Vec<Judge> {
 
 fn total(strata: &[Stratum]) -> Stratum {
     strata.iter().fold(Stratum { name: "all", ..Stratum::default() }, |sum, row| sum.plus(row))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pictures_of_further_lights_are_numbered() {
-        let names = [1, 2, 10].map(|light| numbered(Path::new("a/b.c.png"), light));
-        assert_eq!(names, ["a/b.c.png", "a/b.c-2.png", "a/b.c-10.png"].map(PathBuf::from));
-    }
 }

@@ -8,27 +8,89 @@ use umbrage::gpu::Gpu;
 use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
 use umbrage::picture::{MemoryError, verdict_colour, verdicts};
-use umbrage::scene::{SceneLight, Size};
+use umbrage::scene::{Camera, SceneLight, Size};
 use umbrage::stencil::{
     Asked, Caster, Casting, Counting, Depth, MethodPlan, Receivers, ShadowMask, StencilMethod, StencilPass,
 };
+use umbrage::verify::Verifier;
 use umbrage::volume::Faces;
 
-use super::SHOWN;
 use super::pixels::{Counts, LightPixels, PASSES, Pass, Pixels};
+use super::{Args, SHOWN};
 use crate::cli::Failure;
+use crate::cli::machine::AdapterArgs;
 use crate::cli::output;
 use crate::cli::progress::Progress;
+use crate::cli::source::Source;
+use crate::cli::values::refuse_overwriting;
+
+/// The pixels of a picture for which no size is asked, in a row and in a column.
+const SIDE: u32 = 512;
+
+/// The graphics adapter, opened before any work, so that a missing one is found out at once.
+pub(super) struct Graphics(Gpu);
+
+impl Graphics {
+    pub(super) fn open(adapter: &AdapterArgs) -> Result<Self, Failure> {
+        adapter.open().map(Self)
+    }
+
+    pub(super) fn judge(
+        &self,
+        args: &Args,
+        source: &Source,
+        verifier: &Verifier<'_>,
+    ) -> Result<Pixels, Failure> {
+        let size = args.size.unwrap_or(Size::new(SIDE, SIDE).expect("in range"));
+        let camera = camera(args, source, size)?;
+        let job = Job {
+            mesh: &source.mesh,
+            oracle: verifier.oracle(),
+            lights: &source.lights,
+            projection: camera.projection(size, camera.near(&source.bounds)),
+            size,
+            pictures: &pictures(args, source.lights.len())?,
+        };
+        judge(&self.0, &job)
+    }
+}
+
+/// The camera that was asked for, else the file's, else one that shows everything.
+fn camera(args: &Args, source: &Source, size: Size) -> Result<Camera, Failure> {
+    let asked = args.view.camera(source.up)?;
+    let of_file = || source.camera.inspect(|_| output::say("note: no --eye: using the camera of the file"));
+    let fitted = || Camera::fit(&source.bounds, source.up, size.aspect());
+    Ok(asked.or_else(of_file).unwrap_or_else(fitted))
+}
+
+/// Where the pictures go, one a light.
+fn pictures(args: &Args, lights: usize) -> Result<Vec<PathBuf>, Failure> {
+    let Some(path) = &args.picture else { return Ok(Vec::new()) };
+    let paths: Vec<PathBuf> = (1..=lights).map(|light| numbered(path, light)).collect();
+    for path in &paths {
+        refuse_overwriting("--picture", Some(path), &args.source.file)?;
+    }
+    Ok(paths)
+}
+/// `a.png`, `a-2.png`, `a-3.png`.
+fn numbered(path: &Path, number: usize) -> PathBuf {
+    if number == 1 {
+        return path.to_owned();
+    }
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("-{number}.png"));
+    path.with_file_name(name)
+}
 
 /// What is to be judged.
-pub(super) struct Job<'a> {
-    pub(super) mesh: &'a Mesh,
-    pub(super) oracle: &'a Oracle,
-    pub(super) lights: &'a [SceneLight],
-    pub(super) projection: Projection,
-    pub(super) size: Size,
+struct Job<'a> {
+    mesh: &'a Mesh,
+    oracle: &'a Oracle,
+    lights: &'a [SceneLight],
+    projection: Projection,
+    size: Size,
     /// Where a picture goes, one a light; empty for none.
-    pub(super) pictures: &'a [PathBuf],
+    pictures: &'a [PathBuf],
 }
 
 /// Bytes that a pixel takes in memory at the most: depth and counts as they come back, two masks, two comparisons, a
@@ -42,7 +104,7 @@ fn require_memory(size: Size) -> Result<(), Failure> {
     reserved.map_err(|_| Failure::new(MemoryError(size), "choose a smaller --size"))
 }
 
-pub(super) fn judge(gpu: &Gpu, job: &Job<'_>) -> Result<Pixels, Failure> {
+fn judge(gpu: &Gpu, job: &Job<'_>) -> Result<Pixels, Failure> {
     require_memory(job.size)?;
     let progress = Progress::spinner("topology, proofs and shaders");
     let bench = Bench {
@@ -163,4 +225,15 @@ fn draw(job: &Job<'_>, comparison: &Comparison, path: &Path) -> Result<(), Failu
     let meaning = meaning.collect::<Vec<_>>().join(", ");
     output::say(format_args!("wrote {}: {meaning}", output::plain(&path.to_string_lossy())));
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_of_further_lights_are_numbered() {
+        let names = [1, 2, 10].map(|light| numbered(Path::new("a/b.c.png"), light));
+        assert_eq!(names, ["a/b.c.png", "a/b.c-2.png", "a/b.c-10.png"].map(PathBuf::from));
+    }
 }

@@ -64,7 +64,7 @@ mod gpu {
             return;
         }
         let folder = Folder::with_cubes();
-        let lights = "--light point:2,3,5 --light directional:-1,-2,-0.5";
+        let lights = "--light point:-3,6,1 --light directional:1,-1,0.2";
         let run = |more: &str| {
             folder.json(&format!("verify cube.obj {lights} --points 100 --gpu --size 96x64 {more}"))
         };
@@ -80,14 +80,11 @@ mod gpu {
             let agree = of(light, "pixel_agree");
             assert_eq!(agree + of(light, "pixel_grazing"), 96 * 64);
             for pass in light["passes"].as_array().unwrap() {
-                assert!(
-                    of(pass, "sky") > 500 && of(pass, "lit") > 500 && of(pass, "shadowed") > 500,
-                    "{pass}"
-                );
+                assert!(["sky", "lit", "shadowed"].iter().all(|key| of(pass, key) > 200), "{pass}");
                 assert_eq!(pass["counting"], "stencil");
             }
         }
-        // The camera looks past the cube's volumes: z-pass is proven to be right, and judged too.
+        // Nothing is between the lamp and the camera: z-pass is proven to be right, and judged too.
         assert_eq!(each[0]["passes"][1]["method"], "zpass");
         assert_eq!(document, run("--threads 2"));
     }

@@ -10,9 +10,9 @@ use crate::oracle::Oracle;
 use crate::parallel;
 use crate::scene::Size;
 
-/// A colour's name and its sRGB bytes: greys for what agrees, light blue for the sky; for the others hues that differ in
-/// brightness too, so that nobody needs to tell red from green. (Masataka Okabe and Kei Ito, *Color Universal Design*,
-/// 2002.)
+/// A colour's name and its sRGB bytes: greys for what agrees, light blue for the sky; for the others hues that
+/// differ in brightness too, so that nobody needs to tell red from green. (Masataka Okabe and Kei Ito, *Color
+/// Universal Design*, 2002.)
 #[must_use]
 pub fn verdict_colour(verdict: PixelVerdict) -> (&'static str, [u8; 3]) {
     match verdict {
@@ -33,10 +33,10 @@ const EDGE_ON: f32 = 0.55;
 const DOT_PX: u32 = 1;
 const RING_PX: u32 = 7;
 
-/// Draws the pixels of `comparison`: the faces of `oracle` as `projection` sees them, light where they agree on lit, dark
-/// where they agree on shadowed; every other pixel as a square of 3 × 3 in its verdict's colour, the gravest on top, those
-/// that nothing explains with a ring around them, dark-rimmed so that it stands out from any surface. Swatches in the lower left corner show the colours of the verdicts that
-/// occur, in the order of [`PixelVerdict::ALL`], the sky left out.
+/// Draws the pixels of `comparison`: the faces of `oracle` as `projection` sees them, light where both agree on lit,
+/// dark where they agree on shadowed; every other pixel as a square of 3 × 3 in its verdict's colour, the gravest on
+/// top, those that nothing explains with a dark-rimmed ring around them. Swatches in the lower left corner show the
+/// colours of the verdicts that occur, in the order of [`PixelVerdict::ALL`], the sky left out.
 ///
 /// `progress` hears of rows done, from any thread. One ray a pixel; 4 bytes a pixel.
 ///

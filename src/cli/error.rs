@@ -47,14 +47,6 @@ impl From<ReadError> for Failure {
     }
 }
 
-/// It prints its remedy too.
-#[cfg(feature = "gpu")]
-impl From<umbrage::gpu::GpuError> for Failure {
-    fn from(error: umbrage::gpu::GpuError) -> Self {
-        Self::of(error.to_string(), None)
-    }
-}
-
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
         Self::of(error.to_string(), None)

@@ -4,7 +4,6 @@
 //! asked, and `run`, which does it.
 
 #[cfg(feature = "gpu")]
-mod casting;
 mod error;
 mod lights;
 mod load;
@@ -15,6 +14,7 @@ mod source;
 #[cfg(feature = "gpu")]
 mod stage;
 mod values;
+mod view;
 
 mod check;
 mod silhouette;

@@ -22,7 +22,8 @@ use super::progress::Progress;
 use super::source::{Source, SourceArgs};
 #[cfg(feature = "gpu")]
 use super::stage::Stage;
-use super::values::{degrees, refuse_overwriting};
+use super::values::refuse_overwriting;
+use super::view::ViewArgs;
 use super::{Failure, Outcome};
 
 /// Picture: shadows by a stencil pass or by exact ray cast, flat faces, plain shading
@@ -36,20 +37,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     source: SourceArgs,
 
-    /// Where the eye is, in mesh units
-    ///
-    /// [default: the file's own camera; without one, a three-quarter view from the front, the right and above that
-    /// shows everything]
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "target", allow_hyphen_values = true)]
-    eye: Option<[f32; 3]>,
-
-    /// Where the eye looks to, in mesh units, together with --eye [default: as for --eye]
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "eye", allow_hyphen_values = true)]
-    target: Option<[f32; 3]>,
-
-    /// Vertical field of view in degrees, together with --eye [default: 35]
-    #[arg(long, value_name = "DEG", requires = "eye", value_parser = degrees, allow_negative_numbers = true)]
-    fov: Option<f32>,
+    #[command(flatten)]
+    view: ViewArgs,
 
     /// Width and height in pixels, each at most 16384
     #[arg(long, value_name = "WxH", default_value = "960x540", allow_hyphen_values = true)]
@@ -119,7 +108,7 @@ impl Method {
             Self::Zpass => StencilMethod::ZPass,
             Self::Zfail => StencilMethod::ZFail,
         };
-        Ok(Way::Stencil { gpu: Box::new(adapter.open()?), asked: Some(asked) })
+        Ok(Way::Stencil { gpu: Box::new(adapter.open("--method")?), asked: Some(asked) })
     }
 
     #[cfg(not(feature = "gpu"))]
@@ -157,14 +146,6 @@ fn parse_samples(text: &str) -> Result<u32, String> {
     }
 }
 
-fn parse_point(text: &str) -> Result<[f32; 3], String> {
-    let numbers: Option<Vec<f32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
-    let point: Option<[f32; 3]> = numbers.and_then(|numbers| numbers.try_into().ok());
-    point
-        .filter(|point| point.iter().all(|x| x.is_finite()))
-        .ok_or_else(|| "write three finite numbers X,Y,Z in mesh units".to_owned())
-}
-
 /// Whether a picture can be written under this name, as far as the name tells.
 pub(crate) fn require_png(path: &Path) -> Result<(), Failure> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
@@ -176,13 +157,13 @@ pub(crate) fn require_png(path: &Path) -> Result<(), Failure> {
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     require_png(&args.output)?;
     refuse_overwriting("--output", Some(&args.output), &args.source.file)?;
-    let asked = camera(&args, Up::Y)?; // nonsense is refused before the file is read
+    let asked = args.view.camera(Up::Y)?; // nonsense is refused before the file is read
     let way = args.method.settle(&args.adapter)?;
     args.threads.apply()?;
 
     let Source { up, mesh, bounds, lights: of_scene, camera: of_file, .. } = args.source.load()?;
     let camera = match asked {
-        Some(_) => camera(&args, up)?,
+        Some(_) => args.view.camera(up)?,
         None => of_file.inspect(|_| output::say("note: no --eye: using the camera of the file")),
     };
     let camera = camera.unwrap_or_else(|| Camera::fit(&bounds, up, args.size.aspect()));
@@ -251,29 +232,7 @@ fn by_stencil(
     drop(progress);
     output::say(format_args!("note: stencil pass on {}", output::plain(&gpu.name())));
     for (lamp, casting) in view.lamps.iter().zip(&stage.castings) {
-        output::say(format_args!("note: {}: {}", lights::label(&lamp.light, ""), casting.said));
+        output::say(format_args!("note: {}: {}", lights::label(&lamp.light, ""), casting.methods.summary()));
     }
     Ok(picture)
-}
-
-/// The camera that was asked for.
-fn camera(args: &Args, up: Up) -> Result<Option<Camera>, Failure> {
-    let (Some(eye), Some(target)) = (args.eye, args.target) else { return Ok(None) };
-    let fov = args.fov.map_or(Camera::DEFAULT_FOV_Y_RAD, f32::to_radians);
-    Camera::look_at(eye, target, fov, up)
-        .map(Some)
-        .map_err(|error| Failure::new(error, "change --eye, --target or --fov"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn points_are_three_finite_numbers() {
-        assert_eq!(parse_point("1, -2.5,3e2"), Ok([1.0, -2.5, 300.0]));
-        for text in ["", "1,2", "1,2,3,4", "1,2,nan", "1,2,inf", "a,b,c"] {
-            assert!(parse_point(text).is_err(), "{text}");
-        }
-    }
 }

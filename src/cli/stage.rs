@@ -4,25 +4,27 @@ use umbrage::geom::{Aabb, Projection};
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::Mesh;
 use umbrage::picture::{LampShadow, Picture, View, render_stencil};
-use umbrage::scene::Camera;
-use umbrage::stencil::{Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass};
+use umbrage::stencil::{
+    Asked, CastOnDevice, Caster, Casting, Depth, Receivers, ShadowMask, StencilMethod, StencilPass,
+};
 use umbrage::topology::Topology;
-
-use super::casting::{Casting, casting};
+use umbrage::volume::Faces;
 
 /// A mesh before an eye, with the volumes of each lamp.
 pub(crate) struct Stage<'a> {
-    mesh: &'a Mesh,
+    caster: Caster<'a>,
     view: View<'a>,
     pass: StencilPass,
     receivers: Receivers,
     pub(crate) projection: Projection,
     /// One a lamp.
     pub(crate) castings: Vec<Casting>,
+    on_device: Vec<CastOnDevice>,
 }
 
 impl<'a> Stage<'a> {
-    /// `bounds` are those of what the eye looks at, without a ground.
+    /// `bounds` are those of what the eye looks at, without a ground. All faces cast: proving that half of them are
+    /// enough takes longer than drawing the others once.
     pub(crate) fn new(
         gpu: &Gpu,
         mesh: &'a Mesh,
@@ -30,40 +32,41 @@ impl<'a> Stage<'a> {
         view: View<'a>,
         asked: Option<StencilMethod>,
     ) -> Result<Self, GpuError> {
-        let projection = view.camera.projection(view.size, near(&view.camera, bounds));
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
-        let casting = |light| casting(gpu, mesh, &topology, light, &projection, asked);
-        let castings = view.lamps.iter().map(|lamp| casting(&lamp.light)).collect::<Result<_, _>>()?;
+        let projection = view.camera.projection(view.size, view.camera.near(bounds));
+        let asked = match asked {
+            None => Asked::Auto,
+            Some(StencilMethod::ZPass) => Asked::ZPass,
+            Some(StencilMethod::ZFail) => Asked::ZFail,
+        };
+        let caster = Caster::new(mesh, Faces::All);
+        let castings: Vec<_> =
+            view.lamps.iter().map(|lamp| caster.cast(&lamp.light, &projection, asked)).collect();
+        let on_device = castings.iter().map(|casting| casting.upload(gpu)).collect::<Result<_, _>>()?;
         let pass = StencilPass::new(gpu, Depth::Plane)?;
         let receivers = Receivers::upload(gpu, mesh)?;
-        Ok(Self { mesh, view, pass, receivers, projection, castings })
+        Ok(Self { caster, view, pass, receivers, projection, castings, on_device })
+    }
+
+    /// The edge table of the mesh.
+    pub(crate) fn topology(&self) -> &Topology {
+        self.caster.topology()
     }
 
     /// The lit picture.
     pub(crate) fn picture(&self) -> Result<Picture, GpuError> {
-        let draws: Vec<_> = self.castings.iter().map(draws).collect();
+        let draws: Vec<_> = self.on_device.iter().map(CastOnDevice::draws).collect();
         let shadows: Vec<_> = draws
             .iter()
             .zip(&self.castings)
-            .map(|(draws, casting)| LampShadow { draws, counting: casting.counting })
+            .map(|(draws, casting)| LampShadow { draws, counting: casting.counting() })
             .collect();
-        render_stencil(&self.pass, self.mesh, &self.receivers, &self.view, &self.projection, &shadows)
+        let mesh = self.caster.mesh();
+        render_stencil(&self.pass, mesh, &self.receivers, &self.view, &self.projection, &shadows)
     }
 
     /// What is counted for one lamp, without its light.
-    pub(crate) fn mask(&self, casting: &Casting) -> Result<ShadowMask, GpuError> {
-        self.pass.mask(&self.projection, self.view.size, &self.receivers, &draws(casting), casting.counting)
+    pub(crate) fn mask(&self, lamp: usize) -> Result<ShadowMask, GpuError> {
+        let (draws, counting) = (self.on_device[lamp].draws(), self.castings[lamp].counting());
+        self.pass.mask(&self.projection, self.view.size, &self.receivers, &draws, counting)
     }
-}
-
-fn draws(casting: &Casting) -> Vec<Draw<'_>> {
-    casting.volumes.iter().map(|(volume, method)| Draw { volume, method: *method }).collect()
-}
-
-/// Closer than a 4096th of the way to the middle, or of the diagonal from within, nothing is seen.
-fn near(camera: &Camera, bounds: &Aabb) -> f32 {
-    let [x, y, z] = bounds.centre();
-    let distance = f64::from(camera.eye.distance([x, y, z].into()));
-    let reach = distance.max(bounds.diagonal()) / 4096.0;
-    (reach as f32).clamp(f32::MIN_POSITIVE, f32::MAX)
 }

@@ -21,8 +21,8 @@
 use glam::DVec3;
 
 use super::{Pixels, Seen};
-use crate::geom::Light;
 use crate::geom::predicate::{Homogeneous, Sign, orient3d_homogeneous};
+use crate::geom::{Aabb, Light, Segment};
 use crate::mesh::FaceId;
 
 /// Eight places a whole step away.
@@ -42,42 +42,59 @@ impl Pixels<'_> {
         let side = self.size.width().max(self.size.height());
         let step = 1.0 / 256.0 + f64::from(side) / f64::from(1 << 19);
         let beside = |[x, y]: [f64; 2]| [place[0] + step * x, place[1] + step * y];
+        let Some(here) = seen else {
+            return RIM.into_iter().chain(inside_the_square()).any(|at| self.look(beside(at)).is_some());
+        };
+        let surfaces = self.surfaces(here, place);
         // The rim first: that is where most of it shows.
-        let places = || RIM.into_iter().chain(inside_the_square()).map(beside);
-        places().any(|beside| match (seen, self.look(beside).as_ref()) {
-            (None, None) => false,
-            (Some(here), Some(there)) => here.differs(there) || self.changes_along_the_ray(there, beside),
-            _ => true,
-        }) || seen.is_some_and(|here| places().any(|beside| self.changes_on_the_way(here, place, beside)))
+        RIM.into_iter().chain(inside_the_square()).map(beside).any(|beside| {
+            let Some(there) = self.look(beside) else { return true };
+            here.differs(&there)
+                || self.changes_along_the_ray(&there, beside)
+                || self.surfaces(&there, beside) != surfaces
+                    && self.changes_on_the_way(here, &surfaces, [place, beside])
+        })
     }
 
-    /// Whether between two places a surface ends, and where it does the volume begins or ends: at a silhouette edge, both
-    /// sides of which may well count the same, but for a strip too thin to be hit by chance.
-    fn changes_on_the_way(&self, here: &Seen, place: [f64; 2], beside: [f64; 2]) -> bool {
-        let between = |s: f64| [0, 1].map(|i| place[i] + s * (beside[i] - place[i]));
-        let surfaces = self.surfaces(here, place);
-        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    /// Whether between two places, where a surface ends, the volume begins or ends: at a silhouette edge, both sides of
+    /// which may well count the same, but for a strip too thin to be hit by chance.
+    fn changes_on_the_way(&self, here: &Seen, surfaces: &[FaceId], [from, to]: [[f64; 2]; 2]) -> bool {
+        let between = |s: f64| [0, 1].map(|i| from[i] + s * (to[i] - from[i]));
+        let (mut same, mut other) = (0.0_f64, 1.0_f64);
         // To a 2⁻²⁴th of the step.
         for _ in 0..24 {
-            let middle = 0.5 * (from + to);
+            let middle = 0.5 * (same + other);
             match self.look(between(middle)) {
                 Some(there) if here.differs(&there) => return true,
-                Some(there) if self.surfaces(&there, between(middle)) == surfaces => from = middle,
-                _ => to = middle,
+                Some(there) if self.surfaces(&there, between(middle)) == surfaces => same = middle,
+                _ => other = middle,
             }
         }
-        let changes =
-            |s| self.look(between(s)).is_some_and(|seen| self.changes_along_the_ray(&seen, between(s)));
-        to < 1.0 && (changes(from) || changes(to))
+        let all = |s| self.look(between(s)).is_some_and(|seen| self.changes_along_the_ray(&seen, between(s)));
+        all(same) || all(other)
     }
 
     /// Whether the volume begins or ends within the bound of two depths, at a side. Caps are behind the visible surface
     /// by definition.
     pub(super) fn changes_along_the_ray(&self, seen: &Seen, place: [f64; 2]) -> bool {
         let bound = self.depth_bound(seen, place);
-        let ends = [-bound, bound].map(|part| Homogeneous::point(self.along(seen, place, part)));
-        let light = Homogeneous::light(self.rendered.light);
-        self.edges.iter().any(|edge| is_swept(*edge, ends, light))
+        let [p, q] = [-bound, bound].map(|part| self.along(seen, place, part));
+        // The triangle of both points and the light is nowhere farther from the way from one of them than the other is.
+        let wide = |p: [f32; 3]| DVec3::from(p.map(f64::from));
+        let reach = (2.0 * wide(p).distance(wide(q))) as f32;
+        let way = Segment::to_light(p, self.rendered.light);
+        let (ends, light) = ([p, q].map(Homogeneous::point), Homogeneous::light(self.rendered.light));
+        let mut found = false;
+        self.edge_tree.walk(
+            |aabb| {
+                way.may_meet(&Aabb { low: aabb.low.map(|x| x - reach), high: aabb.high.map(|x| x + reach) })
+            },
+            |slot| {
+                found = is_swept(self.edges[self.edge_tree.order()[slot] as usize], ends, light);
+                !found
+            },
+        );
+        found
     }
 
     /// The visible surface, and all others within the bound of two depths.

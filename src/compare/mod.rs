@@ -11,7 +11,8 @@ use glam::{DVec2, DVec3};
 
 use local::Local;
 
-use crate::geom::{Light, Projection};
+use crate::geom::bvh::Bvh;
+use crate::geom::{Aabb, Light, Projection};
 use crate::mesh::{FaceId, Mesh};
 use crate::oracle::{Meeting, Oracle, Visible};
 use crate::parallel;
@@ -161,7 +162,9 @@ fn judge_all(
     let silhouette = Silhouette::extract(rendered.topology, rendered.signs);
     let ends = |edge: &SilhouetteEdge| rendered.topology.vertices(edge.edge);
     let edges = silhouette.edges.iter().map(|edge| ends(edge).map(|v| rendered.mesh.positions()[v.index()]));
-    let pixels = Pixels { oracle, rendered, size, edges: edges.collect() };
+    let edges: Vec<[[f32; 3]; 2]> = edges.collect();
+    let boxes: Vec<Aabb> = edges.iter().map(|ends| Aabb::around(*ends)).collect();
+    let pixels = Pixels { oracle, rendered, size, edge_tree: Bvh::build(&boxes), edges };
     let mut verdicts = vec![PixelVerdict::Sky; size.pixels()];
     parallel::rows(&mut verdicts, size.width() as usize, |y, row| {
         for (x, verdict) in (0..).zip(row) {
@@ -200,6 +203,8 @@ struct Pixels<'a> {
     size: Size,
     /// The ends of the silhouette edges.
     edges: Vec<[[f32; 3]; 2]>,
+    /// Over their boxes.
+    edge_tree: Bvh,
 }
 
 impl Pixels<'_> {

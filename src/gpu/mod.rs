@@ -243,7 +243,8 @@ pub(crate) mod tests {
         let adapter = adapters().into_iter().find(|adapter| adapter.get_info().name == name)?;
         let mut required_limits = adapter.limits();
         tighten(&mut required_limits);
-        let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+        let required_features = FEATURES;
+        let descriptor = wgpu::DeviceDescriptor { required_features, required_limits, ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
         Some(Gpu::from_device(device, queue).unwrap())
     }

@@ -8,6 +8,7 @@ mod ground;
 mod overlay;
 mod png;
 mod shade;
+mod verdicts;
 
 use glam::Vec3;
 
@@ -16,6 +17,7 @@ pub use gpu::{LampShadow, render_stencil};
 pub use ground::Ground;
 pub use overlay::{Line, Overlay, Spot};
 pub use shade::Lamp;
+pub use verdicts::{verdict_colour, verdicts};
 
 use crate::mesh::FaceId;
 use crate::oracle::Oracle;

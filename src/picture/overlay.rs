@@ -108,7 +108,7 @@ impl Overlay {
             }
         }
         for (i, &colour) in self.legend.iter().enumerate() {
-            canvas.swatch(i, colour);
+            swatch(canvas.picture, i, colour);
         }
     }
 }
@@ -214,18 +214,17 @@ impl Canvas<'_> {
             .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x));
         near.all(|at| f64::from(self.depths[at]) + self.skin < depth)
     }
+}
 
-    /// The `i`-th square of the legend, with a dark rim.
-    fn swatch(&mut self, i: usize, colour: [u8; 3]) {
-        let (width, height) = (self.picture.size.width() as usize, self.picture.size.height() as usize);
-        let left = SWATCH_PX / 2 + i * (SWATCH_PX + SWATCH_PX / 2);
-        let bottom = height.saturating_sub(SWATCH_PX / 2);
-        for y in bottom.saturating_sub(SWATCH_PX)..bottom {
-            for x in left..(left + SWATCH_PX).min(width) {
-                let rim =
-                    y == bottom - 1 || y + SWATCH_PX == bottom || x == left || x + 1 == left + SWATCH_PX;
-                blend(&mut self.picture.pixels[y * width + x], if rim { [30; 3] } else { colour }, 1.0);
-            }
+/// The `i`-th square of a legend, in the lower left corner, with a dark rim.
+pub(super) fn swatch(picture: &mut Picture, i: usize, colour: [u8; 3]) {
+    let (width, height) = (picture.size.width() as usize, picture.size.height() as usize);
+    let left = SWATCH_PX / 2 + i * (SWATCH_PX + SWATCH_PX / 2);
+    let bottom = height.saturating_sub(SWATCH_PX / 2);
+    for y in bottom.saturating_sub(SWATCH_PX)..bottom {
+        for x in left..(left + SWATCH_PX).min(width) {
+            let rim = y == bottom - 1 || y + SWATCH_PX == bottom || x == left || x + 1 == left + SWATCH_PX;
+            blend(&mut picture.pixels[y * width + x], if rim { [30; 3] } else { colour }, 1.0);
         }
     }
 }

@@ -140,6 +140,23 @@ impl Camera {
         }
     }
 
+    /// Where the near plane of a [`Camera::projection`] stands if nothing else is said, in mesh units: half the
+    /// distance from the eye to `bounds`, but no less than 1/1024 of their diagonal, for an eye that is inside or
+    /// about to be.
+    ///
+    /// From outside it cuts nothing that is seen within 60 degrees of the forward direction. Finite and above 0 for
+    /// every box; 1 for an empty one.
+    #[must_use]
+    pub fn near(&self, bounds: &Aabb) -> f32 {
+        if bounds.is_empty() {
+            return 1.0;
+        }
+        let eye = self.eye.as_dvec3();
+        let distance = eye.distance(eye.clamp(wide(bounds.low), wide(bounds.high)));
+        let near = (0.5 * distance).max(bounds.diagonal() / 1024.0);
+        (near as f32).clamp(f32::from_bits(1), f32::MAX)
+    }
+
     /// Unit vectors to the right and upwards in the picture.
     pub(super) fn basis(&self) -> (DVec3, DVec3) {
         let forward = self.forward.as_dvec3();
@@ -218,6 +235,33 @@ mod tests {
         }
         for bounds in [Aabb::EMPTY, Aabb { low: [f32::MIN; 3], high: [f32::MAX; 3] }] {
             assert!(Camera::fit(&bounds, Up::Y, 1.0).eye.is_finite());
+        }
+    }
+
+    #[test]
+    fn near_is_half_the_way_to_the_box_and_a_part_of_the_diagonal_inside() {
+        let bounds = Aabb { low: [-1.0; 3], high: [1.0; 3] };
+        let near = |eye| Camera::look_at(eye, [0.5; 3], 1.0, Up::Y).unwrap().near(&bounds);
+        assert_eq!(near([0.0, 0.0, 5.0]), 2.0);
+        assert_eq!(near([4.0, 5.0, 0.0]), 2.5);
+        let inside = (12_f64.sqrt() / 1024.0) as f32;
+        assert_eq!([near([0.0; 3]), near([0.0, 0.0, 1.0]), near([0.0, 0.0, 1.001])], [inside; 3]);
+    }
+
+    #[test]
+    fn near_is_finite_and_above_zero_for_any_box_and_eye() {
+        let sizes = [f32::from_bits(1), 1e-30, 1.0, 3.4e38, f32::MAX];
+        let boxes = sizes.into_iter().flat_map(|x| {
+            [([-x; 3], [x; 3]), ([x; 3], [x; 3]), ([0.0; 3], [x, 0.0, 0.0])]
+                .map(|(low, high)| Aabb { low, high })
+        });
+        for bounds in boxes.chain([Aabb::EMPTY]) {
+            let places = sizes.into_iter().flat_map(|x| [[x; 3], [-x, 0.0, x]]);
+            for eye in places.chain([[0.0; 3], Camera::fit(&bounds, Up::Y, 1.0).eye.into()]) {
+                let camera = Camera { eye: eye.into(), ..Camera::fit(&bounds, Up::Y, 1.0) };
+                let near = camera.near(&bounds);
+                assert!(near > 0.0 && near.is_finite(), "{bounds:?} {eye:?}: {near}");
+            }
         }
     }
 

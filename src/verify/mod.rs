@@ -164,6 +164,12 @@ impl<'mesh> Verifier<'mesh> {
         Self { mesh, topology, shells, proofs, planes, oracle }
     }
 
+    /// The tree over all faces, for other questions about the same mesh.
+    #[must_use]
+    pub fn oracle(&self) -> &Oracle {
+        &self.oracle
+    }
+
     /// Verifies one light. `progress` is told of points as they are done, from any thread.
     #[must_use]
     pub fn verify(&self, light: &Light, options: &Options, progress: &(dyn Fn(u64) + Sync)) -> Verification {

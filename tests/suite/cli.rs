@@ -150,7 +150,7 @@ fn cli_usage_errors_exit_with_two() {
 fn cli_help_names_every_default() {
     let folder = Folder::new();
     assert!(folder.run("--help").stdout.contains("Exit codes: 0 sound"));
-    for command in ["check", "silhouette", "volume", "render"] {
+    for command in ["check", "silhouette", "volume", "verify", "render"] {
         let run = folder.run(&format!("{command} --help"));
         assert_eq!(run.code, 0);
         // An option starts a block, which goes on to the next one.
@@ -221,6 +221,15 @@ fn cli_refuses_values_that_mean_nothing() {
         ("volume cube.obj --far -3", "above 0"),
         ("check cube.obj --limit -1", "write a whole number"),
         ("verify cube.obj --points 1e3", "write a whole number"),
+        ("verify cube.obj --size 64x64", "add --gpu"),
+        ("verify cube.obj --eye 1,2,3 --target 0,0,0", "add --gpu"),
+        ("verify cube.obj --eye 1,2,3 --target 0,0,0 --fov 40", "add --gpu"),
+        ("verify cube.obj --picture a.png", "add --gpu"),
+        ("verify cube.obj --adapter llvmpipe", "add --gpu"),
+        ("verify cube.obj --gpu --size 0x9", "0x9"),
+        ("verify cube.obj --gpu --picture a.jpg", ".png"),
+        ("verify cube.obj --gpu --fov 40", "--eye"),
+        ("verify cube.obj --gpu --eye 1,2,3 --target 1,2,3", "1,2,3"),
         ("verify cube.obj --seed -1", "write a whole number"),
         ("verify cube.obj --threads 0", "from 1 to 1024"),
         ("verify cube.obj --threads 1025", "from 1 to 1024"),

@@ -7,6 +7,8 @@ mod data;
 mod facts;
 mod gltf;
 #[cfg(feature = "gpu")]
+mod gpu_compare;
+#[cfg(feature = "gpu")]
 mod gpu_silhouette;
 #[cfg(feature = "gpu")]
 mod gpu_stencil;

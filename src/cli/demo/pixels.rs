@@ -39,10 +39,11 @@ pub(super) fn judge(
     let progress = Progress::bar("judging pixels", (lights.len() as u64) * u64::from(view.size.height()));
     let mut table = Table::new(&["light", "pixels", "sky", "agree", "grazing", "disagree"]);
     let (mut panels, mut methods, mut agrees) = (Vec::new(), String::new(), true);
-    for (light, casting) in lights.iter().zip(&stage.castings) {
-        let mask = stage.mask(casting)?;
+    for (lamp, (light, casting)) in lights.iter().zip(&stage.castings).enumerate() {
+        let mask = stage.mask(lamp)?;
         let rendered = Rendered {
             mesh,
+            topology: stage.topology(),
             signs: &casting.signs,
             light: &light.light,
             projection: &stage.projection,
@@ -59,7 +60,7 @@ pub(super) fn judge(
         let disagree = counts[0] - counts[1..].iter().sum::<usize>();
         let cells = counts.into_iter().chain([disagree]).map(|count| count.to_string());
         let name = label(&light.light, &light.name);
-        methods += &format!("  {name}: {}\n", casting.said);
+        methods += &format!("  {name}: {}\n", casting.methods.summary());
         table.row([name].into_iter().chain(cells).collect());
         agrees &= result.agrees();
         panels.push(false_colours(&result, &picture));

@@ -301,3 +301,37 @@ pub(crate) struct Counter<'a> {
     /// One `i32` a pixel, where the stencil does not count.
     pub(crate) counts: Option<wgpu::Buffer>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::tests::limited_gpu;
+    use crate::mesh::solid;
+    use crate::scene::{Camera, Up};
+
+    #[test]
+    fn stencil_picture_beyond_the_limits_is_refused_with_a_smaller_size_as_the_remedy() {
+        let limited = limited_gpu(|limits| {
+            limits.max_buffer_size = 1 << 16;
+            limits.max_storage_buffer_binding_size = 1 << 13;
+            limits.max_texture_dimension_2d = 2048;
+        });
+        let Some(gpu) = limited else { return };
+        let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
+        let mesh = solid::cube();
+        let receivers = Receivers::upload(&gpu, &mesh).unwrap();
+        let camera = Camera::look_at([3.0, 4.0, 5.0], [0.0; 3], 1.0, Up::Y).unwrap();
+        let mask = |width, height, counting| {
+            let size = Size::new(width, height).unwrap();
+            pass.mask(&camera.projection(size, 1.0), size, &receivers, &[], counting)
+        };
+        assert!(mask(64, 64, Counting::Stencil).is_ok());
+        for (width, height, counting) in
+            [(64, 64, Counting::Integer), (128, 200, Counting::Stencil), (2049, 1, Counting::Stencil)]
+        {
+            let error = mask(width, height, counting).unwrap_err();
+            assert!(matches!(error, GpuError::TooLarge { .. } | GpuError::Picture { .. }), "{error}");
+            assert!(error.to_string().ends_with("use a smaller --size"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! `umbrage verify`: every judge against every other.
+
+mod json;
+mod pixels;
+#[cfg(feature = "gpu")]
+mod stencil;
+mod text;
+
+use std::path::PathBuf;
+
+use umbrage::scene::{Size, Up};
+use umbrage::verify::{Judge, Options, Stratum, Verification, Verifier};
+
+use super::machine::{AdapterArgs, ThreadArgs};
+use super::output::Output;
+use super::progress::Progress;
+use super::render::require_png;
+use super::source::{Source, SourceArgs};
+use super::values::{refuse_overwriting, seed, whole};
+use super::view::ViewArgs;
+use super::{Failure, Outcome};
+use pixels::Pixels;
+#[cfg(feature = "gpu")]
+use stencil::Graphics;
+pub(super) use text::text;
+
+/// Every judge against every other: ray cast, winding numbers of the volume, whole numbers, stencil pass
+///
+/// Points are drawn where errors hide: on and near faces, in their planes, within two ulps of the shadow's
+/// boundary. With --gpu every pixel of a stencil pass is judged too, once with z-fail for all shells and, where that
+/// is proven to be right for some, once with z-pass for those. A disagreement is a bug in umbrage, or in a graphics
+/// driver; a crack in the mesh is none.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    source: SourceArgs,
+
+    /// How many points for each light, spread evenly over the strata
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = whole, allow_negative_numbers = true)]
+    points: usize,
+
+    /// What the points are drawn from; the same seed gives the same points
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
+    seed: u64,
+
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+
+    #[command(flatten)]
+    adapter: AdapterArgs,
+
+    /// Judge every pixel of a stencil pass too, for each light
+    #[arg(long)]
+    gpu: bool,
+
+    /// Width and height of that picture in pixels, each at most 16384; with --gpu [default: 512x512]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
+    size: Option<Size>,
+
+    #[command(flatten)]
+    view: ViewArgs,
+
+    /// Draw that picture: grey where both agree, darker in shadow; with --gpu [default: nothing is drawn]
+    ///
+    /// Grazing pixels are yellow, unsure ones sky blue, overflows blue, all others that differ vermilion with a ring
+    /// around them. A second light's picture is OUT-2.png, and so on.
+    #[arg(long, value_name = "OUT.png")]
+    picture: Option<PathBuf>,
+}
+
+/// How many disagreements are shown with their places, for each light.
+const SHOWN: usize = 10;
+
+/// The points of one run stay in memory: 16 bytes each.
+const MOST_POINTS: usize = 100_000_000;
+
+impl Args {
+    /// Refuses what is about the stencil pass if none was asked for.
+    fn require_gpu(&self) -> Result<(), Failure> {
+        let asked = [
+            ("--size", self.size.is_some()),
+            ("--eye, --target and --fov", self.view.was_asked_for()),
+            ("--picture", self.picture.is_some()),
+            ("--adapter", self.adapter.was_asked_for()),
+        ];
+        match asked.into_iter().find(|(_, asked)| *asked && !self.gpu) {
+            Some((flag, _)) => {
+                let problem = format!("{flag} without --gpu: points need no picture");
+                Err(Failure::new(problem, "add --gpu"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses what cannot be drawn, as far as the command line tells.
+    fn require_view(&self) -> Result<(), Failure> {
+        if let Some(path) = &self.picture {
+            require_png(path)?;
+        }
+        refuse_overwriting("--picture", self.picture.as_deref(), &self.source.file)?;
+        self.view.camera(Up::Y).map(|_| ())
+    }
+}
+
+pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+    args.require_gpu()?;
+    args.require_view()?;
+    if !(1..=MOST_POINTS).contains(&args.points) {
+        let problem = format!("--points {} is not between 1 and {MOST_POINTS}", args.points);
+        return Err(Failure::new(problem, "run several seeds instead of one long run"));
+    }
+    args.threads.apply()?;
+    let graphics = if args.gpu { Some(Graphics::open(&args.adapter)?) } else { None };
+    let source = args.source.load()?;
+    let Source { format, mesh, lights, .. } = &source;
+
+    let progress = Progress::spinner("topology, proofs and tree");
+    let verifier = Verifier::new(mesh);
+    drop(progress);
+    let options = Options { points: args.points, seed: args.seed, keep: SHOWN };
+    let progress = Progress::bar("judging points", (lights.len() * args.points) as u64);
+    let results: Vec<Verification> = lights
+        .iter()
+        .map(|light| verifier.verify(&light.light, &options, &|points| progress.done(points)))
+        .collect();
+    drop(progress);
+    let pixels = match graphics {
+        Some(graphics) => Some(graphics.judge(&args, &source, &verifier)?),
+        None => None,
+    };
+
+    let mut output = Output::new();
+    if args.json {
+        let file = args.source.file.to_string_lossy();
+        output.json(&json::document(&file, *format, lights, &results, pixels.as_ref()))?;
+    } else {
+        output.text(text::report(&args.source.file, lights, &results, pixels.as_ref()))?;
+    }
+    output.flush()?;
+    let agreed = results.iter().all(Verification::agrees)
+        && pixels.is_none_or(|pixels| pixels.counts().disagree() == 0);
+    Ok(if agreed { Outcome::Sound } else { Outcome::Unsound })
+}
+
+/// There is no such thing in this build.
+#[cfg(not(feature = "gpu"))]
+enum Graphics {}
+
+#[cfg(not(feature = "gpu"))]
+impl Graphics {
+    fn open(_: &AdapterArgs) -> Result<Self, Failure> {
+        Err(Failure::new("--gpu: this build has no graphics", "build it with the feature `gpu`"))
+    }
+
+    fn judge(&self, _: &Args, _: &Source, _: &Verifier<'_>) -> Result<Pixels, Failure> {
+        match *self {}
+    }
+}
+
+/// The strata, summed over the lights.
+fn strata(results: &[Verification]) -> Vec<Stratum> {
+    let sum = |a: Vec<Stratum>, b: &Verification| a.iter().zip(&b.strata).map(|(a, b)| a.plus(b)).collect();
+    let [first, rest @ ..] = results else { return Vec::new() };
+    rest.iter().fold(first.strata.clone(), sum)
+}
+
+/// The judges of each light, the stencil passes last.
+fn judges(results: &[Verification], pixels: Option<&Pixels>) -> Vec<Vec<Judge>> {
+    let stencil = |light: usize| pixels.map(|pixels| pixels.lights[light].judges());
+    let each = results.iter().enumerate();
+    each.map(|(light, result)| {
+        [&result.judges[..], stencil(light).as_ref().map_or(&[], |rows| &rows[..])].concat()
+    })
+    .collect()
+}
+
+/// The same, summed over the lights.
+fn summed(judges: &[Vec<Judge>]) -> Vec<Judge> {
+    let sum = |a: Vec<Judge>, b: &Vec<Judge>| a.iter().zip(b).map(|(a, b)| a.plus(b)).collect();
+    let [first, rest @ ..] = judges else { return Vec::new() };
+    rest.iter().fold(first.clone(), sum)
+}
+
+fn total(strata: &[Stratum]) -> Stratum {
+    strata.iter().fold(Stratum { name: "all", ..Stratum::default() }, |sum, row| sum.plus(row))
+}

@@ -1,0 +1,240 @@
+//! Runs the stencil passes and judges their pixels.
+
+use std::path::{Path, PathBuf};
+
+use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
+use umbrage::geom::{Light, Projection};
+use umbrage::gpu::Gpu;
+use umbrage::mesh::Mesh;
+use umbrage::oracle::Oracle;
+use umbrage::picture::{MemoryError, verdict_colour, verdicts};
+use umbrage::scene::{Camera, SceneLight, Size};
+use umbrage::stencil::{
+    Asked, Caster, Casting, Counting, Depth, MethodPlan, Receivers, ShadowMask, StencilMethod, StencilPass,
+};
+use umbrage::verify::Verifier;
+use umbrage::volume::Faces;
+
+use super::pixels::{Counts, LightPixels, PASSES, Pass, Pixels};
+use super::{Args, SHOWN};
+use crate::cli::Failure;
+use crate::cli::machine::AdapterArgs;
+use crate::cli::output;
+use crate::cli::progress::Progress;
+use crate::cli::source::Source;
+use crate::cli::values::refuse_overwriting;
+
+/// The pixels of a picture for which no size is asked, in a row and in a column.
+const SIDE: u32 = 512;
+
+/// The graphics adapter, opened before any work, so that a missing one is found out at once.
+pub(super) struct Graphics(Gpu);
+
+impl Graphics {
+    pub(super) fn open(adapter: &AdapterArgs) -> Result<Self, Failure> {
+        adapter.open("--gpu").map(Self)
+    }
+
+    pub(super) fn judge(
+        &self,
+        args: &Args,
+        source: &Source,
+        verifier: &Verifier<'_>,
+    ) -> Result<Pixels, Failure> {
+        let size = args.size.unwrap_or(Size::new(SIDE, SIDE).expect("in range"));
+        let camera = camera(args, source, size)?;
+        let job = Job {
+            mesh: &source.mesh,
+            oracle: verifier.oracle(),
+            lights: &source.lights,
+            projection: camera.projection(size, camera.near(&source.bounds)),
+            size,
+            pictures: &pictures(args, source.lights.len())?,
+        };
+        judge(&self.0, &job)
+    }
+}
+
+/// The camera that was asked for, else the file's, else one that shows everything.
+fn camera(args: &Args, source: &Source, size: Size) -> Result<Camera, Failure> {
+    let asked = args.view.camera(source.up)?;
+    let of_file = || source.camera.inspect(|_| output::say("note: no --eye: using the camera of the file"));
+    let fitted = || Camera::fit(&source.bounds, source.up, size.aspect());
+    Ok(asked.or_else(of_file).unwrap_or_else(fitted))
+}
+
+/// Where the pictures go, one a light.
+fn pictures(args: &Args, lights: usize) -> Result<Vec<PathBuf>, Failure> {
+    let Some(path) = &args.picture else { return Ok(Vec::new()) };
+    let paths: Vec<PathBuf> = (1..=lights).map(|light| numbered(path, light)).collect();
+    for path in &paths {
+        refuse_overwriting("--picture", Some(path), &args.source.file)?;
+    }
+    Ok(paths)
+}
+/// `a.png`, `a-2.png`, `a-3.png`.
+fn numbered(path: &Path, number: usize) -> PathBuf {
+    if number == 1 {
+        return path.to_owned();
+    }
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("-{number}.png"));
+    path.with_file_name(name)
+}
+
+/// What is to be judged.
+struct Job<'a> {
+    mesh: &'a Mesh,
+    oracle: &'a Oracle,
+    lights: &'a [SceneLight],
+    projection: Projection,
+    size: Size,
+    /// Where a picture goes, one a light; empty for none.
+    pictures: &'a [PathBuf],
+}
+
+/// Bytes that a pixel takes in memory at the most: depth and counts as they come back, two masks, two comparisons, a
+/// picture.
+const PIXEL_BYTES: usize = 24;
+
+/// Refuses a picture that memory could not hold, before any work.
+fn require_memory(size: Size) -> Result<(), Failure> {
+    let mut probe: Vec<u8> = Vec::new();
+    let reserved = probe.try_reserve_exact(size.pixels().saturating_mul(PIXEL_BYTES));
+    reserved.map_err(|_| Failure::new(MemoryError(size), "choose a smaller --size"))
+}
+
+fn judge(gpu: &Gpu, job: &Job<'_>) -> Result<Pixels, Failure> {
+    require_memory(job.size)?;
+    let progress = Progress::spinner("topology, proofs and shaders");
+    let bench = Bench {
+        gpu,
+        job,
+        pass: StencilPass::new(gpu, Depth::Plane)?,
+        receivers: Receivers::upload(gpu, job.mesh)?,
+        caster: Caster::new(job.mesh, Faces::Auto),
+    };
+    drop(progress);
+    let mut lights = Vec::new();
+    for (index, light) in job.lights.iter().enumerate() {
+        let (pixels, comparison) = bench.judge_light(index, &light.light)?;
+        if let Some(path) = job.pictures.get(index) {
+            draw(job, &comparison, path)?;
+        }
+        lights.push(pixels);
+    }
+    let Job { projection, size, .. } = *job;
+    Ok(Pixels { adapter: gpu.name(), size, projection, lights })
+}
+
+struct Bench<'a> {
+    gpu: &'a Gpu,
+    job: &'a Job<'a>,
+    pass: StencilPass,
+    receivers: Receivers,
+    caster: Caster<'a>,
+}
+
+impl Bench<'_> {
+    /// The passes of one light, and all of them as one comparison.
+    fn judge_light(&self, index: usize, light: &Light) -> Result<(LightPixels, Comparison), Failure> {
+        let [zfail, auto] = PASSES.map(|(asked, _)| asked);
+        let casting = self.caster.cast(light, &self.job.projection, Asked::ZFail);
+        let mask = self.mask(&casting)?;
+        let mut worst = self.compare(index, light, &casting, &mask);
+        let mut passes = vec![describe(zfail, &casting, &worst)];
+
+        let casting = self.caster.cast(light, &self.job.projection, Asked::Auto);
+        if casting.methods.count(StencilMethod::ZPass) > 0 {
+            let chosen = self.mask(&casting)?;
+            if counts_the_same(&mask, &chosen) {
+                passes.push(describe(auto, &casting, &worst));
+            } else {
+                let comparison = self.compare(index, light, &casting, &chosen);
+                passes.push(describe(auto, &casting, &comparison));
+                for (worst, verdict) in worst.verdicts.iter_mut().zip(comparison.verdicts) {
+                    *worst = (*worst).max(verdict);
+                }
+            }
+        }
+        Ok((LightPixels { passes, counts: counts(&worst) }, worst))
+    }
+
+    fn mask(&self, casting: &Casting) -> Result<ShadowMask, Failure> {
+        let volumes = casting.upload(self.gpu)?;
+        let Job { projection, size, .. } = self.job;
+        Ok(self.pass.mask(projection, *size, &self.receivers, &volumes.draws(), casting.counting())?)
+    }
+
+    fn compare(&self, index: usize, light: &Light, casting: &Casting, mask: &ShadowMask) -> Comparison {
+        let Job { mesh, oracle, lights, projection, size, .. } = self.job;
+        let what = format!("judging pixels, light {} of {}", index + 1, lights.len());
+        let progress = Progress::bar(what, size.height().into());
+        // The volumes come from exact signs: no face is unsure.
+        let (topology, signs) = (self.caster.topology(), &casting.signs);
+        let rendered = Rendered { mesh, topology, signs, light, projection, mask, unsure: &[] };
+        compare(oracle, &rendered, SHOWN, &|rows| progress.done(rows))
+    }
+}
+
+/// Whether no pixel tells two masks apart: then their verdicts are the same.
+fn counts_the_same(a: &ShadowMask, b: &ShadowMask) -> bool {
+    let mut pixels = (0..a.size().height()).flat_map(|y| (0..a.size().width()).map(move |x| (x, y)));
+    a.counting() == b.counting() && pixels.all(|(x, y)| a.count(x, y) == b.count(x, y))
+}
+
+fn describe(asked: &'static str, casting: &Casting, comparison: &Comparison) -> Pass {
+    Pass {
+        asked,
+        method: method(&casting.methods),
+        reason: casting.methods.summary(),
+        counting: match casting.counting() {
+            Counting::Stencil => "stencil",
+            Counting::Integer => "integer",
+        },
+        counting_reason: casting.layers.to_string(),
+        counts: counts(comparison),
+        mismatches: comparison.mismatches.clone(),
+    }
+}
+
+/// The method of all shells.
+fn method(plan: &MethodPlan) -> &'static str {
+    match (plan.count(StencilMethod::ZPass), plan.count(StencilMethod::ZFail)) {
+        (0, _) => StencilMethod::ZFail.name(),
+        (_, 0) => StencilMethod::ZPass.name(),
+        _ => "mixed",
+    }
+}
+
+fn counts(comparison: &Comparison) -> Counts {
+    Counts(PixelVerdict::ALL.map(|verdict| comparison.count(verdict)))
+}
+
+/// Draws a comparison, and says what its colours mean.
+fn draw(job: &Job<'_>, comparison: &Comparison, path: &Path) -> Result<(), Failure> {
+    let progress = Progress::bar("drawing", job.size.height().into());
+    let picture = verdicts(job.oracle, &job.projection, comparison, &|rows| progress.done(rows));
+    drop(progress);
+    let picture = picture.map_err(|error| Failure::new(error, "leave out --picture"))?;
+    picture.write_png(path)?;
+    let occur = PixelVerdict::ALL.into_iter().filter(|&verdict| comparison.count(verdict) > 0);
+    let meaning = occur.map(|verdict| match verdict {
+        PixelVerdict::Real => format!("{} real (ringed)", verdict_colour(verdict).0),
+        _ => format!("{} {}", verdict_colour(verdict).0, verdict.name()),
+    });
+    let meaning = meaning.collect::<Vec<_>>().join(", ");
+    output::say(format_args!("wrote {}: {meaning}", output::plain(&path.to_string_lossy())));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_of_further_lights_are_numbered() {
+        let names = [1, 2, 10].map(|light| numbered(Path::new("a/b.c.png"), light));
+        assert_eq!(names, ["a/b.c.png", "a/b.c-2.png", "a/b.c-10.png"].map(PathBuf::from));
+    }
+}

@@ -1,0 +1,142 @@
+//! The comparison of pixels must find what is wrong, and call it by its name.
+
+use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
+use umbrage::geom::{Light, Projection};
+use umbrage::gpu::Gpu;
+use umbrage::mesh::{FaceId, Mesh, solid};
+use umbrage::oracle::Oracle;
+use umbrage::scene::{Camera, Size, Up};
+use umbrage::silhouette::{Casters, Silhouette, classify};
+use umbrage::stencil::{
+    Asked, Caster, Counting, Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass,
+};
+use umbrage::topology::Topology;
+use umbrage::volume::{Caps, Faces, GpuVolume, ShadowVolume};
+
+use crate::support::gpu;
+
+/// One mesh, light and camera.
+struct Scene<'a> {
+    mesh: &'a Mesh,
+    light: Light,
+    oracle: Oracle,
+    size: Size,
+    projection: Projection,
+}
+
+impl<'a> Scene<'a> {
+    fn new(mesh: &'a Mesh, light: [f32; 3], eye: [f32; 3], target: [f32; 3]) -> Self {
+        let oracle = Oracle::build(mesh);
+        let size = Size::new(96, 96).unwrap();
+        let camera = Camera::look_at(eye, target, 0.7, Up::Y).unwrap();
+        let projection = camera.projection(size, camera.near(&oracle.bounds()));
+        Self { mesh, light: Light::point(light).unwrap(), oracle, size, projection }
+    }
+
+    fn signs(&self) -> Vec<i8> {
+        Casters::All.signs(&classify(self.mesh, &self.light))
+    }
+
+    /// What the device counts if faces cast with these signs.
+    fn mask(&self, gpu: &Gpu, signs: &[i8], counting: Counting) -> ShadowMask {
+        let topology = Topology::build(self.mesh.vertex_count(), self.mesh.triangles().to_vec());
+        let silhouette = Silhouette::extract(&topology, signs);
+        let volume = ShadowVolume::extrude(self.mesh, &topology, &self.light, signs, &silhouette, Caps::Both);
+        let volume = GpuVolume::upload(gpu, &volume).unwrap();
+        let pass = StencilPass::new(gpu, Depth::Plane).unwrap();
+        let receivers = Receivers::upload(gpu, self.mesh).unwrap();
+        let draw = Draw { volume: &volume, method: StencilMethod::ZFail };
+        pass.mask(&self.projection, self.size, &receivers, &[draw], counting).unwrap()
+    }
+
+    fn compare(&self, mask: &ShadowMask, signs: &[i8], unsure: &[FaceId]) -> Comparison {
+        let topology = Topology::build(self.mesh.vertex_count(), self.mesh.triangles().to_vec());
+        let rendered = Rendered {
+            mesh: self.mesh,
+            topology: &topology,
+            signs,
+            light: &self.light,
+            projection: &self.projection,
+            mask,
+            unsure,
+        };
+        compare(&self.oracle, &rendered, 3, &|_| {})
+    }
+}
+
+/// A torus lit from above; the eye sees the shadow that one half casts on the other.
+fn torus() -> Mesh {
+    solid::torus(24, 12, 2.0, 0.7)
+}
+
+#[test]
+fn compare_agrees_on_what_is_right_and_knows_the_sky() {
+    let Some(gpu) = gpu() else { return };
+    let mesh = torus();
+    let scene = Scene::new(&mesh, [3.0, 4.0, 5.0], [2.0, -5.0, 4.0], [0.0; 3]);
+    let signs = scene.signs();
+    let found = scene.compare(&scene.mask(&gpu, &signs, Counting::Stencil), &signs, &[]);
+    assert!(found.agrees() && found.mismatches.is_empty(), "{:?}", found.mismatches);
+    for verdict in [PixelVerdict::Sky, PixelVerdict::Lit, PixelVerdict::Shadowed] {
+        assert!(found.count(verdict) > 500, "{verdict:?}: {}", found.count(verdict));
+    }
+    let away = Scene::new(&mesh, [3.0, 4.0, 5.0], [0.0, 0.0, 9.0], [0.0, 0.0, 99.0]);
+    let found = away.compare(&away.mask(&gpu, &signs, Counting::Integer), &signs, &[]);
+    assert_eq!(found.count(PixelVerdict::Sky), away.size.pixels());
+}
+
+#[test]
+fn compare_finds_one_face_that_casts_no_shadow() {
+    let Some(gpu) = gpu() else { return };
+    let mesh = torus();
+    let scene = Scene::new(&mesh, [3.0, 4.0, 5.0], [2.0, -5.0, 4.0], [0.0; 3]);
+    let signs = scene.signs();
+    // The face that shadows most of what is in view, and one that is nowhere on the way.
+    let camera = Camera::look_at([2.0, -5.0, 4.0], [0.0; 3], 0.7, Up::Y).unwrap();
+    let mut met = vec![0; mesh.face_count()];
+    for place in 0..scene.size.pixels() {
+        let (x, y) = ((place % 96) as f64 + 0.5, (place / 96) as f64 + 0.5);
+        let seen = scene.oracle.first_visible(camera.eye.into(), camera.ray(x, y, scene.size));
+        let Some(seen) = seen else { continue };
+        met[seen.face.index()] += 1;
+        scene.oracle.for_each_meeting(seen.point, &scene.light, |face, _| met[face.index()] += 1);
+    }
+    let casting = (0..met.len()).filter(|&face| signs[face] == 1);
+    let face = FaceId::new(casting.max_by_key(|&face| met[face]).expect("some face is lit"));
+    let other = FaceId::new(met.iter().position(|&count| count == 0).expect("some face is out of the way"));
+    let mut spoiled = signs.clone();
+    spoiled[face.index()] = 0;
+    let mask = scene.mask(&gpu, &spoiled, Counting::Integer);
+
+    let found = scene.compare(&mask, &signs, &[]);
+    let real = found.count(PixelVerdict::Real);
+    assert!(!found.agrees() && real > 3, "{real} pixels");
+    assert_eq!(found.mismatches.len(), 3);
+    for mismatch in &found.mismatches {
+        assert_eq!(found.verdicts[(mismatch.y * 96 + mismatch.x) as usize], PixelVerdict::Real);
+        assert_eq!(mismatch.counted.map(|count| count as u32 + 1), mismatch.exact, "{mismatch:?}");
+    }
+
+    // The same pixels are excused, and counted as what they are, where that face's side was left to f32.
+    let excused = scene.compare(&mask, &signs, &[face]);
+    assert_eq!((excused.count(PixelVerdict::Real), excused.count(PixelVerdict::Unsure)), (0, real));
+    assert!(!excused.agrees() && excused.mismatches.is_empty());
+    assert_eq!(scene.compare(&mask, &signs, &[other]).count(PixelVerdict::Real), real);
+}
+
+#[test]
+fn compare_calls_a_wrapped_stencil_an_overflow() {
+    let Some(gpu) = gpu() else { return };
+    let mesh = solid::nested_cubes(300);
+    // The eye sees the dark sides of the outermost cube: each cube within is crossed twice.
+    let scene = Scene::new(&mesh, [1000.0, 900.0, 800.0], [-1800.0, -1300.0, -1500.0], [0.0; 3]);
+    let signs = scene.signs();
+    let casting = Caster::new(&mesh, Faces::All).cast(&scene.light, &scene.projection, Asked::Auto);
+    assert_eq!(casting.counting(), Counting::Integer, "{}", casting.layers);
+    let wrapped = scene.compare(&scene.mask(&gpu, &signs, Counting::Stencil), &signs, &[]);
+    assert!(wrapped.count(PixelVerdict::Overflow) > 500 && !wrapped.agrees(), "{:?}", wrapped.mismatches);
+    assert_eq!(wrapped.count(PixelVerdict::Real), 0);
+    let whole = scene.compare(&scene.mask(&gpu, &signs, Counting::Integer), &signs, &[]);
+    assert_eq!((whole.count(PixelVerdict::Overflow), whole.count(PixelVerdict::Real)), (0, 0));
+    assert!(whole.count(PixelVerdict::Shadowed) > 500);
+}

@@ -29,14 +29,21 @@ impl Local {
         let origin = mesh.positions()[0];
         let less = |p: [f32; 3]| -> Option<[f32; 3]> {
             let moved = [0, 1, 2].map(|i| p[i] - origin[i]);
-            let exact = |i: usize| f64::from(p[i]) - f64::from(origin[i]) == f64::from(moved[i]);
-            (0..3).all(exact).then_some(moved)
+            (0..3).all(|i| rounding(p[i], origin[i], moved[i]) == 0.0).then_some(moved)
         };
         let positions = mesh.positions().iter().map(|&p| less(p)).collect::<Option<Vec<_>>>()?;
         let light = if light.is_directional() { *light } else { Light::point(less(light.xyz())?).ok()? };
         let projection = Projection { eye: less(projection.eye)?, ..*projection };
         Some(Self { mesh: Mesh::new(positions, mesh.triangles().to_vec()).ok()?, light, projection, origin })
     }
+}
+
+/// The error of `difference`, the rounded `a − b`; NaN if it overflowed (Donald E. Knuth, *The Art of Computer
+/// Programming*, vol. 2, §4.2.2, theorem B).
+fn rounding(a: f32, b: f32, difference: f32) -> f32 {
+    let of_b = a - difference;
+    let of_a = difference + of_b;
+    (a - of_a) + (of_b - b)
 }
 
 #[cfg(test)]

@@ -79,6 +79,18 @@ pub enum GpuError {
     Wgpu(String),
 }
 
+impl GpuError {
+    /// With the remedy for what is too large because a picture is.
+    pub(crate) fn for_a_picture(self) -> Self {
+        match self {
+            Self::TooLarge { what, bytes, limit, .. } => {
+                Self::TooLarge { what, bytes, limit, remedy: "use a smaller --size" }
+            }
+            other => other,
+        }
+    }
+}
+
 /// A message in one line.
 pub(super) fn line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")

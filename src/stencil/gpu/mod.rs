@@ -192,7 +192,10 @@ impl StencilPass {
     ) -> Result<Counter<'a>, GpuError> {
         let counts = match counting {
             Counting::Stencil => None,
-            Counting::Integer => Some(self.gpu.storage::<i32>("counts of pixels", target.0.size.pixels())?),
+            Counting::Integer => {
+                let counts = self.gpu.storage::<i32>("counts of pixels", target.0.size.pixels());
+                Some(counts.map_err(GpuError::for_a_picture)?)
+            }
         };
         let depth = target.depth();
         let bind = |draw: &Draw<'_>| {

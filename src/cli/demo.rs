@@ -181,8 +181,9 @@ fn by_rays(
 /// The adapter that was asked for, or any; why there is none.
 #[cfg(feature = "gpu")]
 type Found = Result<Gpu, GpuError>;
+/// This build has no graphics.
 #[cfg(not(feature = "gpu"))]
-type Found = ();
+struct Found;
 
 #[cfg(feature = "gpu")]
 fn find(adapter: &AdapterArgs) -> Result<Found, Failure> {
@@ -191,7 +192,7 @@ fn find(adapter: &AdapterArgs) -> Result<Found, Failure> {
 
 #[cfg(not(feature = "gpu"))]
 fn find(adapter: &AdapterArgs) -> Result<Found, Failure> {
-    adapter.refuse()
+    adapter.refuse().map(|()| Found)
 }
 
 /// Writes the pictures into a folder: the names of their files, and whether all pixels agree.

@@ -3,7 +3,6 @@
 //! Standard output is the result, standard error the talk. Every command is `Args`, which says what can be
 //! asked, and `run`, which does it.
 
-#[cfg(feature = "gpu")]
 mod error;
 mod lights;
 mod load;

@@ -1,5 +1,6 @@
 //! Pictures against a renderer that asks every triangle, on known places, and as files.
 
+#[cfg(feature = "gpu")]
 mod stencil;
 
 use glam::{DVec3, Vec3};

@@ -409,7 +409,7 @@ fn layers_of_real_meshes_fit_eight_bits() {
         "boeing.obj",
         "many-cubes.gltf",
     ] {
-        let meshes = umbrage::read::read(&folder.join(name)).unwrap().bake(Scope::Scene).unwrap();
+        let meshes = umbrage::read::read(folder.join(name)).unwrap().bake(Scope::Scene).unwrap();
         let [low, high] = meshes[0].bounds().unwrap().map(wide);
         let (centre, size) = ((low + high) / 2.0, (high - low).length());
         for light in [

@@ -58,6 +58,13 @@ pub(crate) fn gpu() -> Option<Gpu> {
     .clone()
 }
 
+/// A build without graphics has none.
+#[cfg(not(feature = "gpu"))]
+pub(crate) fn gpu() -> Option<()> {
+    eprintln!("SKIPPED: built without the feature gpu");
+    None
+}
+
 /// The folder of real meshes; says aloud that it is missing where it is.
 pub(crate) fn real_meshes() -> Option<PathBuf> {
     let folder = std::env::var_os("UMBRAGE_MESHES").map_or_else(

@@ -67,7 +67,7 @@ impl GpuCaster {
     }
 
     /// A mesh whose vertices change, none of whose coordinates is much larger than `largest`: `vertices` is the caller's buffer (`STORAGE`, three `f32` a vertex), which may be
-    /// written anew before each [`GpuSilhouette::record`]. Sides are then those of the plain `f32` cross product, which
+    /// written anew before each [`GpuSilhouette::record`](super::GpuSilhouette::record). Sides are then those of the plain `f32` cross product, which
     /// leaves the range beyond coordinates of about 10¹².
     #[must_use]
     pub fn deforming(

@@ -4,7 +4,7 @@
 //! [`GpuSilhouette`] holds what one light finds. There are two ways to fill it:
 //!
 //! - [`GpuSilhouette::find`] is exact. The shader answers front, back or unsure; what is unsure is settled on the
-//!   processor by [`facing_of`](super::facing_of) and written back, so the result is that of
+//!   processor by [`facing_of`] and written back, so the result is that of
 //!   [`classify`](super::classify) and [`Silhouette::extract`], bit for bit. It waits for the device twice.
 //! - [`GpuSilhouette::record`] writes into a caller's encoder and never waits. Unsure faces keep the sign that `f32`
 //!   gave. Each face still has one stored sign, so that volumes are closed as ever.

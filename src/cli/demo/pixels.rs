@@ -1,11 +1,11 @@
 //! Both judges of every pixel: the stencil pass beside the ray cast, and where they differ.
 
-use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
+use umbrage::compare::{PixelVerdict, Rendered, compare};
 use umbrage::geom::Aabb;
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
-use umbrage::picture::{Picture, View};
+use umbrage::picture::{self, Picture, View};
 use umbrage::scene::{SceneLight, Size};
 
 use crate::cli::lights::label;
@@ -63,7 +63,7 @@ pub(super) fn judge(
         methods += &format!("  {name}: {}\n", casting.methods.summary());
         table.row([name].into_iter().chain(cells).collect());
         agrees &= result.agrees();
-        panels.push(false_colours(&result, &picture));
+        panels.push(picture::verdicts(oracle, &stage.projection, &result, &|_| {}));
     }
     drop(progress);
     let verdict = if agrees { "every pixel agrees or grazes" } else { "some pixels disagree" };
@@ -72,39 +72,15 @@ pub(super) fn judge(
         plain(&gpu.name()),
         view.size
     );
-    Ok(Judged { picture, verdicts: beside(&panels.iter().collect::<Vec<_>>()), text, agrees })
+    // A few small pictures fit the memory that the others were in.
+    let panels: Vec<Picture> = panels.into_iter().flatten().collect();
+    let verdicts = beside(&panels.iter().collect::<Vec<_>>());
+    Ok(Judged { picture, verdicts, text, agrees })
 }
 
 const LEGEND: &str = "agree: the stencil pass counts exactly what the ray cast does; grazing: it does within the \
-                      rasteriser's rounding; in verdicts.png bright is lit, dark shadowed, yellow grazing, red disagrees";
-
-/// A dot for each pixel that does not simply agree: alone it would be lost.
-const DOT_RADIUS: usize = 2;
-
-fn false_colours(result: &Comparison, picture: &Picture) -> Picture {
-    let (width, height) = (result.size.width() as usize, result.size.height() as usize);
-    // A little of the picture, to see what is where.
-    let over = |[r, g, b, _]: [u8; 4], tint: [u32; 3]| {
-        let grey = (2 * u32::from(r) + 5 * u32::from(g) + u32::from(b)) / 8;
-        let [r, g, b] = tint.map(|x| ((3 * x + grey) / 4) as u8); // a mean of bytes is one
-        [r, g, b, 255]
-    };
-    let pixels = result.verdicts.iter().zip(&picture.pixels).map(|(verdict, &pixel)| match verdict {
-        PixelVerdict::Sky => over(pixel, [24, 26, 30]),
-        PixelVerdict::Shadowed => over(pixel, [44, 62, 104]),
-        _ => over(pixel, [206, 212, 214]),
-    });
-    let mut pixels: Vec<[u8; 4]> = pixels.collect();
-    for (place, verdict) in result.verdicts.iter().enumerate().filter(|(_, v)| **v >= PixelVerdict::Grazing) {
-        let colour = if *verdict == PixelVerdict::Grazing { [250, 190, 0, 255] } else { [230, 0, 30, 255] };
-        let (x, y) = (place % width, place / width);
-        for y in y.saturating_sub(DOT_RADIUS)..(y + DOT_RADIUS + 1).min(height) {
-            let row = y * width;
-            pixels[row + x.saturating_sub(DOT_RADIUS)..row + (x + DOT_RADIUS + 1).min(width)].fill(colour);
-        }
-    }
-    Picture { size: result.size, pixels }
-}
+                      rasteriser's rounding; in verdicts.png light grey is lit, dark grey shadowed, yellow grazing, and what \
+                      disagrees is ringed";
 
 /// Between two pictures.
 const GAP: usize = 6;

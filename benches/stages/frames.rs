@@ -49,7 +49,8 @@ pub(crate) struct Frames {
 
 /// `None` if the filter or a missing adapter leaves nothing to measure.
 pub(crate) fn run(bench: &mut Bench<'_>) -> Option<Frames> {
-    if !bench.wants("frames") {
+    let parts = ["frames", "frames of one volume", "frames prepared"].map(|part| bench.wants(part));
+    if parts == [false; 3] {
         return None;
     }
     let gpu = match Gpu::new(None) {
@@ -59,21 +60,28 @@ pub(crate) fn run(bench: &mut Bench<'_>) -> Option<Frames> {
             return None;
         }
     };
-    let mut curves = KINDS.map(|(_, name)| Curve { name: name.to_owned(), points: Vec::new() }).to_vec();
-    let pass = StencilPass::new(&gpu, Depth::Plane).expect("it compiles");
+    let [of_each_kind, of_one_volume, prepared] = parts;
     let knots = if bench.quick { &KNOTS[..2] } else { &KNOTS };
-    for &[segments, ring] in knots {
-        let mesh = solid::torus_knot(2, 3, segments, ring, 0.3);
-        let first = bench.rows.len();
-        Stage::new(&pass, &mesh).frames(bench);
-        for (curve, row) in curves.iter_mut().zip(&bench.rows[first..]) {
-            curve.points.push([mesh.face_count() as f64, 1e9 / row.median]);
+    let knot = |[segments, ring]: [u32; 2]| solid::torus_knot(2, 3, segments, ring, 0.3);
+    let frames = of_each_kind.then(|| {
+        let mut curves = KINDS.map(|(_, name)| Curve { name: name.to_owned(), points: Vec::new() });
+        let pass = StencilPass::new(&gpu, Depth::Plane).expect("it compiles");
+        for mesh in knots.iter().copied().map(knot) {
+            let first = bench.rows.len();
+            Stage::new(&pass, &mesh).frames(bench);
+            for (curve, row) in curves.iter_mut().zip(&bench.rows[first..]) {
+                curve.points.push([mesh.face_count() as f64, 1e9 / row.median]);
+            }
         }
+        Frames { adapter: gpu.name(), curves: curves.into() }
+    });
+    if of_one_volume {
+        one_volume(bench, &gpu);
     }
-    one_volume(bench, &gpu);
-    let [segments, ring] = knots[knots.len() - 1];
-    prepared(bench, &gpu, &solid::torus_knot(2, 3, segments, ring, 0.3));
-    Some(Frames { adapter: gpu.name(), curves })
+    if prepared {
+        preparation(bench, &gpu, &knot(knots[knots.len() - 1]));
+    }
+    frames
 }
 
 /// A mesh, a camera that sees all of it, and everything that is made before the first frame.
@@ -279,7 +287,7 @@ fn one_volume(bench: &mut Bench<'_>, gpu: &Gpu) {
 }
 
 /// What is made once for a mesh.
-fn prepared(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) {
+fn preparation(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) {
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
     let uploaded = GpuTopology::upload(gpu, &topology).expect("it fits");
     let words = uploaded.download(gpu).expect("it is there");
@@ -314,7 +322,7 @@ fn prepared(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) {
                 wait(gpu);
                 room
             };
-            timed(build, |_| String::new())
+            timed(build, |_| "made".to_owned())
         }),
     ];
     let (units, mesh) = (mesh.face_count(), named(mesh, gpu));

@@ -16,7 +16,7 @@ const HEIGHT: f64 = 470.0;
 // Where the axes stand.
 const LEFT: f64 = 70.0;
 const RIGHT: f64 = 606.0;
-const TOP: f64 = 76.0;
+const TOP: f64 = 84.0;
 const BOTTOM: f64 = 380.0;
 
 /// What holds the names of two lines apart.
@@ -81,11 +81,12 @@ pub(crate) fn svg(adapter: &str, curves: &[Curve]) -> String {
          font-family=\"Helvetica, Arial, sans-serif\" font-size=\"13\" fill=\"#333\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n\
          <text x=\"{LEFT}\" y=\"28\" font-size=\"17\" font-weight=\"bold\">Frames per second against triangles</text>\n\
-         <text x=\"{LEFT}\" y=\"50\">{}: 512 × 512 pixels, z-fail with caps, a light that moves</text>\n",
+         <text x=\"{LEFT}\" y=\"48\">{}</text>\n\
+         <text x=\"{LEFT}\" y=\"66\">512 × 512 pixels, z-fail with caps, a light that moves</text>\n",
         escaped(adapter)
     );
     grid(&mut out, &x, &y);
-    // The names stand at the right ends, moved down where they would meet.
+    // The names stand at the right ends, moved apart where they would meet.
     let mut ends: Vec<(usize, f64)> = Vec::new();
     for (index, (curve, (colour, dashes, mark))) in curves.iter().zip(LOOKS).enumerate() {
         let places: Vec<[f64; 2]> = curve.points.iter().map(|p| [x.place(p[0]), y.place(p[1])]).collect();
@@ -108,9 +109,16 @@ pub(crate) fn svg(adapter: &str, curves: &[Curve]) -> String {
     }
     ends.sort_by(|a, b| a.1.total_cmp(&b.1));
     let mut free = TOP;
-    for (index, end) in ends {
-        let height = end.max(free);
-        free = height + LINE;
+    for (_, height) in &mut ends {
+        *height = height.max(free);
+        free = *height + LINE;
+    }
+    let mut free = BOTTOM - 4.0;
+    for (_, height) in ends.iter_mut().rev() {
+        *height = height.min(free);
+        free = *height - LINE;
+    }
+    for (index, height) in ends {
         let (colour, _, mark) = LOOKS[index];
         let path = mark.path([RIGHT + 16.0, height]);
         let (x, y, name) = (RIGHT + 26.0, height + 4.5, escaped(&curves[index].name));
@@ -145,7 +153,7 @@ fn grid(out: &mut String, x: &Axis, y: &Axis) {
             out,
             format_args!(
                 "<text x=\"{place:.1}\" y=\"{label}\" text-anchor=\"middle\">{}</text>",
-                number(tick)
+                short(tick)
             ),
         );
     }
@@ -171,6 +179,11 @@ fn grid(out: &mut String, x: &Axis, y: &Axis) {
 /// A line of text.
 fn add(out: &mut String, text: std::fmt::Arguments<'_>) {
     let _ = writeln!(out, "{text}"); // a String takes everything
+}
+
+/// As [`number`], thousands as k.
+fn short(x: f64) -> String {
+    if x < 1000.0 { number(x) } else { format!("{}k", number(x / 1000.0)) }
 }
 
 /// A number with a comma at each thousand.

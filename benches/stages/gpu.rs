@@ -34,7 +34,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
 }
 
 /// A scanned head of 268,686 triangles if the real meshes are there, else a torus of as many.
-fn head(quick: bool) -> Mesh {
+pub(crate) fn head(quick: bool) -> Mesh {
     let folder = std::env::var("UMBRAGE_MESHES")
         .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes").to_owned());
     let read = || {
@@ -171,14 +171,14 @@ fn silhouette(
     bench.run(Group { stage: "gpu volume", mesh: name, units, unit, contenders });
 }
 
-fn submit(gpu: &Gpu, record: impl FnOnce(&mut wgpu::CommandEncoder)) {
+pub(crate) fn submit(gpu: &Gpu, record: impl FnOnce(&mut wgpu::CommandEncoder)) {
     let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     record(&mut encoder);
     gpu.queue().submit([encoder.finish()]);
     wait(gpu);
 }
 
-fn wait(gpu: &Gpu) {
+pub(crate) fn wait(gpu: &Gpu) {
     gpu.device().poll(wgpu::PollType::wait_indefinitely()).expect("the device is there");
 }
 

@@ -1,6 +1,12 @@
 //! Every stage timed on generated meshes, its answer asserted. What each row means: `benches/README.md`.
 
+#[cfg(feature = "gpu")]
+mod canvas;
+#[cfg(feature = "gpu")]
+mod chart;
 mod facing;
+#[cfg(feature = "gpu")]
+mod frames;
 #[cfg(feature = "gpu")]
 mod gpu;
 #[cfg(feature = "gpu")]
@@ -26,7 +32,8 @@ cargo bench --bench stages -- [OPTIONS]
 --quick        small meshes, two rounds: whether it runs and answers right, not how fast it is
 --filter NAME  only stages whose name holds NAME
 --csv OUT      the rows as a table for other programs
---record       the rows and the machine, dated, into benches/record/
+--chart OUT    the frame rates as a chart (SVG)
+--record       the rows, the machine and the chart, dated, into benches/record/
 ";
 
 #[derive(Debug, Default)]
@@ -34,6 +41,7 @@ struct Options {
     quick: bool,
     filter: String,
     csv: Option<PathBuf>,
+    chart: Option<PathBuf>,
     record: bool,
 }
 
@@ -61,6 +69,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options
             "--quick" => options.quick = true,
             "--filter" => options.filter = value()?,
             "--csv" => options.csv = Some(value()?.into()),
+            "--chart" => options.chart = Some(value()?.into()),
             "--record" => options.record = true,
             "--bench" => {} // what `cargo bench` itself adds
             "--help" | "-h" => return Ok(None),
@@ -81,6 +90,10 @@ fn run(options: &Options) -> Result<(), String> {
     for stage in [gpu_topology::run, gpu::run] {
         stage(&mut bench);
     }
+    #[cfg(feature = "gpu")]
+    let chart = frames::run(&mut bench).map(|frames| chart::svg(&frames.adapter, &frames.curves));
+    #[cfg(not(feature = "gpu"))]
+    let chart: Option<String> = None;
     if bench.rows.is_empty() {
         return Err(format!("no stage is named {}; see benches/README.md", options.filter));
     }
@@ -88,10 +101,16 @@ fn run(options: &Options) -> Result<(), String> {
     if let Some(path) = &options.csv {
         report::save(path, &csv)?;
     }
+    if let (Some(path), Some(chart)) = (&options.chart, &chart) {
+        report::save(path, chart)?;
+    }
     if options.record {
         let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/benches/record"));
         report::save(&folder.join(format!("{}.csv", machine.date)), &csv)?;
         report::save(&folder.join(format!("{}.txt", machine.date)), &machine.to_string())?;
+        if let Some(chart) = &chart {
+            report::save(&folder.join(format!("{}-frames.svg", machine.date)), chart)?;
+        }
     }
     Ok(())
 }

@@ -16,20 +16,24 @@ pub(crate) fn table(rows: &[Row]) -> String {
         "", "median", "min .. max", "ratio", "limit", "target"
     );
     for row in rows {
-        let spread = format!("{:.2} .. {:.2}", row.min, row.max);
+        let spread = format!("{} .. {}", time(row.min), time(row.max));
         let ratio = row.ratio.map_or(String::new(), |ratio| format!("{ratio:.2}"));
         let limit = row.limit.map_or(String::new(), |limit| format!("{limit:.2}"));
         let target = match (row.target, row.meets_target()) {
-            (Target::Time(most), met) => format!("<= {most} {}", word(met)),
+            (Target::Time(most), met) => format!("<= {} {}", time(most), word(met)),
             (Target::Ratio(most), met) => format!("<= {most}× {}", word(met)),
             (Target::None, _) => String::new(),
         };
-        let (name, median, answer) = (row.name, row.median, &row.answer);
-        text += &format!(
-            "  {name:<34} {median:>9.2} {spread:>21} {ratio:>7} {limit:>7}  {target:<13} {answer}\n"
-        );
+        let (name, median, answer) = (row.name, time(row.median), &row.answer);
+        text +=
+            &format!("  {name:<34} {median:>9} {spread:>21} {ratio:>7} {limit:>7}  {target:<13} {answer}\n");
     }
     text
+}
+
+/// Nanoseconds; of a whole frame they are many, and parts of one say nothing.
+fn time(ns: f64) -> String {
+    if ns < 1e5 { format!("{ns:.2}") } else { format!("{ns:.0}") }
 }
 
 fn word(met: Option<bool>) -> &'static str {

@@ -1,4 +1,5 @@
-// Receivers and shadow volumes without vertex buffers: one invocation a corner, looked up by its number.
+// Receivers and shadow volumes without vertex buffers. One invocation a corner, looked up by its number, where triangles
+// have a depth of their own; else one a vertex that corners share, drawn with the triangles as indices.
 // Twin: gpu/frame.rs,
 // whose struct Frame this one mirrors; the exact counterpart of the counts is compare.rs.
 //
@@ -62,13 +63,20 @@ fn depth_at(position: vec2f, depth: vec3f) -> f32 {
     return clamp(dot(depth, vec3f(ndc, 1.0)), 0.0, 1.0);
 }
 
+// Flat values are those of a triangle's first corner; the others need none.
 @vertex
 fn receiver(@builtin(vertex_index) index: u32) -> Corner {
     let face = index / 3u;
     let q = vertex(triangles[index]) * frame.scale - frame.eye;
+    if index % 3u != 0u { return Corner(project(q, 1.0), vec3f(0.0), face); }
     let normal = vec3f(normals[3u * face], normals[3u * face + 1u], normals[3u * face + 2u]);
-    let first = vertex(triangles[3u * face]) * frame.scale - frame.eye;
-    return Corner(project(q, 1.0), plane_depth(normal, first), face);
+    return Corner(project(q, 1.0), plane_depth(normal, q), face);
+}
+
+// A vertex of receivers, for triangles that share it: no depth is asked of it but its own.
+@vertex
+fn receiver_vertex(@builtin(vertex_index) id: u32) -> Corner {
+    return Corner(project(vertex(id) * frame.scale - frame.eye, 1.0), vec3f(0.0), 0u);
 }
 
 // Which vertex of the caster an id stands for, finite or not.
@@ -106,8 +114,8 @@ fn volume_clip(id: u32) -> vec4f {
 // interpolating from a clipped corner to infinity would lose digits.
 @vertex
 fn volume(@builtin(vertex_index) index: u32) -> Corner {
-    let first = index - index % 3u;
-    let ids = vec3u(triangles[first], triangles[first + 1u], triangles[first + 2u]);
+    if index % 3u != 0u { return Corner(volume_clip(triangles[index]), vec3f(0.0), 0u); }
+    let ids = vec3u(triangles[index], triangles[index + 1u], triangles[index + 2u]);
     // The ends of the edge: the two vertices that the triangle is made of, as they are or extruded. A directional
     // light's one point at infinity is of neither.
     let one = select(ids.x, ids.y, is_direction(ids.x));
@@ -122,13 +130,13 @@ fn volume(@builtin(vertex_index) index: u32) -> Corner {
         b = swapped;
     }
     let normal = cross((b - a) * frame.scale, away(a));
-    return Corner(volume_clip(triangles[index]), plane_depth(normal, a * frame.scale - frame.eye), 0u);
+    return Corner(volume_clip(ids.x), plane_depth(normal, a * frame.scale - frame.eye), 0u);
 }
 
-// A corner of a cap: no depth is asked of it.
+// A vertex of a volume, finite or not, for triangles that share it: no depth is asked of it but its own.
 @vertex
-fn cap(@builtin(vertex_index) index: u32) -> Corner {
-    return Corner(volume_clip(triangles[index]), vec3f(0.0), 0u);
+fn volume_vertex(@builtin(vertex_index) id: u32) -> Corner {
+    return Corner(volume_clip(id), vec3f(0.0), 0u);
 }
 
 @fragment

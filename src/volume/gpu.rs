@@ -16,17 +16,18 @@ use crate::gpu::{Gpu, GpuError, wgpu};
 /// Vertices are the finite ones, three `f32` each. Triangles are three `u32` each: an id `v` below
 /// [`GpuVolume::vertex_count`] is a finite vertex, `vertex_count + v` the same vertex at infinity, `v·w − L` with the
 /// light's homogeneous `(L, w)`; a directional light has but one such point, whichever `v` it is written with.
-/// Draw a part without vertex or index buffer: `draw_indirect` with [`GpuVolume::arguments`] at the part's offset,
-/// and look the corner up by `vertex_index`.
+/// Draw a part without vertex buffer, with [`GpuVolume::arguments`] at the part's offset: by `draw_indexed_indirect` with
+/// the triangles as index buffer, so that `vertex_index` is the id, or by `draw_indirect`, and look the id up.
 #[derive(Clone, Debug)]
 pub struct GpuVolume {
     /// Finite vertices, `array<f32>`, three a vertex.
     pub vertices: wgpu::Buffer,
     /// How many finite vertices there are.
     pub vertex_count: u32,
-    /// `array<u32>`, three a triangle; the parts stand where the arguments say.
+    /// `array<u32>`, three a triangle; the parts stand where the arguments say. Of usage `INDEX` too.
     pub triangles: wgpu::Buffer,
-    /// Three [`wgpu::util::DrawIndirectArgs`], in the order of [`Part`].
+    /// In the order of [`Part`] three times five words: how many corners, 1 instance, the first corner, 0, 0. That is a
+    /// [`wgpu::util::DrawIndexedIndirectArgs`], and starts with a [`wgpu::util::DrawIndirectArgs`].
     pub arguments: wgpu::Buffer,
     /// The light it was extruded from.
     pub light: Light,
@@ -52,7 +53,7 @@ impl Part {
     /// Where this part's arguments start in [`GpuVolume::arguments`], in bytes.
     #[must_use]
     pub fn offset(self) -> u64 {
-        16 * self as u64
+        20 * self as u64
     }
 }
 
@@ -70,12 +71,11 @@ impl GpuVolume {
         };
         let triangles: Vec<[u32; 3]> = volume.triangles().iter().map(|corners| corners.map(id)).collect();
         let parts = [volume.light_cap(), volume.sides(), volume.dark_cap()];
-        // vertex_count, instance_count, first_vertex, first_instance
-        let arguments = parts.map(|part| [3 * part.len() as u32, 1, 3 * part.start as u32, 0]);
+        let arguments = parts.map(|part| [3 * part.len() as u32, 1, 3 * part.start as u32, 0, 0]);
         Ok(Self {
             vertices: gpu.upload("vertices of a volume", volume.positions())?,
             vertex_count: count,
-            triangles: gpu.upload("triangles of a volume", &triangles)?,
+            triangles: gpu.upload_for("triangles of a volume", &triangles, BufferUsages::INDEX)?,
             arguments: gpu.upload_for("draw arguments", &arguments, BufferUsages::INDIRECT)?,
             light: *volume.light(),
             largest: volume.positions().as_flattened().iter().fold(0.0, |most, x| most.max(x.abs())),
@@ -88,8 +88,8 @@ impl GpuVolume {
     ///
     /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
     pub fn download(&self, gpu: &Gpu, part: Part) -> Result<Vec<[u32; 3]>, GpuError> {
-        let arguments = gpu.download::<[u32; 4]>(&self.arguments, 3)?;
-        let [vertices, _, first, _] = arguments[part as usize];
+        let arguments = gpu.download::<[u32; 5]>(&self.arguments, 3)?;
+        let [vertices, _, first, ..] = arguments[part as usize];
         let triangles = gpu.download::<[u32; 3]>(&self.triangles, (first + vertices) as usize / 3)?;
         Ok(triangles[first as usize / 3..].to_vec())
     }

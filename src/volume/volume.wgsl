@@ -18,11 +18,12 @@ struct Found {
     list: array<vec2u>,
 }
 
-// As wgpu's DrawIndirectArgs.
+// As wgpu's DrawIndexedIndirectArgs, which starts with a DrawIndirectArgs.
 struct Draw {
     vertex_count: u32,
     instance_count: u32,
     first_vertex: u32,
+    base_vertex: i32,
     first_instance: u32,
 }
 
@@ -85,9 +86,9 @@ fn arrange() {
     let sides = found.quads * per_quad;
     let instances = select(0u, 1u, fits);
     let drawn = 3u * instances;
-    draws[0] = Draw(drawn * caps, instances, 0u, 0u);
-    draws[1] = Draw(drawn * sides, instances, drawn * caps, 0u);
-    draws[2] = Draw(drawn * dark, instances, drawn * (caps + sides), 0u);
+    draws[0] = Draw(drawn * caps, instances, 0u, 0, 0u);
+    draws[1] = Draw(drawn * sides, instances, drawn * caps, 0, 0u);
+    draws[2] = Draw(drawn * dark, instances, drawn * (caps + sides), 0, 0u);
 }
 
 fn write(place: u32, a: u32, b: u32, c: u32, reversed: bool) {

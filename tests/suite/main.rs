@@ -1,5 +1,6 @@
 //! Every integration test, one file a stage, named as in `src`.
 
+mod chart;
 mod cli;
 mod compare;
 mod crack;

@@ -1,6 +1,6 @@
 //! The pass in somebody else's frame: recorded into the caller's encoder, with nothing submitted and nothing waited for.
 
-use super::pipeline::FORMAT;
+use super::pipeline::{Drawing, FORMAT, VolumeBuffers};
 use super::{Draw, Pipelines, Receivers, StencilPass};
 use crate::geom::Projection;
 use crate::gpu::{GpuError, wgpu};
@@ -17,8 +17,9 @@ use crate::volume::Part;
 pub struct StencilFrame {
     pipelines: Pipelines,
     receivers: wgpu::BindGroup,
+    triangles: wgpu::Buffer,
     corners: u32,
-    volumes: Vec<(StencilMethod, wgpu::BindGroup, wgpu::Buffer)>,
+    volumes: Vec<(StencilMethod, wgpu::BindGroup, VolumeBuffers)>,
 }
 
 impl StencilPass {
@@ -37,11 +38,12 @@ impl StencilPass {
         let frame = self.gpu.uniform(&self.frame(projection, size, receivers))?;
         let bind = |draw: &Draw<'_>| {
             let (bind, _) = self.bind_volume(projection, size, draw.volume)?;
-            Ok((draw.method, bind, draw.volume.arguments.clone()))
+            Ok((draw.method, bind, draw.volume.into()))
         };
         Ok(StencilFrame {
             pipelines: self.pipelines.clone(),
             receivers: self.bind_receivers(&frame, receivers)?,
+            triangles: receivers.triangles.clone(),
             corners: receivers.corners,
             volumes: volumes.iter().map(bind).collect::<Result<_, _>>()?,
         })
@@ -55,16 +57,15 @@ impl StencilFrame {
     /// Draws the receivers' depth. Leave it out if the attachment holds it already, reversed and of this projection; then
     /// every caster must have been drawn, both of its sides.
     pub fn draw_receivers(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.set_pipeline(&self.pipelines.receivers);
         pass.set_bind_group(0, &self.receivers, &[]);
-        pass.draw(0..self.corners, 0..1);
+        self.pipelines.receivers.all(pass, &self.triangles, self.corners);
     }
 
     /// Counts the volumes, after the depth is there.
     pub fn draw_volumes(&self, pass: &mut wgpu::RenderPass<'_>) {
         let pipelines = &self.pipelines;
-        for (method, bind, arguments) in &self.volumes {
-            draw_volume(pass, *method, bind, arguments, pipelines.stencil());
+        for (method, bind, volume) in &self.volumes {
+            draw_volume(pass, *method, bind, volume, pipelines.stencil());
         }
     }
 }
@@ -74,21 +75,16 @@ pub(super) fn draw_volume(
     pass: &mut wgpu::RenderPass<'_>,
     method: StencilMethod,
     bind: &wgpu::BindGroup,
-    arguments: &wgpu::Buffer,
-    [zpass, zfail, caps]: [&wgpu::RenderPipeline; 3],
+    volume: &VolumeBuffers,
+    [zpass, zfail, caps]: [&Drawing; 3],
 ) {
     pass.set_bind_group(0, bind, &[]);
     match method {
-        StencilMethod::ZPass => {
-            pass.set_pipeline(zpass);
-            pass.draw_indirect(arguments, Part::Sides.offset());
-        }
+        StencilMethod::ZPass => zpass.part(pass, volume, Part::Sides),
         StencilMethod::ZFail => {
-            pass.set_pipeline(zfail);
-            pass.draw_indirect(arguments, Part::Sides.offset());
-            pass.set_pipeline(caps);
-            pass.draw_indirect(arguments, Part::LightCap.offset());
-            pass.draw_indirect(arguments, Part::DarkCap.offset());
+            zfail.part(pass, volume, Part::Sides);
+            caps.part(pass, volume, Part::LightCap);
+            caps.part(pass, volume, Part::DarkCap);
         }
     }
 }

@@ -50,8 +50,8 @@ pub struct Receivers {
 
 impl Receivers {
     /// Receivers that are on the device already: `vertices` (three `f32` a vertex), `triangles` (three `u32` a face) and
-    /// `normals` (the unit normal of each face, three `f32`; read only with [`Depth::Plane`]), all of usage `STORAGE`. No
-    /// coordinate is much larger than `largest`.
+    /// `normals` (the unit normal of each face, three `f32`; read only with [`Depth::Plane`]), all of usage `STORAGE`,
+    /// triangles of usage `INDEX` too. No coordinate is much larger than `largest`.
     #[must_use]
     pub fn in_buffers(
         vertices: wgpu::Buffer,
@@ -75,7 +75,7 @@ impl Receivers {
         let coordinates = mesh.positions().as_flattened().iter();
         Ok(Self {
             vertices: gpu.upload("vertices of receivers", mesh.positions())?,
-            triangles: gpu.upload("faces of receivers", mesh.triangles())?,
+            triangles: gpu.upload_for("faces of receivers", mesh.triangles(), wgpu::BufferUsages::INDEX)?,
             normals: gpu.upload("normals of receivers", &normals)?,
             corners: 3 * mesh.face_count() as u32, // a mesh has fewer than 2³² corners
             largest: coordinates.fold(0.0, |most, x| most.max(x.abs())),
@@ -135,9 +135,8 @@ impl StencilPass {
         let stencil_back = self.gpu.staging_for(&target.0, 1)?;
         self.gpu.submit(|encoder| {
             let mut pass = target.begin(encoder, &[]);
-            pass.set_pipeline(&self.pipelines.receivers);
             pass.set_bind_group(0, &bind, &[]);
-            pass.draw(0..receivers.corners, 0..1);
+            self.pipelines.receivers.all(&mut pass, &receivers.triangles, receivers.corners);
             drop(pass);
             self.count(encoder, &target, &counter);
             target.0.copy(encoder, wgpu::TextureAspect::DepthOnly, 4, &depth_back);
@@ -171,10 +170,10 @@ impl StencilPass {
         let back = self.gpu.staging_for(&target.0, 1)?;
         self.gpu.submit(|encoder| {
             let mut pass = target.begin(encoder, &[]);
-            pass.set_pipeline(&self.pipelines.caps);
             for ((volume, parts), bind) in volumes.iter().zip(&bindings) {
                 pass.set_bind_group(0, bind, &[]);
-                parts.iter().for_each(|part| pass.draw_indirect(&volume.arguments, part.offset()));
+                let volume = (*volume).into();
+                parts.iter().for_each(|part| self.pipelines.caps.part(&mut pass, &volume, *part));
             }
             drop(pass);
             target.0.copy(encoder, wgpu::TextureAspect::StencilOnly, 1, &back);
@@ -217,7 +216,7 @@ impl StencilPass {
             Some(_) => (target.begin_read_only(encoder, &[]), pipelines.integer()),
         };
         for (draw, bind) in counter.volumes.iter().zip(&counter.bindings) {
-            embed::draw_volume(&mut pass, draw.method, bind, &draw.volume.arguments, chosen);
+            embed::draw_volume(&mut pass, draw.method, bind, &draw.volume.into(), chosen);
         }
     }
 

@@ -3,12 +3,61 @@
 use wgpu::{CompareFunction, StencilFaceState, StencilOperation};
 
 use crate::gpu::{Gpu, GpuError, Shader, wgpu};
+use crate::volume::{GpuVolume, Part};
 
 /// The depth and stencil of all passes; reversed, so that 0 is infinitely far.
 pub(super) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32FloatStencil8;
 
 /// The source of all that is drawn here, for shaders that go on with it.
 pub(crate) const SOURCE: &str = include_str!("../stencil.wgsl");
+
+/// A pipeline for triangles, and how its vertices are numbered.
+#[derive(Clone, Debug)]
+pub(super) struct Drawing {
+    pipeline: wgpu::RenderPipeline,
+    /// By the triangles' ids, so that a vertex is computed once for several of them; else corner by corner.
+    indexed: bool,
+}
+
+impl Drawing {
+    /// Draws all triangles of so many corners.
+    pub(super) fn all(&self, pass: &mut wgpu::RenderPass<'_>, triangles: &wgpu::Buffer, corners: u32) {
+        self.begin(pass, triangles);
+        match self.indexed {
+            true => pass.draw_indexed(0..corners, 0, 0..1),
+            false => pass.draw(0..corners, 0..1),
+        }
+    }
+
+    /// Draws a part of a volume whose bindings are set.
+    pub(super) fn part(&self, pass: &mut wgpu::RenderPass<'_>, volume: &VolumeBuffers, part: Part) {
+        self.begin(pass, &volume.triangles);
+        match self.indexed {
+            true => pass.draw_indexed_indirect(&volume.arguments, part.offset()),
+            false => pass.draw_indirect(&volume.arguments, part.offset()),
+        }
+    }
+
+    fn begin(&self, pass: &mut wgpu::RenderPass<'_>, triangles: &wgpu::Buffer) {
+        pass.set_pipeline(&self.pipeline);
+        if self.indexed {
+            pass.set_index_buffer(triangles.slice(..), wgpu::IndexFormat::Uint32);
+        }
+    }
+}
+
+/// What is drawn of a volume.
+#[derive(Clone, Debug)]
+pub(super) struct VolumeBuffers {
+    triangles: wgpu::Buffer,
+    arguments: wgpu::Buffer,
+}
+
+impl From<&GpuVolume> for VolumeBuffers {
+    fn from(volume: &GpuVolume) -> Self {
+        Self { triangles: volume.triangles.clone(), arguments: volume.arguments.clone() }
+    }
+}
 
 /// The pipelines of a pass, and the layouts of what they are given.
 #[derive(Clone, Debug)]
@@ -17,26 +66,26 @@ pub(super) struct Pipelines {
     pub(super) layout: wgpu::BindGroupLayout,
     /// The same, with counts and the receivers' depth.
     pub(super) counting_layout: wgpu::BindGroupLayout,
-    pub(super) receivers: wgpu::RenderPipeline,
-    pub(super) zfail_sides: wgpu::RenderPipeline,
-    pub(super) zpass_sides: wgpu::RenderPipeline,
+    pub(super) receivers: Drawing,
+    pub(super) zfail_sides: Drawing,
+    pub(super) zpass_sides: Drawing,
     /// Whatever is drawn with it fails the depth test, and so counts.
-    pub(super) caps: wgpu::RenderPipeline,
-    pub(super) count_all: wgpu::RenderPipeline,
-    pub(super) count_behind: wgpu::RenderPipeline,
-    pub(super) count_before: wgpu::RenderPipeline,
+    pub(super) caps: Drawing,
+    pub(super) count_all: Drawing,
+    pub(super) count_behind: Drawing,
+    pub(super) count_before: Drawing,
 }
 
 const KEEP: StencilFaceState = StencilFaceState::IGNORE;
 
 impl Pipelines {
     /// For z-pass sides, z-fail sides and caps, counted in the stencil.
-    pub(super) fn stencil(&self) -> [&wgpu::RenderPipeline; 3] {
+    pub(super) fn stencil(&self) -> [&Drawing; 3] {
         [&self.zpass_sides, &self.zfail_sides, &self.caps]
     }
 
     /// The same, counted in whole numbers.
-    pub(super) fn integer(&self) -> [&wgpu::RenderPipeline; 3] {
+    pub(super) fn integer(&self) -> [&Drawing; 3] {
         [&self.count_before, &self.count_behind, &self.count_all]
     }
 
@@ -47,6 +96,8 @@ impl Pipelines {
         let layout = layout(gpu, false)?;
         let counting_layout = self::layout(gpu, true)?;
         let fragment = plane.then_some("plane");
+        let (receiver, side) =
+            if plane { ("receiver", "volume") } else { ("receiver_vertex", "volume_vertex") };
         let fails = |operation| StencilFaceState {
             depth_fail_op: operation,
             compare: CompareFunction::Always,
@@ -54,32 +105,30 @@ impl Pipelines {
         };
         let passes =
             |operation| StencilFaceState { pass_op: operation, compare: CompareFunction::Always, ..KEEP };
+        let drawing = |pipeline, vertex: &str| {
+            Ok::<_, GpuError>(Drawing { pipeline, indexed: vertex.ends_with("_vertex") })
+        };
         let build = |vertex, fragment, depth_write, compare, front, back| {
             let depth_stencil = Some(depth_stencil(depth_write, compare, front, back));
             let layout = Some(&layout);
-            Pipeline { vertex, fragment, targets: &[], depth_stencil, layout }.build(gpu, &module)
+            let pipeline = Pipeline { vertex, fragment, targets: &[], depth_stencil, layout };
+            drawing(pipeline.build(gpu, &module)?, vertex)
         };
         let count = |vertex, fragment| {
             let depth_stencil = Some(depth_stencil(false, CompareFunction::Always, KEEP, KEEP));
             let (fragment, layout) = (Some(fragment), Some(&counting_layout));
-            Pipeline { vertex, fragment, targets: &[], depth_stencil, layout }.build(gpu, &module)
+            let pipeline = Pipeline { vertex, fragment, targets: &[], depth_stencil, layout };
+            drawing(pipeline.build(gpu, &module)?, vertex)
         };
         let greater = CompareFunction::Greater;
         // z-fail counts what is behind the visible point: out where a volume ends there, in where it begins.
         let (out, into) = (fails(DecrementWrap), fails(IncrementWrap));
         Ok(Self {
-            receivers: build("receiver", fragment, true, greater, KEEP, KEEP)?,
-            zfail_sides: build("volume", fragment, false, greater, out, into)?,
-            zpass_sides: build(
-                "volume",
-                fragment,
-                false,
-                greater,
-                passes(IncrementWrap),
-                passes(DecrementWrap),
-            )?,
-            caps: build("cap", None, false, CompareFunction::Never, out, into)?,
-            count_all: count("cap", "count_all")?,
+            receivers: build(receiver, fragment, true, greater, KEEP, KEEP)?,
+            zfail_sides: build(side, fragment, false, greater, out, into)?,
+            zpass_sides: build(side, fragment, false, greater, passes(IncrementWrap), passes(DecrementWrap))?,
+            caps: build("volume_vertex", None, false, CompareFunction::Never, out, into)?,
+            count_all: count("volume_vertex", "count_all")?,
             count_behind: count("volume", "count_behind")?,
             count_before: count("volume", "count_before")?,
             layout,

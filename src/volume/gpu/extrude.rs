@@ -145,8 +145,12 @@ impl GpuExtrusion {
         let worst = topology.face_count.saturating_mul(if caps == Caps::Both { 8 } else { 6 });
         // A draw counts vertices in 32 bits.
         let capacity = capacity.unwrap_or(worst).min(u32::MAX / 3);
-        let triangles = gpu.storage::<[u32; 3]>("triangles of a volume", capacity as usize)?;
-        let arguments = gpu.storage_for::<[u32; 4]>("draw arguments", 3, wgpu::BufferUsages::INDIRECT)?;
+        let triangles = gpu.storage_for::<[u32; 3]>(
+            "triangles of a volume",
+            capacity as usize,
+            wgpu::BufferUsages::INDEX,
+        )?;
+        let arguments = gpu.storage_for::<[u32; 5]>("draw arguments", 3, wgpu::BufferUsages::INDIRECT)?;
         let demand = gpu.storage::<Demand>("size of a volume", 1)?;
         let parameters =
             gpu.storage_for::<Parameters>("parameters of a volume", 1, wgpu::BufferUsages::UNIFORM)?;
@@ -318,7 +322,13 @@ mod tests {
             ("Found", &[("edges", 0), ("quads", 4), ("list", 8)]),
             (
                 "Draw",
-                &[("vertex_count", 0), ("instance_count", 4), ("first_vertex", 8), ("first_instance", 12)],
+                &[
+                    ("vertex_count", 0),
+                    ("instance_count", 4),
+                    ("first_vertex", 8),
+                    ("base_vertex", 12),
+                    ("first_instance", 16),
+                ],
             ),
         ] {
             let found = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some(name));

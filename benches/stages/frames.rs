@@ -1,0 +1,359 @@
+//! Whole frames of 512 × 512 pixels on a graphics adapter, which the rows name: what shadows cost, and what of it is
+//! the silhouette.
+
+use std::cell::RefCell;
+
+use umbrage::compare::{PixelVerdict, Rendered, compare};
+use umbrage::geom::{Aabb, Light, Projection};
+use umbrage::glam::Vec3;
+use umbrage::gpu::{Gpu, wgpu};
+use umbrage::mesh::{Mesh, solid};
+use umbrage::oracle::Oracle;
+use umbrage::scene::{Camera, Size, Up};
+use umbrage::silhouette::{
+    Casters, FacePlanes, Facing, GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders,
+};
+use umbrage::stencil::{Counting, Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass};
+use umbrage::topology::{GpuTopology, GpuTopologyBuilder, Topology};
+use umbrage::volume::{Caps, GpuExtrusion, GpuVolume, ShadowVolume, VolumeShaders};
+
+use crate::canvas::Canvas;
+use crate::chart::Curve;
+use crate::gpu::{head, submit, wait};
+use crate::measure::{Bench, Contender, Group, Target, timed};
+
+const SIDE: u32 = 512;
+
+/// Segments of torus knots of 364 to 200,000 triangles.
+const KNOTS: [[u32; 2]; 7] = [[26, 7], [50, 10], [150, 10], [250, 20], [500, 30], [1000, 50], [1250, 80]];
+
+/// How many places the light moves through, again and again.
+const PLACES: u16 = 8;
+
+/// Where the silhouette of a frame comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    NoShadows,
+    Cpu,
+    Gpu,
+}
+
+const KINDS: [(Kind, &str); 3] =
+    [(Kind::NoShadows, "no shadows"), (Kind::Cpu, "CPU silhouettes"), (Kind::Gpu, "GPU silhouettes")];
+
+/// The frame rates that were measured, on the adapter of that name.
+pub(crate) struct Frames {
+    pub(crate) adapter: String,
+    pub(crate) curves: Vec<Curve>,
+}
+
+/// `None` if the filter or a missing adapter leaves nothing to measure.
+pub(crate) fn run(bench: &mut Bench<'_>) -> Option<Frames> {
+    let parts = ["frames", "frames of one volume", "frames prepared"].map(|part| bench.wants(part));
+    if parts == [false; 3] {
+        return None;
+    }
+    let gpu = match Gpu::new(None) {
+        Ok(gpu) => gpu,
+        Err(error) => {
+            eprintln!("SKIPPED, stage frames: {error}");
+            return None;
+        }
+    };
+    let [of_each_kind, of_one_volume, prepared] = parts;
+    let knots = if bench.quick { &KNOTS[..2] } else { &KNOTS };
+    let knot = |[segments, ring]: [u32; 2]| solid::torus_knot(2, 3, segments, ring, 0.3);
+    let frames = of_each_kind.then(|| {
+        let mut curves = KINDS.map(|(_, name)| Curve { name: name.to_owned(), points: Vec::new() });
+        let pass = StencilPass::new(&gpu, Depth::Plane).expect("it compiles");
+        for mesh in knots.iter().copied().map(knot) {
+            let first = bench.rows.len();
+            Stage::new(&pass, &mesh).frames(bench);
+            for (curve, row) in curves.iter_mut().zip(&bench.rows[first..]) {
+                curve.points.push([mesh.face_count() as f64, 1e9 / row.median]);
+            }
+        }
+        Frames { adapter: gpu.name(), curves: curves.into() }
+    });
+    if of_one_volume {
+        one_volume(bench, &gpu);
+    }
+    if prepared {
+        preparation(bench, &gpu, &knot(knots[knots.len() - 1]));
+    }
+    frames
+}
+
+/// A mesh, a camera that sees all of it, and everything that is made before the first frame.
+struct Stage<'a> {
+    pass: &'a StencilPass,
+    mesh: &'a Mesh,
+    view: View,
+    topology: Topology,
+    planes: FacePlanes,
+    facing: RefCell<Vec<Facing>>,
+    receivers: Receivers,
+    silhouette: GpuSilhouette,
+    extrusion: GpuExtrusion,
+    canvas: Canvas<'a>,
+}
+
+impl<'a> Stage<'a> {
+    fn new(pass: &'a StencilPass, mesh: &'a Mesh) -> Self {
+        let gpu = pass.gpu();
+        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let planes = FacePlanes::new(mesh);
+        let uploaded = GpuTopology::upload(gpu, &topology).expect("it fits");
+        let shaders = SilhouetteShaders::new(gpu).expect("they compile");
+        let caster = GpuCaster::with_planes(&shaders, mesh, uploaded, &planes).expect("it fits");
+        let silhouette = GpuSilhouette::new(&caster).expect("it fits");
+        let volumes = VolumeShaders::new(gpu).expect("they compile");
+        let extrusion = GpuExtrusion::new(&volumes, &silhouette, Caps::Both, None).expect("it fits");
+        Self {
+            pass,
+            mesh,
+            view: View::of(mesh),
+            topology,
+            planes,
+            facing: RefCell::default(),
+            receivers: Receivers::upload(gpu, mesh).expect("it fits"),
+            silhouette,
+            extrusion,
+            canvas: Canvas::new(gpu, SIDE),
+        }
+    }
+
+    /// The three kinds of frame, each of whose pictures is checked after it is timed.
+    fn frames(&self, bench: &mut Bench<'_>) {
+        let gpu = self.pass.gpu();
+        let lights: Vec<Light> = (0..PLACES).map(|i| self.view.light(0.01 * f32::from(i))).collect();
+        let masks: Vec<ShadowMask> = lights.iter().map(|light| self.exact(light).1).collect();
+        let accuracy = self.accuracy(&lights[0], &masks[0]);
+        let contenders = KINDS.map(|(kind, name)| {
+            let pictures: Vec<Vec<u8>> = lights.iter().map(|light| self.picture(kind, light)).collect();
+            let differing = |picture: &Vec<u8>, mask: &ShadowMask| {
+                picture.iter().zip(mask.raw()).filter(|(a, b)| i32::from(**a) != **b).count()
+            };
+            let off: usize = pictures.iter().zip(&masks).map(|(a, b)| differing(a, b)).sum();
+            let answer = match kind {
+                Kind::NoShadows => {
+                    let sky = |&(x, y): &(u32, u32)| masks[0].count(x, y).is_none();
+                    assert_eq!(self.canvas.sky(), pixels().filter(sky).count(), "another depth");
+                    format!("sky={}", self.canvas.sky())
+                }
+                Kind::Cpu => {
+                    assert_eq!(off, 0, "pixels of a frame are not those of the mask");
+                    format!("off={off} {accuracy}")
+                }
+                // Where `f32` cannot tell a side, the adapter may take the other one: reported, not refused.
+                Kind::Gpu => format!("off={off} {accuracy}"),
+            };
+            let (lights, mut turn) = (&lights, (0..lights.len()).cycle());
+            Contender::new(name, move || {
+                let place = turn.next().expect("it never ends");
+                let check = |(): &()| {
+                    assert!(self.canvas.stencil() == pictures[place], "{name}: another picture");
+                    answer.clone()
+                };
+                timed(|| self.frame(kind, &lights[place]), check)
+            })
+        });
+        let (mesh, contenders) = (named(self.mesh, gpu), contenders.into());
+        bench.run(Group { stage: "frames", mesh, units: 1, unit: "frame", contenders });
+    }
+
+    /// One frame, submitted and waited for.
+    fn frame(&self, kind: Kind, light: &Light) {
+        submit(self.pass.gpu(), |encoder| {
+            let volume = match kind {
+                Kind::NoShadows => None,
+                Kind::Cpu => {
+                    let mut facing = self.facing.borrow_mut();
+                    self.planes.classify_into(self.mesh, light, &mut facing);
+                    Some(upload(self.pass.gpu(), &self.extrude(light, &Casters::All.signs(&facing))))
+                }
+                Kind::Gpu => {
+                    self.silhouette.record(encoder, light).expect("it fits");
+                    Some(self.extrusion.record(encoder, light).expect("it fits"))
+                }
+            };
+            draw(self.pass, encoder, &self.canvas, &self.view, &self.receivers, volume.as_ref());
+        });
+    }
+
+    fn picture(&self, kind: Kind, light: &Light) -> Vec<u8> {
+        self.frame(kind, light);
+        if kind == Kind::Gpu {
+            let demand = self.extrusion.download_demand().expect("it is there");
+            assert_eq!(demand.exceeded, 0, "a volume does not fit");
+        }
+        self.canvas.stencil()
+    }
+
+    fn extrude(&self, light: &Light, signs: &[i8]) -> ShadowVolume {
+        let silhouette = Silhouette::extract(&self.topology, signs);
+        ShadowVolume::extrude(self.mesh, &self.topology, light, signs, &silhouette, Caps::Both)
+    }
+
+    /// The volume of exact sides on the device, and what the pass makes of it.
+    fn exact(&self, light: &Light) -> (GpuVolume, ShadowMask) {
+        let signs = Casters::All.signs(&self.planes.classify(self.mesh, light));
+        let volume = upload(self.pass.gpu(), &self.extrude(light, &signs));
+        let draws = [Draw { volume: &volume, method: StencilMethod::ZFail }];
+        let View { projection, size, .. } = &self.view;
+        let mask = self.pass.mask(projection, *size, &self.receivers, &draws, Counting::Stencil);
+        (volume, mask.expect("it fits"))
+    }
+
+    /// How many pixels are not what the exact oracle says: for which their footprint is the reason, and for which there
+    /// is none.
+    fn accuracy(&self, light: &Light, mask: &ShadowMask) -> String {
+        let signs = Casters::All.signs(&self.planes.classify(self.mesh, light));
+        let (mesh, topology, projection) = (self.mesh, &self.topology, &self.view.projection);
+        let rendered = Rendered { mesh, topology, signs: &signs, light, projection, mask, unsure: &[] };
+        let found = compare(&Oracle::build(mesh), &rendered, 0, &|_| {});
+        let [shadowed, grazing, overflow, real] =
+            [PixelVerdict::Shadowed, PixelVerdict::Grazing, PixelVerdict::Overflow, PixelVerdict::Real]
+                .map(|verdict| found.count(verdict));
+        assert_eq!(overflow, 0, "the stencil has wrapped");
+        if self.pass.depth() == Depth::Plane {
+            assert_eq!(real, 0, "pixels that nothing explains");
+        }
+        format!("shadowed={shadowed} grazing={grazing} real={real}")
+    }
+}
+
+/// A camera and lights that fit a mesh.
+struct View {
+    bounds: Aabb,
+    size: Size,
+    projection: Projection,
+}
+
+impl View {
+    fn of(mesh: &Mesh) -> Self {
+        let bounds = Aabb::around(mesh.positions().iter().copied());
+        let size = Size::new(SIDE, SIDE).expect("a picture");
+        let camera = Camera::fit(&bounds, Up::Y, 1.0);
+        let distance = (camera.eye - Vec3::from(bounds.centre())).length();
+        Self { bounds, size, projection: camera.projection(size, 0.1 * distance) }
+    }
+
+    /// A point light above and outside, turned by so many radians.
+    fn light(&self, turned: f32) -> Light {
+        let (centre, reach) = (self.bounds.centre(), self.bounds.diagonal() as f32);
+        let (sin, cos) = (0.5 + turned).sin_cos();
+        Light::point([centre[0] + 0.8 * reach * cos, centre[1] + 1.1 * reach, centre[2] + 0.8 * reach * sin])
+            .expect("finite")
+    }
+}
+
+/// Frames with a volume that was made beforehand, and what the cheaper depth costs in pixels.
+fn one_volume(bench: &mut Bench<'_>, gpu: &Gpu) {
+    let mesh = head(bench.quick);
+    let passes =
+        [Depth::Plane, Depth::Interpolated].map(|depth| StencilPass::new(gpu, depth).expect("it compiles"));
+    let stages = passes.each_ref().map(|pass| Stage::new(pass, &mesh));
+    let light = stages[0].view.light(0.0);
+    let names = [
+        ("Depth::Plane", "Depth::Plane · no shadows"),
+        ("Depth::Interpolated", "Depth::Interpolated · no shadows"),
+    ];
+    let target = if gpu.is_software() { Target::Time(120e6) } else { Target::None };
+    let mut contenders = Vec::new();
+    for (stage, (name, plain)) in stages.iter().zip(names) {
+        let (volume, mask) = stage.exact(&light);
+        let accuracy = stage.accuracy(&light, &mask);
+        let frame = move |volume: Option<&GpuVolume>| {
+            submit(gpu, |encoder| {
+                draw(stage.pass, encoder, &stage.canvas, &stage.view, &stage.receivers, volume);
+            });
+        };
+        let shadowed = move || {
+            let check = |(): &()| {
+                let picture = stage.canvas.stencil();
+                assert!(picture.iter().map(|&count| i32::from(count)).eq(mask.raw().iter().copied()));
+                accuracy.clone()
+            };
+            timed(|| frame(Some(&volume)), check)
+        };
+        contenders.push(Contender::new(name, shadowed).aims_at(target));
+        contenders.push(Contender::new(plain, move || {
+            timed(|| frame(None), |()| format!("sky={}", stage.canvas.sky()))
+        }));
+    }
+    let mesh = named(&mesh, gpu);
+    bench.run(Group { stage: "frames of one volume", mesh, units: 1, unit: "frame", contenders });
+}
+
+/// What is made once for a mesh.
+fn preparation(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) {
+    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let uploaded = GpuTopology::upload(gpu, &topology).expect("it fits");
+    let words = uploaded.download(gpu).expect("it is there");
+    let shaders = SilhouetteShaders::new(gpu).expect("they compile");
+    let volumes = VolumeShaders::new(gpu).expect("they compile");
+    let builder = GpuTopologyBuilder::new(gpu).expect("it compiles");
+    let edges = |count| format!("edges={count}");
+    let contenders = vec![
+        Contender::new("Topology::build", || {
+            let build = || Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+            timed(build, |topology| edges(topology.edge_count()))
+        })
+        .expects(edges(topology.edge_count())),
+        Contender::new("GpuTopologyBuilder::build", || {
+            let build = || {
+                let (vertices, faces) = (uploaded.vertex_count, uploaded.face_count);
+                let topology = builder.build(gpu, vertices, &uploaded.triangles, faces).expect("it fits");
+                wait(gpu);
+                topology
+            };
+            timed(build, |topology| {
+                assert!(topology.download(gpu).expect("it is there") == words, "another edge table");
+                edges(topology.edge_count as usize)
+            })
+        })
+        .expects(edges(topology.edge_count())),
+        Contender::new("planes, and room for a light", || {
+            let build = || {
+                let caster = GpuCaster::new(&shaders, mesh, uploaded.clone()).expect("it fits");
+                let silhouette = GpuSilhouette::new(&caster).expect("it fits");
+                let room = GpuExtrusion::new(&volumes, &silhouette, Caps::Both, None).expect("it fits");
+                wait(gpu);
+                room
+            };
+            timed(build, |_| "made".to_owned())
+        }),
+    ];
+    let (units, mesh) = (mesh.face_count(), named(mesh, gpu));
+    bench.run(Group { stage: "frames prepared", mesh, units, unit: "triangle", contenders });
+}
+
+fn upload(gpu: &Gpu, volume: &ShadowVolume) -> GpuVolume {
+    GpuVolume::upload(gpu, volume).expect("it fits")
+}
+
+/// Records the receivers, and a volume by z-fail.
+fn draw(
+    pass: &StencilPass,
+    encoder: &mut wgpu::CommandEncoder,
+    canvas: &Canvas<'_>,
+    view: &View,
+    receivers: &Receivers,
+    volume: Option<&GpuVolume>,
+) {
+    let draws = volume.map(|volume| Draw { volume, method: StencilMethod::ZFail });
+    let frame = pass.prepare(&view.projection, view.size, receivers, draws.as_slice()).expect("it fits");
+    let mut drawing = canvas.begin(encoder);
+    frame.draw_receivers(&mut drawing);
+    frame.draw_volumes(&mut drawing);
+}
+
+fn pixels() -> impl Iterator<Item = (u32, u32)> {
+    (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)))
+}
+
+/// The cell of a table.
+fn named(mesh: &Mesh, gpu: &Gpu) -> String {
+    format!("{} of {} triangles · {}", mesh.name, mesh.face_count(), gpu.name()).replace(',', " ·")
+}

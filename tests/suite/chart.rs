@@ -1,0 +1,70 @@
+//! The chart that the benches write.
+
+#[path = "../../benches/stages/chart.rs"]
+mod chart;
+
+use chart::{Curve, svg};
+
+fn curves() -> Vec<Curve> {
+    let curve = |name: &str, factor: f64| Curve {
+        name: name.to_owned(),
+        points: [364.0, 1000.0, 30_000.0, 200_000.0].map(|x| [x, factor * 1e5 / x]).to_vec(),
+    };
+    vec![curve("one < two", 2.0), curve("two", 1.0), curve("three", 1.01)]
+}
+
+/// Tags that nest and close, in text that holds no bare `<` or `&`.
+fn well_formed(text: &str) -> bool {
+    let mut open = Vec::new();
+    let mut rest = text;
+    while let Some(start) = rest.find('<') {
+        let Some(end) = rest[start..].find('>') else { return false };
+        let tag = &rest[start + 1..start + end];
+        let quotes = tag.matches('"').count();
+        let name = |tag: &str| tag.split([' ', '/']).next().unwrap_or_default().to_owned();
+        let entities = rest[..start].split('&').skip(1);
+        let known = |entity: &str| ["amp;", "lt;", "gt;"].iter().any(|name| entity.starts_with(name));
+        if tag.contains('<') || quotes % 2 != 0 || !entities.into_iter().all(known) {
+            return false;
+        }
+        match tag.strip_prefix('/') {
+            Some(closed) if open.pop() != Some(closed.to_owned()) => return false,
+            Some(_) => {}
+            None if tag.ends_with('/') => {}
+            None => open.push(name(tag)),
+        }
+        rest = &rest[start + end + 1..];
+    }
+    open.is_empty() && rest.trim().is_empty()
+}
+
+#[test]
+fn chart_is_well_formed_and_small_and_holds_every_point() {
+    let (curves, text) = (curves(), svg("a <card> & driver", &curves()));
+    assert!(well_formed(&text), "{text}");
+    assert!(!well_formed(&text.replacen("</g>", "", 1)) && !well_formed(&text.replacen("&amp;", "&", 1)));
+    assert!(text.len() < 10_000, "{} bytes", text.len());
+    assert_eq!(text.matches("<title>").count(), 12);
+    for point in
+        ["364: 549 frames/s", "1,000: 100 frames/s", "30,000: 6.67 frames/s", "200,000: 0.505 frames/s"]
+    {
+        assert!(text.contains(&format!("<title>{point}</title>")), "{point}");
+    }
+    assert!(text.contains(">one &lt; two</text>") && text.contains("a &lt;card&gt; &amp; driver"));
+    assert_eq!(text, svg("a <card> & driver", &curves));
+    // Nothing leaves the picture, and three names fit where curves end side by side.
+    let heights: Vec<f64> = text
+        .lines()
+        .filter(|line| line.ends_with("</text></g>"))
+        .map(|line| line.split(" y=\"").nth(1).and_then(|y| y.split('"').next()?.parse().ok()).unwrap())
+        .collect();
+    assert_eq!(heights.len(), 3);
+    assert!(heights.windows(2).all(|pair| pair[1] - pair[0] >= 18.9) && heights.iter().all(|&y| y < 430.0));
+}
+
+#[test]
+fn chart_of_a_single_point_is_one() {
+    let point = Curve { name: "one".to_owned(), points: vec![[1000.0, 1.0]] };
+    let text = svg("", &[point]);
+    assert!(well_formed(&text) && !text.contains("NaN") && !text.contains("inf"), "{text}");
+}

@@ -314,7 +314,7 @@ fn preparation(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) {
             })
         })
         .expects(edges(topology.edge_count())),
-        Contender::new("planes, and room for a light", || {
+        Contender::new("planes and room for a light", || {
             let build = || {
                 let caster = GpuCaster::new(&shaders, mesh, uploaded.clone()).expect("it fits");
                 let silhouette = GpuSilhouette::new(&caster).expect("it fits");

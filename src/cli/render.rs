@@ -22,7 +22,7 @@ use super::progress::Progress;
 use super::source::{Source, SourceArgs};
 #[cfg(feature = "gpu")]
 use super::stage::Stage;
-use super::values::refuse_overwriting;
+use super::values::{refuse_overwriting, require_folder};
 use super::view::ViewArgs;
 use super::{Failure, Outcome};
 
@@ -157,6 +157,7 @@ pub(crate) fn require_png(path: &Path) -> Result<(), Failure> {
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     require_png(&args.output)?;
     refuse_overwriting("--output", Some(&args.output), &args.source.file)?;
+    require_folder(&args.output)?;
     let asked = args.view.camera(Up::Y)?; // nonsense is refused before the file is read
     let way = args.method.settle(&args.adapter)?;
     args.threads.apply()?;

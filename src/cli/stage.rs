@@ -32,7 +32,7 @@ impl<'a> Stage<'a> {
         view: View<'a>,
         asked: Option<StencilMethod>,
     ) -> Result<Self, GpuError> {
-        let projection = view.camera.projection(view.size, view.camera.near(bounds));
+        let projection = view.camera.projection(view.size, view.camera.near(bounds, view.size));
         let asked = match asked {
             None => Asked::Auto,
             Some(StencilMethod::ZPass) => Asked::ZPass,

@@ -38,6 +38,17 @@ pub(crate) fn refuse_overwriting(option: &str, output: Option<&Path>, input: &Pa
     }
 }
 
+/// Refuses an output whose folder is not there, before the work and not after it.
+pub(crate) fn require_folder(output: &Path) -> Result<(), Failure> {
+    match output.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            let problem = format!("cannot be written: there is no folder {}", folder.display());
+            Err(Failure::new(problem, "make it, or choose another place").in_file(output))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Whether two names lead to one file that exists, through links too.
 fn is_same_file(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]

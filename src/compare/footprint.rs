@@ -4,26 +4,28 @@
 //! a step sideways, and what lies within the depth bound of it along the ray. That is looked for at some 260 places, and
 //! at the outline where the visible surface ends between two of them; too few places can only call more mismatches real.
 //!
-//! - **Sideways**: vertices are snapped to 1/256 pixel (the sub-pixel precision
-//!   of all common rasterisers), and their clip coordinates err by at most 4.5u of the products' magnitudes in each of
-//!   two dot products (u = 2⁻²³: the difference to the eye, the row's own rounding, a product, two sums), which for
-//!   vertices in view and fields of view down to 30° is below 16u of the picture's longer side. So the step is
-//!   `1/256 + 2⁻¹⁹·max(width, height)` pixels.
+//! - **Sideways**: vertices are snapped to 1/256 pixel (the sub-pixel precision of all common rasterisers). Their clip
+//!   coordinates err by at most 4.5u of the products' magnitudes in each of two dot products (u = 2⁻²³: the difference to
+//!   the eye, the row's own rounding, a product, two sums), and the oracle's ray by u of its length. With the longer of
+//!   the rows, `s`, and the ray through a corner of the picture, `c`, that is less than `8u·(1 + s)·c` of half the
+//!   picture's longer side. So the step is `1/256 + 4u·(1 + s)·c·max(width, height)` pixels; only for a view of a few
+//!   degrees is the second term the larger one.
 //! - **Along the ray**: the error of two depths computed from planes. A depth is `near·(n·r)/(n·a)` with the
 //!   plane's normal `n`, the ray `r`, and `a` from the eye to a corner: 10u of `|n||r|/|n·r|` for the numerator (three
 //!   rounded coefficients and three sums), 5u of `|n||a|/|n·a|` for the denominator, in all 16u of `D/h` with the
-//!   farthest distance `D` of the face's corners and of the point itself, and the eye's distance `h` from the plane. Where the
+//!   larger distance `D` of the face's first corner, to which the shader anchors its plane, and of the point itself, and the eye's distance `h` from the plane. Where the
 //!   two planes are far from parallel, a step sideways changes their distance by more than that; where they are not,
 //!   `h` is the same for both. So the bound is `32u·D/h` of the depth.
 //!
 //! Anything wider would forgive cracks of one pixel.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::{Pixels, Seen};
 use crate::geom::predicate::{Homogeneous, Sign, orient3d_homogeneous};
-use crate::geom::{Aabb, Light, Segment};
+use crate::geom::{Aabb, Light, Projection, Segment};
 use crate::mesh::FaceId;
+use crate::scene::Size;
 
 /// Eight places a whole step away.
 const RIM: [[f64; 2]; 8] =
@@ -36,24 +38,40 @@ fn inside_the_square() -> impl Iterator<Item = [f64; 2]> {
     (1..=256).map(|i| [PLASTIC, PLASTIC * PLASTIC].map(|base| 2.0 * (f64::from(i) / base).fract() - 1.0))
 }
 
+/// How far sideways the footprint of a pixel reaches, in pixels.
+pub(super) fn step(projection: &Projection, size: Size) -> f64 {
+    const U: f64 = f32::EPSILON as f64;
+    let length = |row: [f32; 3]| DVec3::from(row.map(f64::from)).length();
+    let rows = 1.0 + length(projection.right).max(length(projection.up));
+    let corner = projection.ray(DVec2::ONE).length();
+    1.0 / 256.0 + 4.0 * U * rows * corner * f64::from(size.width().max(size.height()))
+}
+
 impl Pixels<'_> {
     /// Whether the exact count changes within one step of the place.
-    pub(super) fn changes_sideways(&self, seen: Option<&Seen>, place: [f64; 2]) -> bool {
-        let side = self.size.width().max(self.size.height());
-        let step = 1.0 / 256.0 + f64::from(side) / f64::from(1 << 19);
-        let beside = |[x, y]: [f64; 2]| [place[0] + step * x, place[1] + step * y];
-        let Some(here) = seen else {
-            return RIM.into_iter().chain(inside_the_square()).any(|at| self.look(beside(at)).is_some());
-        };
+    pub(super) fn changes_sideways(&self, here: &Seen, place: [f64; 2], thorough: bool) -> bool {
         let surfaces = self.surfaces(here, place);
         // The rim first: that is where most of it shows.
-        RIM.into_iter().chain(inside_the_square()).map(beside).any(|beside| {
+        let inside = inside_the_square().take(if thorough { usize::MAX } else { 0 });
+        RIM.into_iter().chain(inside).map(|at| self.beside(place, at)).any(|beside| {
             let Some(there) = self.look(beside) else { return true };
             here.differs(&there)
                 || self.changes_along_the_ray(&there, beside)
-                || self.surfaces(&there, beside) != surfaces
+                || thorough
+                    && self.surfaces(&there, beside) != surfaces
                     && self.changes_on_the_way(here, &surfaces, [place, beside])
         })
+    }
+
+    /// Whether within one step of a place there is sky where a surface is seen, or a surface where sky is.
+    pub(super) fn is_at_outline(&self, surface: bool, place: [f64; 2]) -> bool {
+        let mut places = RIM.into_iter().chain(inside_the_square()).map(|at| self.beside(place, at));
+        places.any(|beside| self.look(beside).is_some() != surface)
+    }
+
+    /// The place that is so many steps away.
+    fn beside(&self, place: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
+        [place[0] + self.step * x, place[1] + self.step * y]
     }
 
     /// Whether between two places, where a surface ends, the volume begins or ends: at a silhouette edge, both sides of
@@ -79,6 +97,9 @@ impl Pixels<'_> {
     pub(super) fn changes_along_the_ray(&self, seen: &Seen, place: [f64; 2]) -> bool {
         let bound = self.depth_bound(seen, place);
         let [p, q] = [-bound, bound].map(|part| self.along(seen, place, part));
+        if p.iter().chain(&q).any(|x| !x.is_finite()) {
+            return false;
+        }
         // The triangle of both points and the light is nowhere farther from the way from one of them than the other is.
         let wide = |p: [f32; 3]| DVec3::from(p.map(f64::from));
         let reach = (2.0 * wide(p).distance(wide(q))) as f32;
@@ -87,7 +108,8 @@ impl Pixels<'_> {
         let mut found = false;
         self.edge_tree.walk(
             |aabb| {
-                way.may_meet(&Aabb { low: aabb.low.map(|x| x - reach), high: aabb.high.map(|x| x + reach) })
+                let (low, high) = (aabb.low.map(|x| x - reach), aabb.high.map(|x| x + reach));
+                way.may_meet(&Aabb { low: low.map(f32::next_down), high: high.map(f32::next_up) })
             },
             |slot| {
                 found = is_swept(self.edges[self.edge_tree.order()[slot] as usize], ends, light);
@@ -118,7 +140,7 @@ impl Pixels<'_> {
         let [a, b, c] = seen.visible.corners.map(|corner| wide(corner) - wide(self.rendered.projection.eye));
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let at = seen.visible.t * self.ray(place);
-        let farthest = [a, b, c, at].iter().fold(0.0_f64, |most, p| most.max(p.length()));
+        let farthest = a.length().max(at.length());
         let height = normal.dot(a).abs();
         (32.0 * U * farthest / height).min(0.5) // also for a height of 0
     }

@@ -9,6 +9,7 @@ mod local;
 
 use glam::{DVec2, DVec3};
 
+use footprint::step;
 use local::Local;
 
 use crate::geom::bvh::Bvh;
@@ -152,6 +153,9 @@ pub fn compare(
     }
 }
 
+/// So many pixels of a row may be called real before the search for explanations stops at the nearest places.
+const THOROUGH: usize = 16;
+
 fn judge_all(
     oracle: &Oracle,
     rendered: &Rendered<'_>,
@@ -164,11 +168,15 @@ fn judge_all(
     let edges = silhouette.edges.iter().map(|edge| ends(edge).map(|v| rendered.mesh.positions()[v.index()]));
     let edges: Vec<[[f32; 3]; 2]> = edges.collect();
     let boxes: Vec<Aabb> = edges.iter().map(|ends| Aabb::around(*ends)).collect();
-    let pixels = Pixels { oracle, rendered, size, edge_tree: Bvh::build(&boxes), edges };
+    let edge_tree = Bvh::build(&boxes);
+    let pixels = Pixels { oracle, rendered, size, step: step(rendered.projection, size), edges, edge_tree };
     let mut verdicts = vec![PixelVerdict::Sky; size.pixels()];
     parallel::rows(&mut verdicts, size.width() as usize, |y, row| {
+        // Where a row is full of mismatches that nothing explains, more of them are not worth a long search each.
+        let mut real = 0;
         for (x, verdict) in (0..).zip(row) {
-            *verdict = pixels.judge(x, y as u32); // a picture has at most 2¹⁴ rows
+            *verdict = pixels.judge(x, y as u32, real < THOROUGH); // a picture has at most 2¹⁴ rows
+            real += usize::from(*verdict == PixelVerdict::Real);
         }
         progress(1);
     });
@@ -186,7 +194,7 @@ struct Seen {
     visible: Visible,
     /// Casting faces that are properly crossed on the way to the light.
     count: u32,
-    /// Faces that are only touched: then the count may be more.
+    /// Whether casting faces are only touched: then the count may be more.
     touching: bool,
 }
 
@@ -201,6 +209,8 @@ struct Pixels<'a> {
     oracle: &'a Oracle,
     rendered: &'a Rendered<'a>,
     size: Size,
+    /// How far sideways the footprint of a pixel reaches, in pixels.
+    step: f64,
     /// The ends of the silhouette edges.
     edges: Vec<[[f32; 3]; 2]>,
     /// Over their boxes.
@@ -208,7 +218,8 @@ struct Pixels<'a> {
 }
 
 impl Pixels<'_> {
-    fn judge(&self, x: u32, y: u32) -> PixelVerdict {
+    /// A `thorough` search leaves no explanation out; else only the nearest places are looked at.
+    fn judge(&self, x: u32, y: u32, thorough: bool) -> PixelVerdict {
         let counted = self.rendered.mask.count(x, y);
         let middle = [f64::from(x) + 0.5, f64::from(y) + 0.5];
         let seen = self.look(middle);
@@ -229,9 +240,14 @@ impl Pixels<'_> {
                     return PixelVerdict::Unsure;
                 }
             }
-            _ => {}
+            // Coverage alone differs, so only an outline explains it.
+            (seen, _) => {
+                let outline = self.is_at_outline(seen.is_some(), middle);
+                return if outline { PixelVerdict::Grazing } else { PixelVerdict::Real };
+            }
         }
-        if self.changes_sideways(seen.as_ref(), middle) { PixelVerdict::Grazing } else { PixelVerdict::Real }
+        let explained = seen.is_some_and(|seen| self.changes_sideways(&seen, middle, thorough));
+        if explained { PixelVerdict::Grazing } else { PixelVerdict::Real }
     }
 
     fn mismatch(&self, x: u32, y: u32) -> Mismatch {
@@ -259,11 +275,12 @@ impl Pixels<'_> {
         self.rendered.projection.ray(DVec2::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height))
     }
 
-    /// How many casting faces are between a point and the light, and whether any face is only touched.
+    /// How many casting faces are between a point and the light, and whether any is only touched.
     fn count(&self, point: [f32; 3]) -> (u32, bool) {
         let (mut count, mut touching) = (0, false);
         self.oracle.for_each_meeting(point, self.rendered.light, |face, meeting| match meeting {
-            Meeting::Crossing(_) => count += u32::from(self.rendered.signs[face.index()] != 0),
+            _ if self.rendered.signs[face.index()] == 0 => {}
+            Meeting::Crossing(_) => count += 1,
             _ => touching = true,
         });
         (count, touching)

@@ -1,7 +1,7 @@
 //! What can go wrong with a graphics adapter.
 
 /// Why something could not be done on a graphics adapter.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
     /// There is no adapter at all.
@@ -11,7 +11,10 @@ pub enum GpuError {
     )]
     NoAdapter,
     /// No adapter has such a name.
-    #[error("no graphics adapter is named like `{wanted}`; there are: {}", .available.join("; "))]
+    #[error(
+        "no graphics adapter is named like `{wanted}` (--adapter or UMBRAGE_ADAPTER); choose one of: {}",
+        .available.join("; ")
+    )]
     NoSuchAdapter {
         /// The part of a name that was asked for.
         wanted: String,
@@ -35,9 +38,14 @@ pub enum GpuError {
         /// What to do instead.
         remedy: &'static str,
     },
+    /// A mesh is so small that a device may take its coordinates for zero.
+    #[error(
+        "the mesh is {0:e} large, which a graphics adapter may take for zero; scale it up, or use --method rays"
+    )]
+    Subnormal(f32),
     /// A picture has more pixels in a row or column than the device can draw.
     #[error(
-        "a picture of {side} pixels a side does not fit this graphics adapter, which takes {limit}; use a smaller --size"
+        "a picture of {side} pixels a side does not fit this graphics adapter, which takes {limit}; use a smaller --size or fewer --samples"
     )]
     Picture {
         /// The longer side.

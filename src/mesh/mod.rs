@@ -242,6 +242,12 @@ impl Mesh {
         }))
     }
 
+    /// The largest magnitude of a coordinate of any *referenced* vertex; 0 without faces.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn largest_coordinate(&self) -> f32 {
+        self.bounds().iter().flatten().flatten().fold(0.0, |most, x| most.max(x.abs()))
+    }
+
     /// Positions, triangles, parts and frames, to be changed and brought back through [`Mesh::new`].
     #[must_use]
     #[expect(clippy::type_complexity, reason = "the four fields, named in the line above")]

@@ -134,7 +134,7 @@ mod tests {
         let oracle = Oracle::build(&solid::icosphere(2));
         let size = Size::new(96, 80).unwrap();
         let camera = Camera::fit(&oracle.bounds(), Up::Y, size.aspect());
-        let projection = camera.projection(size, camera.near(&oracle.bounds()));
+        let projection = camera.projection(size, camera.near(&oracle.bounds(), size));
         let mut comparison =
             Comparison { size, verdicts: vec![PixelVerdict::Lit; size.pixels()], mismatches: Vec::new() };
         let at = |x: usize, y: usize| y * 96 + x;

@@ -140,21 +140,24 @@ impl Camera {
         }
     }
 
-    /// Where the near plane of a [`Camera::projection`] stands if nothing else is said, in mesh units: half the
-    /// distance from the eye to `bounds`, but no less than 1/1024 of their diagonal, for an eye that is inside or
-    /// about to be.
+    /// Where the near plane of a [`Camera::projection`] stands if nothing else is said, in mesh units: so that no corner
+    /// of its rectangle is farther from the eye than half the distance to `bounds`, or than 1/1024 of their diagonal for
+    /// an eye that is inside or about to be.
     ///
-    /// From outside it cuts nothing that is seen within 60 degrees of the forward direction. Finite and above 0 for
-    /// every box; 1 for an empty one.
+    /// From outside it cuts nothing that is seen, however wide the view. Finite and above 0 for every box.
     #[must_use]
-    pub fn near(&self, bounds: &Aabb) -> f32 {
-        if bounds.is_empty() {
-            return 1.0;
-        }
+    pub fn near(&self, bounds: &Aabb, size: Size) -> f32 {
         let eye = self.eye.as_dvec3();
-        let distance = eye.distance(eye.clamp(wide(bounds.low), wide(bounds.high)));
-        let near = (0.5 * distance).max(bounds.diagonal() / 1024.0);
-        (near as f32).clamp(f32::from_bits(1), f32::MAX)
+        let reach = match bounds.is_empty() {
+            true => 1.0,
+            false => {
+                let distance = eye.distance(eye.clamp(wide(bounds.low), wide(bounds.high)));
+                (0.5 * distance).max(bounds.diagonal() / 1024.0)
+            }
+        };
+        let tan_y = (0.5 * f64::from(self.fov_y_rad)).tan();
+        let corner = DVec3::new(tan_y * size.aspect(), tan_y, 1.0).length();
+        ((reach / corner) as f32).clamp(f32::MIN_POSITIVE, f32::MAX)
     }
 
     /// Unit vectors to the right and upwards in the picture.
@@ -239,13 +242,25 @@ mod tests {
     }
 
     #[test]
-    fn near_is_half_the_way_to_the_box_and_a_part_of_the_diagonal_inside() {
+    fn near_rectangle_reaches_half_the_way_to_the_box_and_a_part_of_the_diagonal_inside() {
         let bounds = Aabb { low: [-1.0; 3], high: [1.0; 3] };
-        let near = |eye| Camera::look_at(eye, [0.5; 3], 1.0, Up::Y).unwrap().near(&bounds);
-        assert_eq!(near([0.0, 0.0, 5.0]), 2.0);
-        assert_eq!(near([4.0, 5.0, 0.0]), 2.5);
-        let inside = (12_f64.sqrt() / 1024.0) as f32;
-        assert_eq!([near([0.0; 3]), near([0.0, 0.0, 1.0]), near([0.0, 0.0, 1.001])], [inside; 3]);
+        for (fov, side) in [(0.6_f32, 100), (1.0, 300), (2.9, 100)] {
+            let size = Size::new(side, 100).unwrap();
+            let reach = |eye| {
+                let camera = Camera::look_at(eye, [0.5; 3], fov, Up::Y).unwrap();
+                let projection = camera.projection(size, camera.near(&bounds, size));
+                projection.near_corners().map(|corner| corner.distance(wide(eye)))
+            };
+            let inside = 12_f64.sqrt() / 1024.0;
+            for (eye, wanted) in [
+                ([0.0, 0.0, 5.0], 2.0),
+                ([4.0, 5.0, 0.0], 2.5),
+                ([0.0; 3], inside),
+                ([0.0, 0.0, 1.001], inside),
+            ] {
+                assert!(reach(eye).iter().all(|reach| (reach / wanted - 1.0).abs() < 1e-5), "{eye:?}");
+            }
+        }
     }
 
     #[test]
@@ -259,7 +274,7 @@ mod tests {
             let places = sizes.into_iter().flat_map(|x| [[x; 3], [-x, 0.0, x]]);
             for eye in places.chain([[0.0; 3], Camera::fit(&bounds, Up::Y, 1.0).eye.into()]) {
                 let camera = Camera { eye: eye.into(), ..Camera::fit(&bounds, Up::Y, 1.0) };
-                let near = camera.near(&bounds);
+                let near = camera.near(&bounds, Size::new(16, 9).unwrap());
                 assert!(near > 0.0 && near.is_finite(), "{bounds:?} {eye:?}: {near}");
             }
         }

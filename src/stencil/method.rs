@@ -122,7 +122,8 @@ impl MethodPlan {
             let shells = if count == 1 { "shell" } else { "shells" };
             Some(format!("{} for {count} {shells}: {choice}", method.name()))
         });
-        lines.collect::<Vec<_>>().join("; ")
+        let lines: Vec<String> = lines.collect();
+        if lines.is_empty() { "nothing casts".to_owned() } else { lines.join("; ") }
     }
 }
 

@@ -88,10 +88,24 @@ fn is_direction(id: u32) -> bool {
     return frame.light_w == 0.0 && id >= frame.vertex_count;
 }
 
-fn less(a: vec3f, b: vec3f) -> bool {
+// Bit patterns in the order of their numbers: subnormal ones may be flushed where floats are compared.
+fn ordered(v: vec3f) -> vec3i {
+    let bits = bitcast<vec3i>(v);
+    return bits ^ ((bits >> vec3u(31u)) & vec3i(0x7fffffff));
+}
+
+fn less(v: vec3f, w: vec3f) -> bool {
+    let a = ordered(v);
+    let b = ordered(w);
     if a.x != b.x { return a.x < b.x; }
     if a.y != b.y { return a.y < b.y; }
     return a.z < b.z;
+}
+
+// The same direction with a largest component of 1, so that products of several keep their digits.
+fn direction(v: vec3f) -> vec3f {
+    let largest = max(max(abs(v.x), abs(v.y)), abs(v.z));
+    return select(v / largest, vec3f(0.0), largest == 0.0);
 }
 
 // From the light to a vertex, or the way a directional light travels.
@@ -129,7 +143,7 @@ fn volume(@builtin(vertex_index) index: u32) -> Corner {
         a = b;
         b = swapped;
     }
-    let normal = cross((b - a) * frame.scale, away(a));
+    let normal = direction(cross(direction((b - a) * frame.scale), direction(away(a))));
     return Corner(volume_clip(ids.x), plane_depth(normal, a * frame.scale - frame.eye), 0u);
 }
 

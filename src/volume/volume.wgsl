@@ -122,6 +122,12 @@ fn caps(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups) g
     }
 }
 
+// The bit pattern of a number, in the order of numbers: subnormal ones may be flushed where floats are compared.
+fn ordered(x: f32) -> i32 {
+    let bits = bitcast<i32>(x);
+    return bits ^ ((bits >> 31u) & 0x7fffffff);
+}
+
 // The vertices of every listed edge. The diagonal of its quad goes by their positions, so that coincident quads of
 // two meshes agree.
 @compute @workgroup_size(WORKGROUP)
@@ -137,8 +143,8 @@ fn find_ends(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgrou
         let b = max(tail, head);
         var before = false;
         for (var axis = 0u; axis < 3u; axis++) {
-            let p = vertices[3u * a + axis];
-            let q = vertices[3u * b + axis];
+            let p = ordered(vertices[3u * a + axis]);
+            let q = ordered(vertices[3u * b + axis]);
             if p != q {
                 before = q < p;
                 break;

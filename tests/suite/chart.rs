@@ -1,9 +1,9 @@
 //! The chart that the benches write.
 
 #[path = "../../benches/stages/chart.rs"]
-mod chart;
+mod drawn;
 
-use chart::{Curve, svg};
+use drawn::{Curve, svg};
 
 fn curves() -> Vec<Curve> {
     let curve = |name: &str, factor: f64| Curve {
@@ -24,7 +24,7 @@ fn well_formed(text: &str) -> bool {
         let name = |tag: &str| tag.split([' ', '/']).next().unwrap_or_default().to_owned();
         let entities = rest[..start].split('&').skip(1);
         let known = |entity: &str| ["amp;", "lt;", "gt;"].iter().any(|name| entity.starts_with(name));
-        if tag.contains('<') || quotes % 2 != 0 || !entities.into_iter().all(known) {
+        if tag.contains('<') || !quotes.is_multiple_of(2) || !entities.into_iter().all(known) {
             return false;
         }
         match tag.strip_prefix('/') {

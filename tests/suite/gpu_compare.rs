@@ -29,7 +29,7 @@ impl<'a> Scene<'a> {
         let oracle = Oracle::build(mesh);
         let size = Size::new(96, 96).unwrap();
         let camera = Camera::look_at(eye, target, 0.7, Up::Y).unwrap();
-        let projection = camera.projection(size, camera.near(&oracle.bounds()));
+        let projection = camera.projection(size, camera.near(&oracle.bounds(), size));
         Self { mesh, light: Light::point(light).unwrap(), oracle, size, projection }
     }
 

@@ -89,7 +89,7 @@ impl Args {
         ];
         match asked.into_iter().find(|(_, asked)| *asked && !self.gpu) {
             Some((flag, _)) => {
-                let problem = format!("{flag} without --gpu: points need no picture");
+                let problem = format!("{flag} without --gpu: only the stencil pass needs it");
                 Err(Failure::new(problem, "add --gpu"))
             }
             None => Ok(()),

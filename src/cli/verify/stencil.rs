@@ -22,7 +22,7 @@ use crate::cli::machine::AdapterArgs;
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::source::Source;
-use crate::cli::values::refuse_overwriting;
+use crate::cli::values::{refuse_overwriting, require_folder};
 
 /// The pixels of a picture for which no size is asked, in a row and in a column.
 const SIDE: u32 = 512;
@@ -47,7 +47,7 @@ impl Graphics {
             mesh: &source.mesh,
             oracle: verifier.oracle(),
             lights: &source.lights,
-            projection: camera.projection(size, camera.near(&source.bounds)),
+            projection: camera.projection(size, camera.near(&source.bounds, size)),
             size,
             pictures: &pictures(args, source.lights.len())?,
         };
@@ -66,6 +66,7 @@ fn camera(args: &Args, source: &Source, size: Size) -> Result<Camera, Failure> {
 /// Where the pictures go, one a light.
 fn pictures(args: &Args, lights: usize) -> Result<Vec<PathBuf>, Failure> {
     let Some(path) = &args.picture else { return Ok(Vec::new()) };
+    require_folder(path)?;
     let paths: Vec<PathBuf> = (1..=lights).map(|light| numbered(path, light)).collect();
     for path in &paths {
         refuse_overwriting("--picture", Some(path), &args.source.file)?;

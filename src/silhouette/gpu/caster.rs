@@ -13,7 +13,7 @@ pub struct GpuCaster {
     pub(super) shaders: SilhouetteShaders,
     /// `array<f32>`, three a vertex.
     pub vertices: wgpu::Buffer,
-    /// The largest magnitude of a coordinate, or about that; what draws its volumes scales by it.
+    /// The largest magnitude of a coordinate of a vertex that has a face, or about that; what draws its volumes scales by it.
     pub largest: f32,
     /// Faces and edges.
     pub topology: GpuTopology,
@@ -60,7 +60,7 @@ impl GpuCaster {
         Ok(Self {
             shaders: shaders.clone(),
             vertices: gpu.upload("vertices", mesh.positions())?,
-            largest: mesh.positions().as_flattened().iter().fold(0.0, |most, x| most.max(x.abs())),
+            largest: mesh.largest_coordinate(),
             topology,
             planes: Some((filter, gpu.upload("planes of faces", &values)?)),
         })

@@ -209,6 +209,8 @@ impl GpuSilhouette {
     /// # Panics
     ///
     /// Panics if `mesh` has another number of faces, or the caster deforms: its sides have no bound.
+    ///
+    /// Clones share their buffers: one light at a time, on one thread.
     pub fn find(&self, mesh: &Mesh, light: &Light) -> Result<FoundSilhouette, GpuError> {
         let unsure_faces = self.classify(mesh, light)?;
         Ok(FoundSilhouette { silhouette: self.extract()?, unsure_faces })

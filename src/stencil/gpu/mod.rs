@@ -69,16 +69,21 @@ impl Receivers {
     ///
     /// [`GpuError::TooLarge`] if they do not fit the device's limits, [`GpuError::OutOfMemory`].
     pub fn upload(gpu: &Gpu, mesh: &Mesh) -> Result<Self, GpuError> {
+        // Numbers below 2⁻¹²⁶ may be flushed; of a mesh this large they are its last few bits.
+        const SMALLEST: f32 = f32::MIN_POSITIVE * (1 << 24) as f32;
+        let largest = mesh.largest_coordinate();
+        if largest > 0.0 && largest < SMALLEST {
+            return Err(GpuError::Subnormal(largest));
+        }
         let planes = FacePlanes::new(mesh);
         let normals: Vec<[f32; 3]> =
             (0..mesh.face_count()).map(|face| planes.normal(FaceId::new(face))).collect();
-        let coordinates = mesh.positions().as_flattened().iter();
         Ok(Self {
             vertices: gpu.upload("vertices of receivers", mesh.positions())?,
             triangles: gpu.upload_for("faces of receivers", mesh.triangles(), wgpu::BufferUsages::INDEX)?,
             normals: gpu.upload("normals of receivers", &normals)?,
             corners: 3 * mesh.face_count() as u32, // a mesh has fewer than 2³² corners
-            largest: coordinates.fold(0.0, |most, x| most.max(x.abs())),
+            largest,
         })
     }
 }

@@ -129,7 +129,7 @@ fn silhouette_adapter_that_is_not_there_is_refused_with_those_that_are() {
     let Some(gpu) = crate::support::gpu() else { return };
     let run = Folder::with_cubes().run("silhouette cube.obj --method gpu --adapter nosuchcard");
     assert_eq!((run.code, run.stdout.as_str(), run.stderr.lines().count()), (2, "", 1), "{}", run.stderr);
-    assert!(run.stderr.contains("nosuchcard") && run.stderr.contains("there are: "), "{}", run.stderr);
+    assert!(run.stderr.contains("nosuchcard") && run.stderr.contains("choose one of: "), "{}", run.stderr);
     let name = gpu.name();
     assert!(run.stderr.contains(name.split(',').next().unwrap()), "{}", run.stderr);
 }

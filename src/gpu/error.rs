@@ -40,7 +40,7 @@ pub enum GpuError {
     },
     /// A mesh is so small that a device may take its coordinates for zero.
     #[error(
-        "the mesh is {0:e} large, which a graphics adapter may take for zero; scale it up, or use --method rays"
+        "the mesh is {0:e} large, which a graphics adapter may take for zero; scale it up, or leave the graphics out"
     )]
     Subnormal(f32),
     /// A picture has more pixels in a row or column than the device can draw.

@@ -2,7 +2,7 @@
 
 use umbrage::geom::{Aabb, Light};
 use umbrage::gpu::{Gpu, wgpu};
-use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::mesh::{FaceId, Mesh, Weld, solid, weld};
 use umbrage::scene::Scope;
 use umbrage::silhouette::{
     Casters, FacePlanes, Facing, GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders, classify,
@@ -209,11 +209,30 @@ fn gpu_silhouette_recorded_with_its_volume_is_closed_even_where_f32_is_wrong() {
     assert!(case.silhouette.download_unsure_count().unwrap() > 0);
     assert!(volume.boundary_sum(&device.gpu).unwrap().is_closed());
     assert_eq!(extrusion.download_demand().unwrap().exceeded, 0);
-    // Where the filter was sure, f32 was right.
+    // Where the filter was sure, f32 was right, face by face.
     let recorded = case.silhouette.download_facing().unwrap();
+    let unsure = case.silhouette.download_unsure().unwrap();
+    assert_eq!(unsure.len(), case.silhouette.download_unsure_count().unwrap());
     let exact = classify(&mesh, &light);
-    let wrong = recorded.iter().zip(&exact).filter(|(a, b)| a != b).count();
-    assert!(wrong <= case.silhouette.download_unsure_count().unwrap());
+    for (face, (recorded, exact)) in recorded.iter().zip(&exact).enumerate() {
+        assert!(recorded == exact || unsure.binary_search(&FaceId::new(face)).is_ok(), "face {face}");
+    }
+}
+
+#[test]
+fn gpu_silhouette_longer_than_one_read_back_is_read_back_whole() {
+    let Some(device) = device() else { return };
+    // More faces left open, and more edges found, than come with the first copy.
+    let sponge = solid::menger_sponge(3);
+    let case = Case::new(&device, &sponge);
+    let light = "directional:0,0,-1".parse().unwrap();
+    assert!(case.silhouette.find(&sponge, &light).unwrap().unsure_faces > 4095);
+    case.judge(&light, "menger sponge 3");
+    let soup = solid::soup(&solid::icosphere(5));
+    let case = Case::new(&device, &soup);
+    let light = "point:3,4,5".parse().unwrap();
+    assert!(case.silhouette.find(&soup, &light).unwrap().silhouette.edges.len() > 16_384);
+    case.judge(&light, "soup");
 }
 
 #[test]

@@ -374,6 +374,18 @@ impl GpuSilhouette {
         Ok(self.caster.gpu().download::<u32>(&self.unsure, 1)?[0] as usize)
     }
 
+    /// Which faces were unsure in what was recorded last, ascending: a read-back that waits for the device.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    pub fn download_unsure(&self) -> Result<Vec<FaceId>, GpuError> {
+        let words = self.caster.gpu().download::<u32>(&self.unsure, 1 + self.download_unsure_count()?)?;
+        let mut faces: Vec<FaceId> = words[1..].iter().copied().map(FaceId).collect();
+        faces.sort_unstable();
+        Ok(faces)
+    }
+
     /// A light as the shaders want it, in a buffer of its own, so that one encoder may hold several lights.
     fn parameters(&self, light: &Light) -> Result<wgpu::Buffer, GpuError> {
         let parameters = match &self.caster.planes {

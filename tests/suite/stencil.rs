@@ -293,7 +293,7 @@ fn zpass_is_decided_for_each_shell_by_itself() {
         assert_eq!(MethodPlan::choose(&mesh, &shells(&mesh), &projection, &light, asked).summary(), words);
     }
     let empty = Mesh::new(vec![[0.0; 3]], vec![[0, 0, 0]]).unwrap();
-    assert_eq!(auto(&empty, &projection, &light).summary(), "");
+    assert_eq!(auto(&empty, &projection, &light).summary(), "nothing casts");
 }
 
 /// The most faces that any of many rays from the light crosses: those through places of every face.

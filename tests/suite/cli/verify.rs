@@ -182,7 +182,11 @@ mod gpu {
         let folder = Folder::with_cubes();
         let run = folder.run("verify cube.obj --gpu --adapter no-such-card");
         assert_eq!((run.code, run.stdout.as_str()), (2, ""));
-        assert!(run.stderr.contains("`no-such-card`; choose one of: "), "{}", run.stderr);
+        assert!(
+            run.stderr.contains("`no-such-card`") && run.stderr.contains("choose one of: "),
+            "{}",
+            run.stderr
+        );
         let run = with(&folder, ("UMBRAGE_ADAPTER", "no-such-card"), &["verify", "cube.obj", "--gpu"]);
         assert_eq!(run.status.code(), Some(2));
     }

@@ -17,7 +17,10 @@
 //!   two planes are far from parallel, a step sideways changes their distance by more than that; where they are not,
 //!   `h` is the same for both. So the bound is `32u·D/h` of the depth.
 //!
-//! Anything wider would forgive cracks of one pixel.
+//!   Not in the bound: the side of an edge nearly in line with the light, whose plane is less exact. Such a mismatch is
+//!   called real.
+//!
+//! Anything wider would forgive cracks of one pixel. Within a footprint where the exact count changes any count passes.
 
 use glam::{DVec2, DVec3};
 

@@ -29,7 +29,8 @@ use crate::volume::{GpuVolume, Part};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Depth {
     /// From the plane of its face or side, in the fragment: off by some units in the last place, even where a side
-    /// runs from near the eye to infinity.
+    /// runs from near the eye to infinity. Only the side of an edge nearly in line with the light has a plane that is
+    /// itself inexact, by the inverse of the sine of that angle; it is as thin as the angle is small.
     #[default]
     Plane,
     /// Interpolated from the corners by the rasteriser: fewer instructions, and an error that scales with the

@@ -10,6 +10,7 @@
 //! Mesh + Light + Projection ─Caster::cast─► Casting (volumes, z-pass or z-fail and why) ─StencilPass::mask─► ShadowMask
 //! ShadowMask + Oracle ─compare─► Comparison: the last word on every pixel
 //! Oracle + View (camera, lamps) ─render─► Picture ─write_png─► PNG
+//! proptest ─strategy─► meshes, lights and points that are hard for all of this
 //! ```
 //!
 //! Each arrow is one function that borrows the value before it and returns the next one owned. The modules below
@@ -99,6 +100,7 @@
 //! - `cli` (default): the command `umbrage`, and `reference`.
 //! - `parallel` (default): verification and pictures on several threads; the same bytes either way.
 //! - `reference`: the whole-number judge and the module `verify`.
+//! - `proptest`: the module `strategy`, meshes, lights and points for property tests of shadows.
 //! - `gpu` (default): silhouettes, volumes and the stencil pass on a graphics adapter, by wgpu.
 //!
 //! `--no-default-features` leaves a lean geometry library.
@@ -119,6 +121,8 @@ pub mod compare;
 pub mod picture;
 #[cfg(feature = "reference")]
 pub mod verify;
+#[cfg(any(test, feature = "proptest"))]
+pub mod strategy;
 
 mod parallel;
 mod random;

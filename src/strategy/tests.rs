@@ -1,0 +1,73 @@
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestError, TestRunner};
+
+use super::*;
+use crate::mesh::Mesh;
+use crate::topology::{CrackReport, Topology};
+
+fn topology(mesh: &Mesh) -> Topology {
+    Topology::build(mesh.vertex_count(), mesh.triangles().to_vec())
+}
+
+fn balanced(mesh: &Mesh) -> bool {
+    topology(mesh).edge_counts().balanced
+}
+
+/// The smallest value that `fails`, after shrinking.
+fn smallest<S: Strategy>(strategy: S, fails: impl Fn(&S::Value) -> bool) -> S::Value {
+    let config = Config { cases: 10_000, failure_persistence: None, ..Config::default() };
+    let found = TestRunner::new(config).run(&strategy, |value| {
+        prop_assert!(!fails(&value));
+        Ok(())
+    });
+    match found {
+        Err(TestError::Fail(_, value)) => value,
+        other => panic!("nothing was found: {other:?}"),
+    }
+}
+
+proptest! {
+    #[test]
+    fn strategy_closed_meshes_are_balanced(mesh in prop_oneof![closed(), cad(), at_scale(closed())]) {
+        prop_assert!(mesh.face_count() > 0 && balanced(&mesh));
+    }
+
+    #[test]
+    fn strategy_one_piece_of_damage_is_seen_in_the_topology(solid in damaged(voxel_solid(2), 1)) {
+        let [damage] = solid.damage[..] else { panic!("{:?}", solid.damage) };
+        let counts = CrackReport::of(&solid.mesh, &topology(&solid.mesh)).counts;
+        let seen = match damage {
+            Damage::DoubledTurned(_) => counts.duplicate_opposite_winding == 1,
+            Damage::Doubled(_) => counts.duplicate_same_winding == 1,
+            Damage::Collapsed(_) => counts.collapsed_faces == 1,
+            Damage::Dropped(_) | Damage::Turned(_) | Damage::Unwelded(_) => true,
+            // The whole edge and its halves; the whole one has more faces where four met.
+            Damage::Split(_) => counts.boundary_edges >= 2,
+        };
+        prop_assert!(!counts.balanced && seen, "{:?}", counts);
+    }
+
+    #[test]
+    fn strategy_hollow_solids_have_a_cavity(mesh in hollow()) {
+        let counts = CrackReport::of(&mesh, &topology(&mesh)).counts;
+        prop_assert!(counts.shells >= 2 && (56.0..=63.0).contains(&counts.signed_volume));
+    }
+}
+
+#[test]
+fn strategy_meshes_shrink_to_few_faces() {
+    assert_eq!(smallest(soup(40), |mesh| mesh.face_count() > 0).face_count(), 1);
+    assert_eq!(smallest(voxel_solid(3), |_| true).face_count(), 12);
+    let solid = smallest(damaged(closed(), 5), |solid| !balanced(&solid.mesh));
+    assert_eq!((solid.mesh.face_count(), solid.damage.len()), (11, 1), "{:?}", solid.damage);
+}
+
+#[test]
+fn strategy_cases_shrink_in_mesh_light_and_points_alike() {
+    let oracle = |case: &Case| crate::oracle::Oracle::build(&case.mesh);
+    let case = smallest(case(soup(40), 8), |case| {
+        case.points.iter().any(|&p| oracle(case).verdict(p, &case.light) == crate::oracle::Verdict::Shadowed)
+    });
+    // A face before the one that counts may stay, since picks go by the number of faces.
+    assert!(case.mesh.face_count() <= 3 && case.points.len() == 1, "{case:?}");
+}

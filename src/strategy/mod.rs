@@ -3,11 +3,11 @@
 //! For the `proptest` crate. Everything is built from its combinators, so a failure shrinks to few faces with
 //! small whole coordinates. Sizes are small: hundreds of cases take seconds.
 //!
-//! - meshes: [`soup`], [`soup_at`]; [`closed`] (of [`voxel_solid`], [`hollow`], [`bent`], [`several`]); [`cad`];
+//! - meshes: [`soup`], [`soup_at`]; [`closed()`] (of [`voxel_solid`], [`hollow`], [`bent`], [`several`]); [`cad()`];
 //!   [`damaged`], which tells what it did; [`at_scale`]
-//! - lights: [`light`], and for a given mesh [`LightPick`]
+//! - lights: [`light()`], and for a given mesh [`LightPick`]
 //! - points: [`place`], and for a given mesh and light [`PointPick`]
-//! - all three together: [`case`]
+//! - all three together: [`case()`], a [`Case`]
 //!
 //! A pick is drawn before the mesh is known and resolved by its method `at`, as proptest's own
 //! [`Index`](proptest::sample::Index) is: so mesh, light and points shrink each for itself.

@@ -1,8 +1,11 @@
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, TestError, TestRunner};
 
 use super::*;
+use crate::geom::predicate::{Sign, side_of_point};
 use crate::mesh::Mesh;
+use crate::oracle::{Oracle, Verdict};
 use crate::topology::{CrackReport, Topology};
 
 fn topology(mesh: &Mesh) -> Topology {
@@ -64,10 +67,41 @@ fn strategy_meshes_shrink_to_few_faces() {
 
 #[test]
 fn strategy_cases_shrink_in_mesh_light_and_points_alike() {
-    let oracle = |case: &Case| crate::oracle::Oracle::build(&case.mesh);
+    let oracle = |case: &Case| Oracle::build(&case.mesh);
     let case = smallest(case(soup(40), 8), |case| {
-        case.points.iter().any(|&p| oracle(case).verdict(p, &case.light) == crate::oracle::Verdict::Shadowed)
+        case.points.iter().any(|&p| oracle(case).verdict(p, &case.light) == Verdict::Shadowed)
     });
     // A face before the one that counts may stay, since picks go by the number of faces.
     assert!(case.mesh.face_count() <= 3 && case.points.len() == 1, "{case:?}");
+}
+
+#[test]
+fn strategy_picks_stand_where_they_are_hardest() {
+    let mut runner = TestRunner::deterministic();
+    let cases = case(cad(), 4);
+    // Lights on a vertex, in the plane of a face, directional, along an axis, far away; points on a vertex, in the
+    // plane of a face, and behind the silhouette from a light that is not in the way.
+    let mut seen = [0; 8];
+    for _ in 0..300 {
+        let Case { mesh, light, points } =
+            cases.new_tree(&mut runner).expect("nothing is rejected").current();
+        let [x, y, z] = light.xyz();
+        let on_vertex = |p: [f32; 3]| mesh.positions().contains(&p);
+        let corners = |face: &[u32; 3]| face.map(|vertex| mesh.positions()[vertex as usize]);
+        let in_plane = |p| mesh.triangles().iter().any(|face| side_of_point(corners(face), p) == Sign::Zero);
+        let grazing = |&&p: &&[f32; 3]| Oracle::build(&mesh).verdict(p, &light) == Verdict::Grazing;
+        for (count, found) in seen.iter_mut().zip([
+            usize::from(!light.is_directional() && on_vertex([x, y, z])),
+            usize::from(!light.is_directional() && in_plane([x, y, z])),
+            usize::from(light.is_directional()),
+            usize::from(light.is_directional() && [x, y, z].iter().filter(|x| **x != 0.0).count() == 1),
+            usize::from([x, y, z].iter().any(|x| x.abs() > 1e6)),
+            points.iter().filter(|&&p| on_vertex(p)).count(),
+            points.iter().filter(|&&p| in_plane(p)).count(),
+            points.iter().filter(grazing).count(),
+        ]) {
+            *count += found;
+        }
+    }
+    assert!(seen.iter().all(|&count| count >= 10), "{seen:?}");
 }

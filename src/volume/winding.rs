@@ -70,6 +70,7 @@ impl<'volume> WindingIndex<'volume> {
     /// Prepares `volume` for queries in the closed box `within`.
     #[must_use]
     pub fn build(volume: &'volume ShadowVolume, within: Aabb) -> Self {
+        let within = thickened(within);
         let triangles = weighted(volume);
         let mut boxes = Vec::new();
         let mut pieces = Vec::new();
@@ -84,10 +85,10 @@ impl<'volume> WindingIndex<'volume> {
         Self { volume, tree: Bvh::build(&boxes), triangles, pieces, within, anchors }
     }
 
-    /// The winding number at `p`; `None` if `p` lies on a triangle of the volume (or, hardly ever, if all
-    /// anchors are hidden behind edges).
+    /// The winding number at `p`; `None` if `p` lies on a triangle of the volume (or, hardly ever, where
+    /// [`winding_number`] abstains).
     ///
-    /// A point outside the box is answered too, slowly.
+    /// A point outside the box is answered too, slowly, and so is one from which every anchor is hidden behind edges.
     #[must_use]
     pub fn number(&self, p: [f32; 3]) -> Option<i32> {
         if !self.within.contains(p) {
@@ -100,7 +101,7 @@ impl<'volume> WindingIndex<'volume> {
         let mut nearest: Vec<&([f32; 3], OnceLock<Option<i32>>)> = self.anchors.iter().collect();
         nearest.sort_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
         let mut near = Vec::new();
-        nearest.into_iter().find_map(|(anchor, known)| {
+        let settled = nearest.into_iter().find_map(|(anchor, known)| {
             let known = *known.get_or_init(|| winding_number(self.volume, *anchor));
             let known = known?;
             near.clear();
@@ -112,7 +113,8 @@ impl<'volume> WindingIndex<'volume> {
             let candidates = near.iter().map(|&index| self.triangles[index as usize]);
             let path = walk(self.volume, candidates, p, Homogeneous::point(*anchor));
             path.settled().map(|sum| sum.map(|sum| sum + known))
-        })?
+        });
+        settled.unwrap_or_else(|| winding_number(self.volume, p))
     }
 }
 
@@ -311,6 +313,20 @@ fn for_each_piece(volume: &ShadowVolume, triangle: [u32; 3], within: &Aabb, mut 
 pub(super) fn scattered(i: u32) -> [f32; 3] {
     let mut random = SplitMix64(u64::from(i) + 1000);
     [(); 3].map(|()| (2.0 * random.unit() - 1.0) as f32)
+}
+
+/// A flat box gets some thickness: where all points lie in the plane of a cap, anchors in it would be of no use.
+fn thickened(within: Aabb) -> Aabb {
+    let least = within.diagonal() / 16.0;
+    let mut thick = within;
+    for i in (0..3).filter(|_| !within.is_empty()) {
+        let (low, high) = (f64::from(within.low[i]), f64::from(within.high[i]));
+        if high - low < least {
+            thick.low[i] = ((low - least) as f32).max(f32::MIN);
+            thick.high[i] = ((high + least) as f32).min(f32::MAX);
+        }
+    }
+    thick
 }
 
 fn scattered_in(within: &Aabb, i: u32) -> [f32; 3] {

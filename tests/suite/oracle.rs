@@ -5,8 +5,7 @@ use umbrage::geom::Light;
 use umbrage::mesh::{Mesh, solid};
 use umbrage::oracle::{Crossings, Meeting, Oracle, Verdict, meet, reference};
 use umbrage::silhouette::Facing;
-
-use crate::support::{light, place, soup};
+use umbrage::strategy::{light, place, soup};
 
 fn loop_over_all(mesh: &Mesh, p: [f32; 3], light: &Light) -> Crossings {
     let mut crossings = Crossings::default();

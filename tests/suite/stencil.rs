@@ -8,9 +8,10 @@ use umbrage::oracle::{Meeting, Oracle, meet};
 use umbrage::scene::Scope;
 use umbrage::silhouette::{Casters, classify};
 use umbrage::stencil::{Asked, Layers, MethodPlan, Reason, ShellBoxes, StencilMethod, most_layers};
+use umbrage::strategy::{light, place, soup};
 use umbrage::topology::{Shells, Topology};
 
-use crate::support::{light, place, real_meshes, soup};
+use crate::support::real_meshes;
 
 fn shells(mesh: &Mesh) -> Shells {
     Topology::build(mesh.vertex_count(), mesh.triangles().to_vec()).shells()

@@ -1,45 +1,12 @@
-//! What several stages' tests need: random meshes full of ties, lights, and where the real meshes are.
+//! What several stages' tests need: a graphics adapter, and where the real meshes are.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 #[cfg(feature = "gpu")]
 use std::sync::OnceLock;
 
-use proptest::prelude::*;
-use umbrage::geom::Light;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::Gpu;
-use umbrage::mesh::Mesh;
-
-/// Whole and odd numbers near the origin: small grids make exact ties common.
-pub(crate) fn coordinate() -> impl Strategy<Value = f32> {
-    prop_oneof![4 => (-3_i8..=3).prop_map(f32::from), 1 => -3.0_f32..3.0]
-}
-
-/// A place, often on the grid.
-pub(crate) fn place() -> impl Strategy<Value = [f32; 3]> {
-    [coordinate(), coordinate(), coordinate()]
-}
-
-/// A mesh of up to `faces` triangles over a few shared vertices: open, non-manifold, with collapsed and flat faces.
-pub(crate) fn soup(faces: usize) -> impl Strategy<Value = Mesh> {
-    (
-        prop::collection::vec(place(), 3..10),
-        prop::collection::vec([any::<u32>(), any::<u32>(), any::<u32>()], 0..faces),
-    )
-        .prop_map(|(positions, picks)| {
-            let n = positions.len() as u32;
-            Mesh::new(positions, picks.into_iter().map(|corners| corners.map(|c| c % n)).collect()).unwrap()
-        })
-}
-
-/// A point light or a directional one, often on the grid.
-pub(crate) fn light() -> impl Strategy<Value = Light> {
-    (place(), any::<bool>()).prop_map(|(xyz, directional)| match Light::directional(xyz) {
-        Ok(light) if directional => light,
-        _ => Light::point(xyz).unwrap(),
-    })
-}
 
 /// The graphics adapter; without one says aloud that the test is skipped, or fails where one is demanded.
 #[cfg(feature = "gpu")]

@@ -1,0 +1,233 @@
+//! Relations under which every answer stays what it was, bit for bit.
+
+use umbrage::geom::Light;
+use umbrage::mesh::Mesh;
+use umbrage::oracle::Crossings;
+use umbrage::strategy::Case;
+
+use super::Twist;
+use super::answers::{Answers, Outline, PointAnswer, Tally, directed, equal, on_grid, rebuilt, set_directed};
+
+type Judgement = Option<Result<Tally, String>>;
+
+/// Where the vertices and faces of the original are found again.
+struct Copy {
+    vertices: Vec<u32>,
+    faces: Vec<u32>,
+    /// Whether its faces run the other way round.
+    turned: bool,
+}
+
+impl Copy {
+    fn identity(mesh: &Mesh) -> Self {
+        let (vertices, faces) = (mesh.vertex_count() as u32, mesh.face_count() as u32);
+        Self { vertices: (0..vertices).collect(), faces: (0..faces).collect(), turned: false }
+    }
+}
+
+/// Each copy has the original's facing and silhouette, there is nothing beside, and every count is as often there
+/// as there are copies.
+fn judge(original: &Case, image: &Case, copies: &[Copy]) -> Result<Tally, String> {
+    let (before, after) = (Answers::of(original)?, Answers::of(image)?);
+    let n = copies.len();
+    equal("faces", &after.facing.len(), &(n * before.facing.len()))?;
+    let mut expected = [Outline::new(), Outline::new()];
+    for copy in copies {
+        let facing: Vec<_> = copy.faces.iter().map(|&face| after.facing[face as usize]).collect();
+        equal("facing", &facing, &before.facing)?;
+        for (outline, before) in expected.iter_mut().zip(&before.outlines) {
+            for &[a, b] in before.keys() {
+                let m = directed(before, a, b);
+                let [a, b] = [a, b].map(|vertex| copy.vertices[vertex as usize]);
+                set_directed(outline, a, b, if copy.turned { -m } else { m });
+            }
+        }
+    }
+    equal("silhouettes", &after.outlines, &expected)?;
+    equal("points", &after.points.len(), &before.points.len())?;
+    let (count, sum) = (n as u32, n as i32);
+    for (point, (after, before)) in after.points.iter().zip(&before.points).enumerate() {
+        let Crossings { front, back, touching } = before.crossings;
+        let expected = PointAnswer {
+            verdict: before.verdict,
+            crossings: Crossings { front: count * front, back: count * back, touching: count * touching },
+            winding: before.winding.map(|winding| sum * winding),
+        };
+        equal(&format!("point {point}"), after, &expected)?;
+    }
+    Ok(before.tally())
+}
+
+/// The case with every place put through `map`, and the original without the points that `map` refuses; `None`
+/// if it refuses a vertex or the light.
+fn moved(
+    case: &Case,
+    map: impl Fn([f32; 3]) -> Option<[f32; 3]>,
+    direction: impl Fn([f32; 3]) -> Option<[f32; 3]>,
+) -> Option<(Case, Case)> {
+    let positions = case.mesh.positions().iter().map(|&p| map(p)).collect::<Option<_>>()?;
+    let light = if case.light.is_directional() {
+        Light::directional(direction(case.light.xyz())?.map(|x| -x))
+    } else {
+        Light::point(map(case.light.xyz())?)
+    };
+    let (kept, points) = case.points.iter().filter_map(|&p| Some((p, map(p)?))).unzip();
+    let mesh = rebuilt(positions, case.mesh.triangles().to_vec());
+    let image = Case { mesh, light: light.ok()?, points };
+    Some((Case { points: kept, ..case.clone() }, image))
+}
+
+/// All three, if none of them is refused.
+fn each(p: [f32; 3], map: impl Fn(f32) -> Option<f32>) -> Option<[f32; 3]> {
+    Some([map(p[0])?, map(p[1])?, map(p[2])?])
+}
+
+/// Every length times 2ᵏ, wherever that is exact. Fault: the light stays.
+pub(super) fn scaled(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+    // What is small enough to fall out at one end is not at the other.
+    let (original, mut image) = [twist.exponent, -twist.exponent].into_iter().find_map(|exponent| {
+        let factor = 2.0_f32.powi(exponent);
+        let scale =
+            |p| each(p, |x| (x * factor / factor == x && (x * factor).is_finite()).then_some(x * factor));
+        moved(case, scale, scale)
+    })?;
+    if fault {
+        image.light = original.light;
+    }
+    Some(judge(&original, &image, &[Copy::identity(&case.mesh)]))
+}
+
+/// Every place moved by the same way, wherever that is exact. Fault: one so far that the places are rounded.
+pub(super) fn translated(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+    let case = on_grid(case);
+    let keep = |p| Some(p);
+    let (steps, exponent) = twist.shift;
+    let shift = steps.map(|step| f32::from(step) * 2.0_f32.powi(exponent));
+    let (original, mut image) = moved(
+        &case,
+        |p| {
+            let exact = |i: usize| {
+                let sum = p[i] + shift[i];
+                // Knuth's two-sum: the rounding error of a sum is itself a number, here to be none.
+                let back = sum - p[i];
+                let error = (p[i] - (sum - back)) + (shift[i] - back);
+                (error == 0.0).then_some(sum)
+            };
+            Some([exact(0)?, exact(1)?, exact(2)?])
+        },
+        keep,
+    )?;
+    if fault {
+        (_, image) = moved(&original, |p| Some(p.map(|x| x + 4_194_304.0)), keep)?;
+    }
+    Some(judge(&original, &image, &[Copy::identity(&case.mesh)]))
+}
+
+/// The same faces, wound the other way.
+fn turned(mesh: &Mesh) -> Mesh {
+    rebuilt(mesh.positions().to_vec(), mesh.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect())
+}
+
+/// The axes in another order; an odd one turns space inside out, and so the windings. Fault: they stay.
+pub(super) fn permuted(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+    let (order, odd) = [
+        ([0, 1, 2], false),
+        ([1, 2, 0], false),
+        ([2, 0, 1], false),
+        ([1, 0, 2], true),
+        ([0, 2, 1], true),
+        ([2, 1, 0], true),
+    ][twist.order];
+    rigid(case, |p| order.map(|axis| p[axis]), odd, fault)
+}
+
+/// Some axes turned round; an odd number of them turns space inside out, and so the windings. Fault: they stay.
+pub(super) fn mirrored(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+    let map = |p: [f32; 3]| std::array::from_fn(|i| if twist.mirrored >> i & 1 == 1 { -p[i] } else { p[i] });
+    rigid(case, map, twist.mirrored.count_ones() % 2 == 1, fault)
+}
+
+fn rigid(case: &Case, map: impl Fn([f32; 3]) -> [f32; 3], odd: bool, fault: bool) -> Judgement {
+    let (original, mut image) = moved(case, |p| Some(map(p)), |l| Some(map(l)))?;
+    if odd && !fault {
+        image.mesh = turned(&image.mesh);
+    }
+    Some(judge(&original, &image, &[Copy { turned: odd, ..Copy::identity(&case.mesh) }]))
+}
+
+/// The case with another mesh of the same shape.
+fn stored(case: &Case, positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Case {
+    Case { mesh: rebuilt(positions, triangles), ..case.clone() }
+}
+
+/// Other numbers for the vertices. Fault: the first two positions stay behind.
+pub(super) fn relabelled(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+    let to = twist.permutation(case.mesh.vertex_count());
+    let mut positions = vec![[0.0; 3]; to.len()];
+    case.mesh.positions().iter().zip(&to).for_each(|(&p, &new)| positions[new as usize] = p);
+    if fault {
+        positions.swap(0, 1);
+    }
+    let triangles = case.mesh.triangles().iter().map(|face| face.map(|vertex| to[vertex as usize])).collect();
+    let copy = Copy { vertices: to, ..Copy::identity(&case.mesh) };
+    Some(judge(case, &stored(case, positions, triangles), &[copy]))
+}
+
+/// Other numbers for the faces. Fault: one of them is lost, and another is there twice.
+pub(super) fn reordered(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+    let to = twist.permutation(case.mesh.face_count());
+    let mut triangles = vec![[0; 3]; to.len()];
+    case.mesh.triangles().iter().zip(&to).for_each(|(&face, &new)| triangles[new as usize] = face);
+    if let (true, [first, .., last]) = (fault, &mut triangles[..]) {
+        *first = *last;
+    }
+    let copy = Copy { faces: to, ..Copy::identity(&case.mesh) };
+    Some(judge(case, &stored(case, case.mesh.positions().to_vec(), triangles), &[copy]))
+}
+
+/// Each face from another corner on. Fault: one of them the other way round.
+pub(super) fn rotated(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+    let mut triangles = case.mesh.triangles().to_vec();
+    for (face, corners) in triangles.iter_mut().enumerate() {
+        corners.rotate_left((twist.scattered(face) % 3) as usize);
+    }
+    if let (true, Some(first)) = (fault, triangles.first_mut()) {
+        first.swap(0, 1);
+    }
+    let copy = Copy::identity(&case.mesh);
+    Some(judge(case, &stored(case, case.mesh.positions().to_vec(), triangles), &[copy]))
+}
+
+/// Vertices between the others that no face uses, near and far. Fault: the first face uses one.
+pub(super) fn unreferenced(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+    let (mut positions, mut vertices) = (Vec::new(), Vec::new());
+    let stray = |i: usize| [(twist.scattered(i) as f32) * 2.0_f32.powi(-60), 3.0e38, -1.0];
+    for (i, &position) in case.mesh.positions().iter().enumerate() {
+        if i == 0 || twist.scattered(i).is_multiple_of(3) {
+            positions.push(stray(i));
+        }
+        vertices.push(positions.len() as u32);
+        positions.push(position);
+    }
+    let renamed = |face: &[u32; 3]| face.map(|vertex| vertices[vertex as usize]);
+    let mut triangles: Vec<_> = case.mesh.triangles().iter().map(renamed).collect();
+    if let (true, Some(first)) = (fault, triangles.first_mut()) {
+        first[0] = 0;
+    }
+    let copy = Copy { vertices, ..Copy::identity(&case.mesh) };
+    Some(judge(case, &stored(case, positions, triangles), &[copy]))
+}
+
+/// The whole mesh a second time at the same place, with vertices of its own. Fault: a face of the copy has collapsed.
+pub(super) fn duplicated(case: &Case, _: &Twist, fault: bool) -> Judgement {
+    let (v, f) = (case.mesh.vertex_count() as u32, case.mesh.face_count() as u32);
+    let (mut positions, mut triangles, ..) = case.mesh.clone().into_parts();
+    positions.extend_from_within(..);
+    triangles.extend_from_within(..);
+    triangles[f as usize..].iter_mut().for_each(|face| *face = face.map(|vertex| vertex + v));
+    if let (true, Some(last)) = (fault, triangles.last_mut()) {
+        last[2] = last[1];
+    }
+    let second = Copy { vertices: (v..2 * v).collect(), faces: (f..2 * f).collect(), turned: false };
+    Some(judge(case, &stored(case, positions, triangles), &[Copy::identity(&case.mesh), second]))
+}

@@ -1,0 +1,99 @@
+//! Several casters: their crossings add up, and their shadows cover each other.
+
+use umbrage::mesh::{Mesh, Weld, weld};
+use umbrage::oracle::{Crossings, Verdict};
+use umbrage::strategy::Case;
+
+use super::Twist;
+use super::answers::{Answers, Tally, equal, rebuilt};
+
+type Judgement = Option<Result<Tally, String>>;
+
+/// Two casters and both together.
+struct Three {
+    one: Answers,
+    other: Answers,
+    both: Answers,
+}
+
+impl Three {
+    fn of(case: &Case, [one, other, both]: [Mesh; 3]) -> Result<Self, String> {
+        let ask = |mesh| Answers::of(&Case { mesh, ..case.clone() });
+        Ok(Self { one: ask(one)?, other: ask(other)?, both: ask(both)? })
+    }
+
+    /// In shadow if one of them throws it, grazing if one of them is touched; and the counts add up.
+    fn add_up(&self) -> Result<(), String> {
+        let parts = self.one.points.iter().zip(&self.other.points);
+        for (point, (both, (one, other))) in self.both.points.iter().zip(parts).enumerate() {
+            let either = |verdict| one.verdict == verdict || other.verdict == verdict;
+            let expected = match () {
+                () if either(Verdict::Shadowed) => Verdict::Shadowed,
+                () if either(Verdict::Grazing) => Verdict::Grazing,
+                () => Verdict::Lit,
+            };
+            equal(&format!("verdict at point {point}"), &both.verdict, &expected)?;
+            let (a, b) = (one.crossings, other.crossings);
+            let crossings = Crossings {
+                front: a.front + b.front,
+                back: a.back + b.back,
+                touching: a.touching + b.touching,
+            };
+            equal(&format!("crossings at point {point}"), &both.crossings, &crossings)?;
+            // Where sides of two volumes cancel, only one of the three may say so.
+            if let (Some(a), Some(b), Some(sum)) = (one.winding, other.winding, both.winding) {
+                equal(&format!("winding number at point {point}"), &sum, &(a + b))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Another caster, with vertices of its own or joined to the mesh. Fault: it stands in for half of the mesh.
+pub(super) fn adding(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+    let mut whole = case.mesh.clone();
+    if fault {
+        let (positions, triangles, ..) = whole.into_parts();
+        let half = triangles.len() / 2;
+        whole = rebuilt(positions, triangles[..half].to_vec());
+    }
+    let both = Mesh::concat(&[whole, twist.extra.clone()]).expect("few faces");
+    let both = if twist.weld { weld(&both, Weld::Exact).mesh } else { both };
+    let judge = || {
+        let three = Three::of(case, [case.mesh.clone(), twist.extra.clone(), both])?;
+        for (point, (before, after)) in three.one.points.iter().zip(&three.both.points).enumerate() {
+            let lighter = match before.verdict {
+                Verdict::Lit => false,
+                Verdict::Grazing => after.verdict == Verdict::Lit,
+                Verdict::Shadowed => after.verdict != Verdict::Shadowed,
+            };
+            if lighter {
+                return Err(format!("point {point} was {:?} and is {:?}", before.verdict, after.verdict));
+            }
+        }
+        let facing = [three.one.facing.clone(), three.other.facing.clone()].concat();
+        equal("facing", &three.both.facing, &facing)?;
+        three.add_up()?;
+        Ok(three.one.tally())
+    };
+    Some(judge())
+}
+
+/// The faces of the mesh dealt out to two casters. Fault: the second loses half of its faces.
+pub(super) fn parting(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+    let mut hands = [Vec::new(), Vec::new()];
+    for (face, &corners) in case.mesh.triangles().iter().enumerate() {
+        hands[(twist.scattered(face) & 1) as usize].push(corners);
+    }
+    if fault {
+        let half = hands[1].len() / 2;
+        hands[1].truncate(half);
+    }
+    let [one, other] = hands.map(|faces| rebuilt(case.mesh.positions().to_vec(), faces));
+    let judge = || {
+        let three = Three::of(case, [one, other, case.mesh.clone()])?;
+        three.add_up()?;
+        Ok(three.both.tally())
+    };
+    Some(judge())
+}

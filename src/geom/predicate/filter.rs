@@ -23,7 +23,8 @@ impl Row {
 pub(super) const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// Bound A of Shewchuk 1997, section 4.3: with entries that are single rounded differences, the evaluation
-/// below errs by at most this times the sum of the products' magnitudes.
+/// below errs by at most this times the sum of the products' magnitudes. (A quarter of it is caught on near ties, 0.3 of
+/// it was not.)
 pub(super) const FILTER: f64 = (7.0 + 56.0 * EPSILON) * EPSILON;
 
 /// The determinant in `f64`, and the sum of its products' magnitudes.

@@ -193,10 +193,17 @@ pub fn side_of_point([a, b, c]: [[f32; 3]; 3], p: [f32; 3]) -> Sign {
 #[inline]
 #[must_use]
 pub(crate) fn height([a, b, c]: [[f32; 3]; 3], of: Homogeneous) -> f64 {
-    let rows = [Row(b, a), Row(c, a), of.row(a)];
+    value_of_det([Row(b, a), Row(c, a), of.row(a)], SHARE)
+}
+
+/// The filter's error is at most 2⁻⁵⁰ of the permanent, so 2⁻⁴⁰ of a determinant that is more than this share of it.
+/// (Measured: 2⁻⁴². A share of 2⁻¹⁶ errs by more than 2⁻³⁹ and is caught.)
+const SHARE: f64 = 1.0 / 1024.0;
+
+#[inline(always)]
+fn value_of_det(rows: [Row; 3], share: f64) -> f64 {
     let (det, permanent) = rounded_det(&rows);
-    // The filter's error, 2^-50 of the permanent, is then 2^-40 of the determinant.
-    if det.abs() > permanent / 1024.0 { det } else { Accumulator::of_det(&rows).value() }
+    if det.abs() > permanent * share { det } else { Accumulator::of_det(&rows).value() }
 }
 
 /// Which way the triangle `a`, `b`, `c` turns when looked at along `axis` (0, 1, 2 for x, y, z): positive when
@@ -220,16 +227,24 @@ pub fn turn_homogeneous(a: [f32; 3], b: [f32; 3], c: Homogeneous, axis: usize) -
 #[inline]
 #[must_use]
 pub fn collinear(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> bool {
-    // A minor of two products of single rounded differences errs by at most (3 + 16ε)ε times the sum of their
-    // magnitudes (Shewchuk 1997, section 4.3, bound A of two dimensions); one that is surely not zero decides.
+    !surely_not_collinear(a, b, c, MINOR_FILTER) && (0..3).all(|axis| turn(a, b, c, axis).is_zero())
+}
+
+/// A minor of two products of single rounded differences errs by at most this times the sum of their magnitudes
+/// (Shewchuk 1997, section 4.3, bound A of two dimensions). Half of it is caught.
+const MINOR_FILTER: f64 = (3.0 + 16.0 * EPSILON) * EPSILON;
+
+/// Whether one of the minors is surely not zero.
+#[inline(always)]
+fn surely_not_collinear(a: [f32; 3], b: [f32; 3], c: [f32; 3], filter: f64) -> bool {
     let (u, v) = (Row(b, a).rounded(), Row(c, a).rounded());
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
         let (p, q) = (u[i] * v[j], u[j] * v[i]);
-        if (p - q).abs() > (3.0 + 16.0 * EPSILON) * EPSILON * (p.abs() + q.abs()) {
-            return false;
+        if (p - q).abs() > filter * (p.abs() + q.abs()) {
+            return true;
         }
     }
-    (0..3).all(|axis| turn(a, b, c, axis).is_zero())
+    false
 }
 
 /// What the filter could not tell: `[a − x; b − y; c − z]`.

@@ -68,7 +68,7 @@ proptest! {
 /// Determinants that are zero or as near to it as their entries let them: the third row is a sum or difference of
 /// the others, or one of them again, an ulp of one entry changed or not.
 fn near_tie(random: &mut SplitMix64) -> [Row; 3] {
-    let kind = random.below(5);
+    let kind = random.below(6);
     let mut number = |random: &mut SplitMix64| {
         let few = random.below(1 << 8) as f32 - 128.0;
         let many = random.below(1 << 24) as f32 - 8_388_608.0;
@@ -78,11 +78,12 @@ fn near_tie(random: &mut SplitMix64) -> [Row; 3] {
             1 => many,
             2 => few * 0.1,
             3 => many * power(random.below(16)),
+            5 => few * power(random.below(70)),
             _ => many * power(random.below(90)) * 1e-9,
         }
     };
     let mut rows = [(); 3].map(|()| Row([(); 3].map(|()| number(random)), [(); 3].map(|()| number(random))));
-    let relation = random.below(4);
+    let relation = random.below(5);
     for i in 0..3 {
         let [Row(a, x), Row(b, y), Row(c, z)] = &mut rows;
         (c[i], z[i]) = match relation {
@@ -90,6 +91,7 @@ fn near_tie(random: &mut SplitMix64) -> [Row; 3] {
             1 => (y[i], b[i]),
             // Exact where numbers are whole and few.
             2 => (a[i] + b[i], x[i] + y[i]),
+            4 => (3.0 * a[i], 3.0 * x[i]),
             _ => (a[i] - y[i], x[i] - b[i]),
         };
     }
@@ -254,4 +256,62 @@ fn predicate_homogeneous_cofactors_agree_wherever_the_pivot_stands() {
     assert_eq!(orient3d_homogeneous([a, far, b, c]), sign);
     assert_eq!(orient3d_homogeneous([a, b, far, c]), -sign);
     assert_eq!(orient3d_homogeneous([far; 4]), Sign::Zero);
+}
+
+/// Points of one line, exactly, that lie so far apart that their differences are rounded.
+fn on_one_line(random: &mut SplitMix64) -> [[f32; 3]; 3] {
+    let direction = [(); 3].map(|()| random.below(255) as f32 - 127.0);
+    [(); 3].map(|()| {
+        let at = (random.below(1 << 16) as f32 - 32_768.0) * 2.0_f64.powi(random.below(60) as i32) as f32;
+        direction.map(|x| x * at)
+    })
+}
+
+#[test]
+fn predicate_bounds_hold_and_smaller_ones_are_caught() {
+    let mut random = SplitMix64(2);
+    let factors = [1.0, 0.5, 0.25, 0.1];
+    let (mut det, mut minor) = ([0; 4], [0; 4]);
+    for _ in 0..200_000 {
+        let rows = near_zero(&mut random);
+        let expected = sign_of_det(rows);
+        let [a, b, c] = on_one_line(&mut random);
+        assert!(collinear(a, b, c));
+        for (i, factor) in factors.into_iter().enumerate() {
+            let sign = certain_sign(&rows, factor * FILTER);
+            det[i] += usize::from(sign.is_some_and(|sign| sign != expected));
+            minor[i] += usize::from(surely_not_collinear(a, b, c, factor * MINOR_FILTER));
+        }
+    }
+    assert_eq!((det[0], minor[0]), (0, 0));
+    assert!(det[2] > 0 && minor[1] > 0, "{det:?} {minor:?}");
+}
+
+#[test]
+fn height_is_as_near_as_it_says_and_a_larger_share_of_f64_is_caught() {
+    let mut random = SplitMix64(4);
+    let mut worst = [0.0_f64; 2];
+    for _ in 0..200_000 {
+        let mut vector = || [(); 3].map(|()| (2.0 * random.unit() - 1.0) as f32);
+        let (a, b, c) = (vector(), vector(), vector());
+        // Near the plane, by a random power of two.
+        let (s, t) = (f64::from(vector()[0]), f64::from(vector()[1]));
+        let off = 0.5_f64.powi((vector()[0].abs() * 24.0) as i32);
+        let p = [0, 1, 2].map(|i| {
+            let [a, b, c] = [a, b, c].map(|p| f64::from(p[i]));
+            (a + s * (b - a) + t * (c - a) + off * f64::from(vector()[2])) as f32
+        });
+        // Differences that are rounded.
+        let far = vector().map(|x| x * 2.0_f64.powi(-40) as f32);
+        let rows = [Row(b, far), Row(c, far), Row(p, far)];
+        let exact = Accumulator::of_det(&rows).value();
+        for (share, worst) in [SHARE, SHARE / 64.0].into_iter().zip(&mut worst) {
+            let value = value_of_det(rows, share);
+            if exact != 0.0 {
+                *worst = worst.max((value - exact).abs() / exact.abs());
+            }
+        }
+    }
+    let bits = worst.map(|x| x.log2());
+    assert!(bits[0] < -39.0 && bits[1] > -39.0, "{bits:?}");
 }

@@ -19,7 +19,8 @@ use super::filter::{ALWAYS_EDGE_ON, EVALUATION, Filter, LightParameters};
 use crate::geom::{Light, predicate};
 use crate::mesh::{FaceId, Mesh, solid};
 use crate::random::SplitMix64;
-use crate::silhouette::FacePlanes;
+use crate::silhouette::plane::{EVALUATION as EVALUATION_OF_PLANES, UNDERFLOW};
+use crate::silhouette::{FacePlanes, classify};
 
 /// All that a device may find for a value.
 #[derive(Clone, Copy, Debug)]
@@ -342,4 +343,38 @@ fn filter_ranges_hold_every_evaluation() {
         differ += usize::from(chain != balanced);
     }
     assert!(differ > 10_000, "{differ}");
+}
+
+/// The processor's filter on the same meshes and lights: how many faces are wrong with each of these bounds.
+fn wrong_on_the_processor(evaluation: f32, underflow: f32, error: bool) -> usize {
+    let mut random = SplitMix64(6);
+    let (mut facing, mut wrong) = (Vec::new(), 0);
+    for _ in 0..400 {
+        let mesh = tempting(&mut random);
+        let mut planes = FacePlanes::new(&mesh);
+        if !error {
+            planes.forget_errors();
+        }
+        for _ in 0..32 {
+            let corners = mesh.corners(FaceId::new(random.below(mesh.face_count())));
+            let light = match random.below(8) {
+                0 => Light::point(planes.origin()).ok(),
+                _ => near_plane(corners, &mut random),
+            };
+            let Some(light) = light else { continue };
+            planes.classify_with(&mesh, &light, &mut facing, evaluation, underflow);
+            wrong += facing.iter().zip(classify(&mesh, &light)).filter(|(a, b)| **a != *b).count();
+        }
+    }
+    wrong
+}
+
+#[test]
+fn facing_bounds_of_planes_hold_and_smaller_ones_are_caught() {
+    let units = |units: f32| units * f32::EPSILON / 2.0;
+    let wrong = [8.0, 4.0, 3.0, 2.0, 1.0].map(|u| wrong_on_the_processor(units(u), UNDERFLOW, true));
+    let (underflow, error) =
+        (wrong_on_the_processor(units(8.0), 0.0, true), wrong_on_the_processor(units(8.0), UNDERFLOW, false));
+    assert_eq!((units(8.0), wrong[0]), (EVALUATION_OF_PLANES, 0));
+    assert!(wrong[4] > 0 && underflow > 0 && error > 0, "{wrong:?} {underflow} {error}");
 }

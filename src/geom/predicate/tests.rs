@@ -69,7 +69,7 @@ proptest! {
 /// the others, or one of them again, an ulp of one entry changed or not.
 fn near_tie(random: &mut SplitMix64) -> [Row; 3] {
     let kind = random.below(6);
-    let mut number = |random: &mut SplitMix64| {
+    let number = |random: &mut SplitMix64| {
         let few = random.below(1 << 8) as f32 - 128.0;
         let many = random.below(1 << 24) as f32 - 8_388_608.0;
         let power = |k: usize| 2.0_f64.powi(k as i32) as f32;

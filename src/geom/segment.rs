@@ -19,7 +19,7 @@ pub struct Segment {
 /// among them), so each is off by less than 5·2⁻⁵³ of itself, and an entry that truly comes no later than an
 /// exit is found later by a factor of less than 1 + 11·2⁻⁵³. Widening exits by 1 + 16·2⁻⁵³ therefore never
 /// loses a box. (The argument of Thiago Ize, *Robust BVH Ray Traversal*, 2013, section 3, in `f64` and with
-/// the bounds exact.) Nothing overflows: `f32` differences and their inverses stay within 2^±149.
+/// the bounds exact.) Boxes are lost at 1 + 2·2⁻⁵³. Nothing overflows: `f32` differences and their inverses stay within 2^±149.
 const WIDEN: f64 = 1.0 + 8.0 * f64::EPSILON;
 
 impl Segment {
@@ -67,6 +67,11 @@ impl Segment {
     #[inline]
     #[must_use]
     pub(crate) fn entry(&self, aabb: &Aabb) -> Option<f64> {
+        self.widened_entry(aabb, WIDEN)
+    }
+
+    #[inline(always)]
+    fn widened_entry(&self, aabb: &Aabb, widen: f64) -> Option<f64> {
         let (mut entry, mut exit) = (0.0_f64, self.end);
         for i in 0..3 {
             let (low, high) =
@@ -82,7 +87,7 @@ impl Segment {
             exit = exit.min(t0.max(t1));
         }
         // The sign of an exit is exact, so a box behind the origin has a negative one.
-        (entry <= exit * WIDEN).then_some(entry)
+        (entry <= exit * widen).then_some(entry)
     }
 }
 
@@ -131,5 +136,25 @@ mod tests {
                 prop_assert!(!segment.until(f64::from(steps) - 0.5).may_meet(&holds));
             }
         }
+    }
+
+    #[test]
+    fn segment_bound_holds_and_smaller_ones_are_caught() {
+        let mut random = crate::random::SplitMix64(1);
+        let mut missed = [0; 4];
+        for _ in 0..300_000 {
+            let mut whole = |most: usize| random.below(2 * most + 1) as f32 - most as f32;
+            let origin = [(); 3].map(|()| whole(1000));
+            let step = [(); 3].map(|()| whole(4000));
+            let (k, n) = (whole(500).abs(), 500.0);
+            let at = |t: f32| [0, 1, 2].map(|i| origin[i] + t * step[i]);
+            let segment = Segment::between(origin, at(n));
+            let holds = Aabb { low: at(k), high: at(k) };
+            for (missed, ulps) in missed.iter_mut().zip([8.0, 1.0, 0.5, 0.0]) {
+                let widen = 1.0 + ulps * f64::EPSILON;
+                *missed += usize::from(segment.widened_entry(&holds, widen).is_none());
+            }
+        }
+        assert!(missed[0] == 0 && missed[3] > 0, "{missed:?}");
     }
 }

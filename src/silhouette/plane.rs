@@ -41,8 +41,8 @@ pub struct FacePlanes {
     reach: f32,
 }
 
-/// 8u with u = 2⁻²⁴.
-const EVALUATION: f32 = f32::EPSILON * 4.0;
+/// 8u with u = 2⁻²⁴. (On near ties 1u is caught, 2u was not.)
+pub(crate) const EVALUATION: f32 = 4.0 * f32::EPSILON;
 /// 2⁻¹⁴⁵: more than the 2⁻¹⁵⁰ that each of seven roundings may lose below the normal range.
 pub(crate) const UNDERFLOW: f32 = f32::from_bits(1 << 4);
 
@@ -135,6 +135,19 @@ impl FacePlanes {
     ///
     /// As [`FacePlanes::classify`].
     pub fn classify_into(&self, mesh: &Mesh, light: &Light, facing: &mut Vec<Facing>) -> usize {
+        self.classify_with(mesh, light, facing, EVALUATION, UNDERFLOW)
+    }
+
+    /// With bounds that a test may make too small.
+    #[inline(always)]
+    pub(crate) fn classify_with(
+        &self,
+        mesh: &Mesh,
+        light: &Light,
+        facing: &mut Vec<Facing>,
+        evaluation: f32,
+        underflow: f32,
+    ) -> usize {
         assert_eq!(mesh.face_count(), self.offset.len(), "the planes are of another mesh");
         facing.resize(mesh.face_count(), Facing::EdgeOn);
         let xyz = light.xyz();
@@ -159,7 +172,7 @@ impl FacePlanes {
                 let (x, y, z, d) = (x * l[0], y * l[1], z * l[2], d * w);
                 let s = (x + y) + (z + d);
                 let magnitudes = (x.abs() + y.abs()) + (z.abs() + d.abs());
-                let bound = magnitudes * EVALUATION + (e * scale + UNDERFLOW);
+                let bound = magnitudes * evaluation + (e * scale + underflow);
                 *side = i32::from(s > bound) - i32::from(s < -bound);
             }
             let mut unsure = 0;

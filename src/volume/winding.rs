@@ -249,8 +249,8 @@ const PIECES: f64 = 16.0;
 /// Boxes that together cover the part of a triangle inside `within`.
 ///
 /// An unbounded triangle is `{P + t·D}` between two rays: from two points along one direction, or from one point
-/// along two. Coordinates are computed in `f64` with at most four roundings, so an outward step of 16·2⁻⁵³ of the
-/// magnitudes involved, and then outward rounding to `f32`, covers them.
+/// along two. A piece lies between two values of `t`, the same numbers for both rays and for the piece that follows,
+/// so the box of its four corners covers it.
 fn for_each_piece(volume: &ShadowVolume, triangle: [u32; 3], within: &Aabb, mut visit: impl FnMut(Aabb)) {
     let corners = volume.corners(triangle).map(Homogeneous::to_f64);
     let finite: Vec<[f64; 4]> = corners.into_iter().filter(|corner| corner[3] != 0.0).collect();
@@ -292,12 +292,7 @@ fn for_each_piece(volume: &ShadowVolume, triangle: [u32; 3], within: &Aabb, mut 
         let mut aabb = Aabb::EMPTY;
         for (p, d) in rays {
             for t in span {
-                let value = |i: usize| p[i] + t * d[i];
-                let slack = |i: usize| 8.0 * f64::EPSILON * (p[i].abs() + (t * d[i]).abs());
-                aabb = aabb.join(&Aabb {
-                    low: [0, 1, 2].map(|i| ((value(i) - slack(i)) as f32).next_down()),
-                    high: [0, 1, 2].map(|i| ((value(i) + slack(i)) as f32).next_up()),
-                });
+                aabb = aabb.join(&around(p, d, t, SLACK));
             }
         }
         if aabb.overlaps(within) {
@@ -306,6 +301,22 @@ fn for_each_piece(volume: &ShadowVolume, triangle: [u32; 3], within: &Aabb, mut 
                 high: [0, 1, 2].map(|i| aabb.high[i].min(within.high[i])),
             });
         }
+    }
+}
+
+/// A point `p + t·d` errs by three roundings, of `d`, of `t·d` and of the sum: at most `3·2⁻⁵³` of the magnitudes, and
+/// computing the step outwards by another few of the step itself. Without a step coordinates near 0 are lost, where
+/// terms cancel; elsewhere the rounding to `f32`, which goes outwards too, would do.
+const SLACK: f64 = 8.0 * f64::EPSILON;
+
+/// A box around `p + t·d`: outwards by `slack` of the magnitudes, and then to `f32`.
+#[inline]
+fn around(p: [f64; 4], d: [f64; 4], t: f64, slack: f64) -> Aabb {
+    let value = |i: usize| p[i] + t * d[i];
+    let slack = |i: usize| slack * (p[i].abs() + (t * d[i]).abs());
+    Aabb {
+        low: [0, 1, 2].map(|i| ((value(i) - slack(i)) as f32).next_down()),
+        high: [0, 1, 2].map(|i| ((value(i) + slack(i)) as f32).next_up()),
     }
 }
 
@@ -336,4 +347,31 @@ fn scattered_in(within: &Aabb, i: u32) -> [f32; 3] {
         let at = (low + (high - low) * random.unit()) as f32;
         at.clamp(within.low[axis], within.high[axis])
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn winding_boxes_of_pieces_hold_their_corners_and_without_slack_do_not() {
+        let mut random = SplitMix64(1);
+        let mut lost = [0; 2];
+        for _ in 0..20_000 {
+            // −p and t·d are equal but for the rounding of t, in 2⁻⁵² … 2⁻⁷⁶.
+            let [p, d] = [(); 2].map(|()| (random.below(1 << 24) + 1) as i64);
+            let t = p as f64 / d as f64;
+            let exponent = (t.to_bits() >> 52) as i32 - 1023 - 52;
+            let mantissa = (t.to_bits() & ((1 << 52) - 1)) | (1 << 52);
+            let unit = 2.0_f64.powi(exponent);
+            let exact = i128::from(mantissa) * i128::from(d) - ((p as f64 / unit) as i128);
+            for (lost, slack) in lost.iter_mut().zip([SLACK, 0.0]) {
+                let aabb = around([-(p as f64); 4], [d as f64; 4], t, slack);
+                let holds = f64::from(aabb.low[0]) / unit <= exact as f64
+                    && exact as f64 <= f64::from(aabb.high[0]) / unit;
+                *lost += usize::from(!holds);
+            }
+        }
+        assert!(lost[0] == 0 && lost[1] > 1000, "{lost:?}");
+    }
 }

@@ -10,6 +10,8 @@
 //!   gave. Each face still has one stored sign, so that volumes are closed as ever.
 
 mod caster;
+#[cfg(test)]
+mod emulation;
 mod filter;
 mod shaders;
 #[cfg(test)]

@@ -1,0 +1,134 @@
+//! Step 2: whole numbers, modulo a power of two.
+//!
+//! The filter leaves a determinant of at most `2 · FILTER · permanent`: some 49 bits are known to cancel. So it need
+//! not be computed, only its remainder modulo a power of two that is larger than twice its size (the idea of Hervé
+//! Brönnimann, Ioannis Emiris, Victor Pan and Sylvain Pion, *Sign determination in residue number systems*, 1999, with
+//! one modulus that the machine has). Entries of `b` bits make a permanent of at most `6 · 2³ᵇ`, hence, with
+//! `FILTER < 7.01 · 2⁻⁵³`, a determinant below `2 · 7.01 · 6 · 2^(3b − 53) < 2^(3b − 46)`:
+//!
+//! - 36 bits: below 2⁶², which `i64` holds, wrapping;
+//! - 51 bits: below 2¹⁰⁷, which `i128` holds, wrapping.
+
+use super::Sign;
+use super::filter::Row;
+
+/// How many bits the entries may span: a sum with [`whole`]'s constant leaves so many.
+const BITS: u32 = 51;
+/// How many they may span for `i64`.
+const FEW: u32 = 36;
+/// How many of the lowest bits are then 0.
+pub(super) const SPARE: u32 = BITS - FEW;
+
+/// Differences that are exact in `f64`, and whether all of them are.
+#[inline(always)]
+fn entries(rows: [Row; 3]) -> ([f64; 9], bool) {
+    let mut entries = [0.0; 9];
+    let mut lost = 0;
+    for i in 0..3 {
+        for j in 0..3 {
+            let (u, v) = (f64::from(rows[i].0[j]), f64::from(rows[i].1[j]));
+            let difference = u - v;
+            // Of the two checks the one that takes the larger number from the sum is exact (Dekker's fast two-sum),
+            // so both find nothing if and only if nothing was lost.
+            lost |= ((u - difference) - v).to_bits() | ((difference + v) - u).to_bits();
+            entries[3 * i + j] = difference;
+        }
+    }
+    (entries, is_zero(lost))
+}
+
+/// Whether nothing but signs of zeros was gathered.
+#[inline(always)]
+fn is_zero(bits: u64) -> bool {
+    bits << 1 == 0
+}
+
+/// The sign of a determinant that the filter could not tell; `None` where a difference is not exact in `f64` or
+/// the entries span more than 51 bits.
+#[inline(always)]
+pub(super) fn sign_of_det(rows: [Row; 3]) -> Option<Sign> {
+    let (entries, exact) = entries(rows);
+    if exact { sign_of_entries(&entries, SPARE) } else { None }
+}
+
+/// As [`sign_of_det`], for rows and columns of different size: every row, then every column, is scaled by a power of
+/// two of its own, which leaves the sign alone and the permanent's bits as they are.
+pub(super) fn sign_of_scaled_det(rows: [Row; 3]) -> Option<Sign> {
+    let (mut entries, exact) = entries(rows);
+    if !exact {
+        return None;
+    }
+    for (start, step) in [(0, 1), (3, 1), (6, 1), (0, 3), (1, 3), (2, 3)] {
+        let line = [start, start + step, start + 2 * step];
+        // 0 (where there would be no tie to settle) or in 2^-149 ..= 2^278.
+        let largest = line.iter().map(|&i| entries[i].abs()).fold(0.0, f64::max);
+        let exponent = largest.to_bits() >> 52;
+        let scale = f64::from_bits((2 * 1023 - exponent.max(1)) << 52);
+        line.iter().for_each(|&i| entries[i] *= scale);
+    }
+    sign_of_entries(&entries, SPARE)
+}
+
+/// The sign of a determinant of exact differences; `spare` of their 51 bits must be 0 for `i64`.
+#[inline(always)]
+fn sign_of_entries(entries: &[f64; 9], spare: u32) -> Option<Sign> {
+    let (mut whole, bits) = whole(entries)?;
+    if bits & ((1 << spare) - 1) == 0 {
+        whole.iter_mut().for_each(|x| *x >>= spare);
+        Some(Sign::of(det_64(whole)))
+    } else {
+        Some(Sign::of(det_128(whole)))
+    }
+}
+
+/// Entries as whole numbers below 2⁵¹ of one unit, and all their bits together.
+#[inline(always)]
+fn whole(entries: &[f64; 9]) -> Option<([i64; 9], i64)> {
+    // (Not `max`, which also looks for NaN; and spelt out, as `map` is not always inlined.)
+    let larger = |x: f64, y: f64| if x.abs() > y.abs() { x.abs() } else { y.abs() };
+    let [a, b, c, d, e, f, g, h, i] = *entries;
+    let largest = larger(larger(larger(a, b), larger(c, d)), larger(larger(larger(e, f), larger(g, h)), i));
+    // Below 2^(e+1). The sum with 1.5 · 2^(e+2) lies in 2^(e+2) ..= 2^(e+3), where numbers are multiples of 2^(e-50);
+    // their bits count those multiples.
+    let exponent = largest.to_bits() >> 52;
+    let unit = f64::from_bits(((exponent + 2) << 52) | (1 << 51));
+    let mut whole = [0_i64; 9];
+    let (mut lost, mut bits) = (0, 0);
+    for i in 0..9 {
+        let sum = entries[i] + unit;
+        lost |= ((sum - unit) - entries[i]).to_bits();
+        whole[i] = (sum.to_bits() as i64).wrapping_sub(unit.to_bits() as i64);
+        bits |= whole[i];
+    }
+    is_zero(lost).then_some((whole, bits))
+}
+
+/// Modulo 2⁶⁴.
+#[inline(always)]
+fn det_64([ax, ay, az, bx, by, bz, cx, cy, cz]: [i64; 9]) -> i64 {
+    let minor = |p: i64, q: i64, r: i64, s: i64| p.wrapping_mul(s).wrapping_sub(q.wrapping_mul(r));
+    let (x, y, z) = (minor(bx, by, cx, cy), minor(cx, cy, ax, ay), minor(ax, ay, bx, by));
+    az.wrapping_mul(x).wrapping_add(bz.wrapping_mul(y)).wrapping_add(cz.wrapping_mul(z))
+}
+
+/// Modulo 2¹²⁸. Minors of entries below 2⁵¹ are below 2¹⁰³.
+#[inline(always)]
+fn det_128([ax, ay, az, bx, by, bz, cx, cy, cz]: [i64; 9]) -> i128 {
+    let minor =
+        |p: i64, q: i64, r: i64, s: i64| i128::from(p) * i128::from(s) - i128::from(q) * i128::from(r);
+    let (x, y, z) = (minor(bx, by, cx, cy), minor(cx, cy, ax, ay), minor(ax, ay, bx, by));
+    let times = |x: i64, minor: i128| i128::from(x).wrapping_mul(minor);
+    times(az, x).wrapping_add(times(bz, y)).wrapping_add(times(cz, z))
+}
+
+/// Whether [`sign_of_det`] answers in `i64`.
+#[cfg(test)]
+pub(super) fn is_small(rows: [Row; 3]) -> bool {
+    whole(&entries(rows).0).is_some_and(|(_, bits)| bits & ((1 << SPARE) - 1) == 0)
+}
+
+/// As [`sign_of_det`] with another number of spare bits, differences being exact or not: what a test must notice.
+#[cfg(test)]
+pub(super) fn sign_without_checks(rows: [Row; 3], spare: u32) -> Option<Sign> {
+    sign_of_entries(&entries(rows).0, spare)
+}

@@ -120,6 +120,8 @@ pub mod picture;
 #[cfg(feature = "reference")]
 pub mod verify;
 
+#[cfg(test)]
+mod digest;
 mod parallel;
 mod random;
 

@@ -23,6 +23,7 @@ mod validate;
 pub use crack::{Counts, CrackReport, Defect, DefectKind, NearMiss, SelfIntersections, ShellReport};
 #[cfg(feature = "gpu")]
 pub use gpu::{GpuTopology, GpuTopologyBuilder};
+pub(crate) use intersect::{faces_with_area, for_each_intersection_among};
 pub use intersect::{for_each_self_intersection, self_intersections};
 pub use shell::{Components, Shells};
 

@@ -17,7 +17,7 @@ pub(crate) fn all() -> Vec<(&'static str, Mesh)> {
         ("tiny parts", copies(&solid::tetrahedron(), 20_000, 3.0)),
         ("equal parts", copies(&solid::tetrahedron(), 500, 0.0)),
         ("nested parts", solid::nested_cubes(500)),
-        ("line of points", line(100_000)),
+        ("line of points", line(3_000)),
     ]
 }
 

@@ -228,7 +228,7 @@ fn machine_interrupted_work_writes_nothing() {
             format!("verify ball.ply {LIGHT} --points 5000000 --threads 2"),
         ] {
             let (code, said) =
-                interrupted(shell(&folder, ":", &arguments), name, after(300)).expect("it is long");
+                interrupted(shell(&folder, ":", &arguments), name, after(1000)).expect("it is long");
             assert_eq!(
                 (code, said.as_str()),
                 (130, "umbrage: interrupted; nothing was written\n"),

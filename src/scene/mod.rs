@@ -81,7 +81,8 @@ impl Scene {
     pub fn bake(mut self, scope: Scope) -> Result<Vec<Mesh>, MeshError> {
         // Every frame has all vertices again.
         let vertices = |mesh: &Mesh| mesh.vertex_count() * (1 + mesh.frames().len());
-        let sizes: [(_, _, fn(&Mesh) -> usize); 3] = [
+        type Size = fn(&Mesh) -> usize;
+        let sizes: [(&'static str, usize, Size); 3] = [
             ("triangles", MOST_INSTANCED, Mesh::face_count),
             ("vertices", MOST_INSTANCED, vertices),
             ("parts", MOST_INSTANCED / 16, |mesh| mesh.parts().len()), // with a name each

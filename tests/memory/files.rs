@@ -226,7 +226,7 @@ fn memory_of_an_ordinary_file_is_a_multiple_of_its_size() {
         let (scene, bytes) = peak(|| read_bytes(&file, name).unwrap());
         let (_, baked) = peak(|| scene.bake(Scope::Mesh).unwrap());
         let per_face = bytes as f64 / mesh.face_count() as f64;
-        println!(
+        eprintln!(
             "{name}: {:.2} a byte, {per_face:.1} a face; bake {baked}",
             bytes as f64 / file.len() as f64
         );
@@ -243,7 +243,7 @@ fn memory_of_a_file_that_claims_much_is_a_multiple_of_its_size() {
         let (constant, bound) =
             if name.ends_with(".gltf") { (GLTF_CONSTANT, GLTF_BOUND) } else { (CONSTANT, BOUND) };
         let said = result.as_ref().err().map_or("read", String::as_str);
-        println!("{name}, {} bytes: {bytes}; {said}", file.len());
+        eprintln!("{name}, {} bytes: {bytes}; {said}", file.len());
         assert_eq!(said.lines().count(), 1, "{said}");
         assert!(bytes < constant + bound * file.len(), "{name}: {bytes} for {}: {said}", file.len());
         let Ok(scene) = result else { continue };

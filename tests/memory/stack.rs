@@ -58,7 +58,7 @@ fn all_stages(mesh: &Mesh) {
 fn stack_of_every_stage_is_small_on_every_shape() {
     let _alone = alone();
     for (name, mesh) in shapes::all() {
-        println!("{name}");
+        eprintln!("{name}");
         on_a_small_stack(move || all_stages(&mesh));
     }
     on_a_small_stack(|| all_stages(&Mesh::new(vec![], vec![]).unwrap()));

@@ -97,7 +97,7 @@ fn memory_of_every_stage_is_what_its_documentation_says() {
         note("oracle", faces, bytes);
         let index = peak(|| WindingIndex::build(&volume, oracle.bounds())).1;
         note("winding", volume.triangles().len().max(1), index);
-        println!("{name}, {faces} faces: {}", line.join(", "));
+        eprintln!("{name}, {faces} faces: {}", line.join(", "));
     }
     assert!(beyond.is_empty(), "{}", beyond.join("\n"));
 }

@@ -124,6 +124,8 @@ pub mod verify;
 #[cfg(any(test, feature = "proptest"))]
 pub mod strategy;
 
+#[cfg(test)]
+mod digest;
 mod parallel;
 mod random;
 

@@ -4,6 +4,7 @@
 //! asked, and `run`, which does it.
 
 mod error;
+mod interrupt;
 mod lights;
 mod load;
 mod machine;
@@ -37,7 +38,8 @@ use error::Failure;
     name = "umbrage",
     version,
     max_term_width = 100,
-    after_help = "Exit codes: 0 sound, or all judges agree; 1 cracks or disagreements found; 2 could not run.\n\
+    after_help = "Exit codes: 0 sound, or all judges agree; 1 cracks or disagreements found; 2 could not run; \
+                  130 interrupted.\n\
                   Results go to standard output, notes, progress and errors to standard error."
 )]
 struct Cli {
@@ -91,6 +93,7 @@ pub(crate) fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return ExitCode::from(answer(&error) as u8),
     };
+    interrupt::watch();
     match cli.command.run() {
         Ok(outcome) => ExitCode::from(outcome as u8),
         Err(failure) => {

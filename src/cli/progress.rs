@@ -2,6 +2,7 @@
 
 use std::io::{self, IsTerminal};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -14,6 +15,19 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub(crate) struct Progress {
     bar: ProgressBar,
     watch: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+/// The bar that may be on the terminal.
+fn shown() -> MutexGuard<'static, Option<ProgressBar>> {
+    static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
+    SHOWN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Takes the bar off the terminal, if there is one: the program is about to end.
+pub(crate) fn clear() {
+    if let Some(bar) = shown().take() {
+        bar.finish_and_clear();
+    }
 }
 
 impl Progress {
@@ -39,11 +53,13 @@ impl Progress {
         bar.set_style(ProgressStyle::with_template(template).expect("the templates above are well formed"));
         bar.set_message(what);
         let (stop, stopped) = mpsc::channel();
-        let shown = bar.clone();
+        let late = bar.clone();
         let watch = thread::spawn(move || {
             if stopped.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
-                shown.set_draw_target(ProgressDrawTarget::stderr());
-                shown.enable_steady_tick(Duration::from_millis(100));
+                let mut shown = shown();
+                late.set_draw_target(ProgressDrawTarget::stderr());
+                late.enable_steady_tick(Duration::from_millis(100));
+                *shown = Some(late);
             }
         });
         Self { bar, watch: Some((stop, watch)) }
@@ -60,6 +76,7 @@ impl Drop for Progress {
         if let Some((stop, watch)) = self.watch.take() {
             drop(stop); // wakes the watch, if it still waits
             let _ = watch.join();
+            shown().take();
         }
         self.bar.finish_and_clear();
     }

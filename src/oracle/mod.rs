@@ -74,7 +74,7 @@ pub struct Oracle {
 
 impl Oracle {
     /// Builds the tree over all faces of `mesh`. Those without area cannot be crossed, only touched. About 300 ns
-    /// a face.
+    /// a face. Memory: 104 bytes a face, 128 at its peak.
     #[must_use]
     pub fn build(mesh: &Mesh) -> Self {
         let corners = |face: &[u32; 3]| face.map(|vertex| mesh.positions()[vertex as usize]);

@@ -19,7 +19,7 @@ use values::{Binary, Text, Values};
 
 use super::fan::Fan;
 use super::text::{Lines, counted};
-use super::{Format, Place, ReadError, Source, refused};
+use super::{Format, Place, ReadError, Source, refused, unheld};
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 
@@ -79,7 +79,8 @@ impl Ply {
     fn vertices(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
         let axes = [element.scalar("x")?, element.scalar("y")?, element.scalar("z")?];
         // The header's claim was checked against the file's size: at most 12 bytes for 3 of the file.
-        self.positions.reserve_exact(element.count as usize);
+        let reserved = self.positions.try_reserve_exact(element.count as usize);
+        reserved.map_err(|_| unheld(Format::Ply, element.count, "vertex"))?;
         for index in 0..element.count {
             values.begin(&element.name, index)?;
             let mut position = [0.0; 3];

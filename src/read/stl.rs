@@ -6,8 +6,8 @@
 use std::io::{BufRead, ErrorKind, Read, Seek, SeekFrom};
 
 use super::text::{Line, Lines, counted, quote, unreadable};
-use super::{Format, Place, ReadError, Source, refused};
-use crate::mesh::{Mesh, Part};
+use super::{Format, Place, ReadError, Source, refused, unheld};
+use crate::mesh::{MAX_TRIANGLES, Mesh, MeshError, Part};
 use crate::scene::Scene;
 
 /// Bytes before the first triangle of a binary file: a comment and the count.
@@ -54,7 +54,13 @@ fn read_binary<R: BufRead>(mut source: Source<R>, count: Option<u32>) -> Result<
         return Err(ReadError::new(Format::Stl, Place::Byte(80), problem));
     }
 
-    let mut positions = Vec::with_capacity(3 * count as usize); // at most 36 bytes for 50 of the file
+    if count > MAX_TRIANGLES as u64 {
+        let error = MeshError::TooLarge { what: "triangles", count: count as usize, most: MAX_TRIANGLES };
+        return Err(refused(Format::Stl, &error));
+    }
+    let mut positions = Vec::new();
+    // At most 36 bytes for 50 of the file.
+    positions.try_reserve_exact(3 * count as usize).map_err(|_| unheld(Format::Stl, count, "triangle"))?;
     let mut chunk = vec![0; (RECORD * count.min(4096)) as usize];
     let mut done = 0;
     while done < count {

@@ -76,17 +76,23 @@ impl Scene {
     /// # Errors
     ///
     /// [`MeshError`] if a transform carries a position beyond `f32`, if all instances together have more than
-    /// [`MOST_INSTANCED`] triangles or vertices where the meshes themselves have fewer (a small file must not fill
+    /// [`MOST_INSTANCED`] triangles or vertices (those of all frames), or a sixteenth of that in parts, where the meshes themselves have fewer (a small file must not fill
     /// the memory), or if a scene-wide mesh has too many for 32-bit ids.
     pub fn bake(mut self, scope: Scope) -> Result<Vec<Mesh>, MeshError> {
-        for (what, size) in
-            [("triangles", Mesh::face_count as fn(&Mesh) -> usize), ("vertices", Mesh::vertex_count)]
-        {
+        // Every frame has all vertices again.
+        let vertices = |mesh: &Mesh| mesh.vertex_count() * (1 + mesh.frames().len());
+        type Size = fn(&Mesh) -> usize;
+        let sizes: [(&'static str, usize, Size); 3] = [
+            ("triangles", MOST_INSTANCED, Mesh::face_count),
+            ("vertices", MOST_INSTANCED, vertices),
+            ("parts", MOST_INSTANCED / 16, |mesh| mesh.parts().len()), // with a name each
+        ];
+        for (what, most, size) in sizes {
             let own: usize = self.meshes.iter().map(size).sum();
             let placed = self.instances.iter().map(|instance| size(&self.meshes[instance.mesh]));
             let count = placed.fold(0, usize::saturating_add);
-            if count > own.max(MOST_INSTANCED) {
-                return Err(MeshError::TooLarge { what, count, most: own.max(MOST_INSTANCED) });
+            if count > own.max(most) {
+                return Err(MeshError::TooLarge { what, count, most: own.max(most) });
             }
         }
         let mut uses = vec![0_usize; self.meshes.len()];

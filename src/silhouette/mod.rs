@@ -62,7 +62,7 @@ pub fn facing_of(mesh: &Mesh, face: FaceId, light: &Light) -> Facing {
 
 /// The side of every face that `light` is on, exactly; one entry a face.
 ///
-/// Costs one filtered predicate a face. For many lights on one mesh, [`FacePlanes`] is several times faster.
+/// Costs one filtered predicate a face. Memory: 1 byte a face. For many lights on one mesh, [`FacePlanes`] is several times faster.
 #[must_use]
 pub fn classify(mesh: &Mesh, light: &Light) -> Vec<Facing> {
     (0..mesh.face_count()).map(|face| facing_of(mesh, FaceId::new(face), light)).collect()
@@ -124,7 +124,7 @@ pub struct Silhouette {
 impl Silhouette {
     /// Finds the silhouette for the signs that faces cast with (−1, 0 or +1; see [`Casters::signs`]).
     ///
-    /// A scan of all edges: linear time.
+    /// A scan of all edges: linear time. Memory: 24 bytes a silhouette edge at its peak.
     ///
     /// # Panics
     ///

@@ -35,37 +35,56 @@ use crate::mesh::{FaceId, Mesh};
 pub fn for_each_self_intersection(
     mesh: &Mesh,
     topology: &Topology,
-    mut visit: impl FnMut([FaceId; 2]) -> ControlFlow<()>,
+    visit: impl FnMut([FaceId; 2]) -> ControlFlow<()>,
 ) {
+    let _ = for_each_intersection_among(mesh, &faces_with_area(mesh, topology), u64::MAX, visit);
+}
+
+/// The faces that can intersect others, ascending.
+pub(crate) fn faces_with_area(mesh: &Mesh, topology: &Topology) -> Vec<FaceId> {
     assert!(mesh.triangles() == topology.triangles(), "the topology is that of another mesh");
-    let has_area: Vec<FaceId> = topology
-        .faces()
-        .filter(|&face| {
-            let [a, b, c] = mesh.corners(face);
-            !topology.is_collapsed(face) && !collinear(a, b, c)
-        })
-        .collect();
+    let has_area = |&face: &FaceId| {
+        let [a, b, c] = mesh.corners(face);
+        !topology.is_collapsed(face) && !collinear(a, b, c)
+    };
+    topology.faces().filter(has_area).collect()
+}
+
+/// The same among some faces, ascending, that all have area; it breaks as `visit` does, or after so many tests.
+/// Of faces that all reach one place (those around one vertex, say) each is tested against all others.
+pub(crate) fn for_each_intersection_among(
+    mesh: &Mesh,
+    faces: &[FaceId],
+    mut tests: u64,
+    mut visit: impl FnMut([FaceId; 2]) -> ControlFlow<()>,
+) -> ControlFlow<()> {
     let aabb = |face: FaceId| Aabb::around(mesh.corners(face));
-    let bvh = Bvh::build(&has_area.iter().map(|&face| aabb(face)).collect::<Vec<_>>());
+    let bvh = Bvh::build(&faces.iter().map(|&face| aabb(face)).collect::<Vec<_>>());
     let mut partners = Vec::new();
-    for (place, &face) in has_area.iter().enumerate() {
+    for (place, &face) in faces.iter().enumerate() {
         let query = aabb(face);
         partners.clear();
-        bvh.for_each_overlapping(&query, |other| {
-            if other as usize > place {
-                let other = has_area[other as usize];
+        let test = |slot: usize| {
+            let other = bvh.order()[slot] as usize;
+            if other > place {
+                let other = faces[other];
                 if query.overlaps(&aabb(other)) && intersect(mesh, face, other) {
                     partners.push(other);
                 }
             }
-        });
+            tests = tests.saturating_sub(1);
+            tests > 0
+        };
+        bvh.walk(|node| node.overlaps(&query), test);
         partners.sort_unstable();
         for &other in &partners {
-            if visit([face, other]).is_break() {
-                return;
-            }
+            visit([face, other])?;
+        }
+        if tests == 0 {
+            return ControlFlow::Break(());
         }
     }
+    ControlFlow::Continue(())
 }
 
 /// All pairs of faces that intersect, the smaller id first, ascending. See [`for_each_self_intersection`],

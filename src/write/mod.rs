@@ -22,7 +22,7 @@ use std::fmt;
 use std::io::Write;
 use std::path::Path;
 
-pub use atomic::write_atomic;
+pub use atomic::{abandon, write_atomic};
 pub use error::WriteError;
 
 use crate::mesh::{Mesh, Part};

@@ -3,6 +3,7 @@
 mod check;
 mod demo;
 mod input;
+mod machine;
 mod render;
 mod silhouette;
 mod verify;

@@ -244,6 +244,20 @@ fn examine(
         let WeldedMesh { mesh, vertices, unreferenced } = args.mesh.weld(mesh);
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let mut report = CrackReport::of(&mesh, &topology);
+        for (complete, note) in [
+            (
+                report.nesting_complete,
+                "the search for which shell lies in which gave up, so many lie in one place",
+            ),
+            (
+                report.t_junctions_complete,
+                "the search for T-junctions gave up, so many edges lie in one place",
+            ),
+        ] {
+            if !complete {
+                output::say(format_args!("note: {}: {note}", file.display()));
+            }
+        }
         if args.self_intersections {
             let all = marks.is_some() || sketch.is_some();
             let keep = if all { mark::PAIRS_MARKED } else { args.limit.min(mark::PAIRS_MARKED) };

@@ -9,7 +9,7 @@ use std::fmt;
 
 use gltf::json::{Value, deserialize};
 
-use crate::read::{Format, Place, ReadError};
+use crate::read::{Format, Place, ReadError, text};
 
 /// What an index in the document may point at.
 #[derive(Clone, Copy, Debug)]
@@ -195,13 +195,13 @@ impl<'a> Object<'a> {
 
     /// The name in the file, or else the place.
     pub(super) fn name(&self) -> String {
-        let name = self.value.get("name").and_then(Value::as_str).unwrap_or_default();
-        if name.is_empty() { self.place.clone() } else { name.to_owned() }
+        self.given_name().unwrap_or_else(|| self.place.clone())
     }
 
-    /// The name in the file, if it has one.
-    pub(super) fn given_name(&self) -> Option<&'a str> {
-        self.value.get("name").and_then(Value::as_str).filter(|name| !name.is_empty())
+    /// The name in the file, if it has one; cut where it is very long, for every instance and part holds a copy.
+    pub(super) fn given_name(&self) -> Option<String> {
+        let name = self.value.get("name").and_then(Value::as_str).filter(|name| !name.is_empty())?;
+        Some(text::name(name.as_bytes()))
     }
 
     /// The object under `key`.

@@ -35,7 +35,7 @@ pub(super) fn read(
         "spot" => (Light::point(position), Some(cone(&object, travel)?)),
         _ => return Err(object.error("has a type that is not directional, point or spot")),
     };
-    let name = object.given_name().map_or_else(|| node.name(), str::to_owned);
+    let name = object.given_name().unwrap_or_else(|| node.name());
     let channel = |value: f64| value as f32;
     let colour = object.numbers::<3>("color")?.unwrap_or([1.0; 3]).map(channel);
     if colour.iter().any(|channel| !channel.is_finite()) {

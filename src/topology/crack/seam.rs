@@ -61,8 +61,10 @@ impl<'a> Boundary<'a> {
     }
 
     /// Vertices inside an edge that is not theirs, ascending: each with the edge, and whether it lies on it
-    /// exactly. An exact one is preferred, then the edge of the smallest id.
-    pub(super) fn t_junctions(&self) -> Vec<TJunction> {
+    /// exactly. An exact one is preferred, then the edge of the smallest id. Also whether all were looked for: where
+    /// thousands of edges lie in one place, each vertex would be tested against all of them.
+    pub(super) fn t_junctions(&self) -> (Vec<TJunction>, bool) {
+        let mut tests = (1 << 24) + 256 * self.edges.len();
         let segments: Vec<[[f32; 3]; 2]> =
             self.ends.iter().map(|ends| ends.map(|end| self.points[end as usize])).collect();
         let boxes: Vec<Aabb> = segments
@@ -76,23 +78,28 @@ impl<'a> Boundary<'a> {
         let mut found = Vec::new();
         for (vertex, &point) in self.points.iter().enumerate() {
             let mut best: Option<(bool, u32)> = None;
-            bvh.for_each_overlapping(&widened(Aabb::around([point]), point.map(half_ulp)), |edge| {
-                if self.ends[edge as usize].contains(&(vertex as u32)) {
-                    return;
+            let query = widened(Aabb::around([point]), point.map(half_ulp));
+            let visit = |slot: usize| {
+                let edge = bvh.order()[slot];
+                let could_be_better = best.is_none_or(|best| (false, edge) < best);
+                if could_be_better && !self.ends[edge as usize].contains(&(vertex as u32)) {
+                    let [a, b] = segments[edge as usize];
+                    let exact = strictly_inside(point, a, b);
+                    if exact || within_rounding(point, a, b) {
+                        let candidate = (!exact, edge);
+                        best = Some(best.map_or(candidate, |best| best.min(candidate)));
+                    }
                 }
-                let [a, b] = segments[edge as usize];
-                let exact = strictly_inside(point, a, b);
-                if exact || within_rounding(point, a, b) {
-                    let candidate = (!exact, edge);
-                    best = Some(best.map_or(candidate, |best| best.min(candidate)));
-                }
-            });
+                tests = tests.saturating_sub(1);
+                tests > 0
+            };
+            bvh.walk(|aabb| aabb.overlaps(&query), visit);
             if let Some((near, edge)) = best {
                 let (vertex, edge) = (self.vertices[vertex], self.edges[edge as usize]);
                 found.push(TJunction { vertex, edge, exact: !near });
             }
         }
-        found
+        (found, tests > 0)
     }
 }
 

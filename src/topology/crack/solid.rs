@@ -29,7 +29,8 @@ impl ShellReport {
 }
 
 /// Everything about the shells. `fans` has one face of each fan at the vertices with several, ascending;
-/// `vertices` is how many vertices have a face, and `uses` sums up all edges.
+/// `vertices` is how many vertices have a face, and `uses` sums up all edges. Also whether the search for shells in
+/// shells came to its end.
 pub(super) fn shells(
     mesh: &Mesh,
     topology: &Topology,
@@ -37,7 +38,7 @@ pub(super) fn shells(
     fans: &[(VertexId, FaceId)],
     vertices: usize,
     uses: &EdgeCounts,
-) -> Vec<ShellReport> {
+) -> (Vec<ShellReport>, bool) {
     let mut list = vec![ShellReport::BLANK; shells.count];
     match &mut list[..] {
         // What is known of the whole is known of its only shell.
@@ -54,7 +55,7 @@ pub(super) fn shells(
     }
     characterise(shells, fans, &mut list);
     let signs = measure(mesh, topology, shells, &mut list);
-    nest(mesh, shells, &signs, &mut list);
+    let complete = nest(mesh, shells, &signs, &mut list).is_some();
     for (shell, sign) in list.iter_mut().zip(signs) {
         shell.volume_sign = sign;
         if shell.watertight && Sign::of(shell.signed_volume) != sign {
@@ -63,7 +64,7 @@ pub(super) fn shells(
         let expected = if shell.depth % 2 == 0 { Sign::Positive } else { Sign::Negative };
         shell.inside_out = shell.watertight && sign == -expected;
     }
-    list
+    (list, complete)
 }
 
 /// Fills in the counts of each shell.
@@ -188,31 +189,55 @@ fn mean_corner(mesh: &Mesh, topology: &Topology) -> [f64; 3] {
     sum.map(|sum| sum / corners as f64)
 }
 
-/// Fills in depth and parent of the watertight shells.
-fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport]) {
+/// What may still be looked at: where many shells lie in one place, each would be compared with all others.
+struct Allowance {
+    tests: u64,
+}
+
+impl Allowance {
+    /// Whether one more test may be made.
+    #[inline]
+    fn take(&mut self) -> bool {
+        self.tests = self.tests.saturating_sub(1);
+        self.tests > 0
+    }
+
+    /// `None` once it is used up.
+    fn left(&self) -> Option<()> {
+        (self.tests > 0).then_some(())
+    }
+}
+
+/// Fills in depth and parent of the watertight shells; `None` if it gave up, and the rest lies in nothing.
+fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport]) -> Option<()> {
     // Only a shell whose box lies in another's can be nested, and only those others can hold it.
     let closed: Vec<usize> = (0..list.len()).filter(|&shell| list[shell].watertight).collect();
     if closed.len() < 2 {
-        return;
+        return Some(());
     }
+    let mut allowance = Allowance { tests: (1 << 23) + 256 * shells.of_face.len() as u64 };
+    let most_held = (1 << 20) + 4 * shells.of_face.len();
     let boxes: Vec<Aabb> = closed.iter().map(|&shell| list[shell].bounds).collect();
     let bvh = Bvh::build(&boxes);
     let mut inner = vec![false; list.len()];
     let mut outer = vec![false; list.len()];
     for (index, &shell) in closed.iter().enumerate() {
-        bvh.for_each_overlapping(&boxes[index], |other| {
-            let other = other as usize;
+        let visit = |slot: usize| {
+            let other = bvh.order()[slot] as usize;
             if other != index && !signs[closed[other]].is_zero() && boxes[other].contains_box(&boxes[index]) {
                 inner[shell] = true;
                 outer[closed[other]] = true;
             }
-        });
+            allowance.take()
+        };
+        bvh.walk(|aabb| aabb.overlaps(&boxes[index]), visit);
     }
+    allowance.left()?;
     if !inner.contains(&true) {
-        return;
+        return Some(());
     }
     let solids = Solids::new(mesh, shells, &outer);
-    // The vertices of the inner shells, shell by shell.
+    // The faces of the inner shells, shell by shell.
     let mut starts = vec![0; list.len() + 1];
     for shell in 0..list.len() {
         starts[shell + 1] = starts[shell] + if inner[shell] { list[shell].faces } else { 0 };
@@ -225,45 +250,78 @@ fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport]) 
             next[shell] += 1;
         }
     }
-    let mut around: Vec<Vec<u32>> = vec![Vec::new(); list.len()];
-    for &shell in closed.iter().filter(|&&shell| inner[shell]) {
-        let points = || faces[starts[shell]..starts[shell + 1]].iter().flat_map(|&face| mesh.corners(face));
-        // A point that lies on another shell tells nothing about it; the next one may.
-        let around_point = |point| solids.around(mesh, point, shell);
-        let mut found = around_point(points().next().expect("a shell has faces"));
-        if !found.touching.is_empty()
-            && let Some(clear) = points().map(around_point).find(|found| found.touching.is_empty())
-        {
-            found = clear;
-        }
-        found.shells.retain(|&other| list[other as usize].bounds.contains_box(&list[shell].bounds));
-        // Before the depth makes it inside out, all of it must lie inside: else it merely cuts the other.
-        let odd = found.shells.len() % 2 == 1;
-        if !found.shells.is_empty() && (signs[shell] == Sign::Positive) == odd {
-            for point in points() {
-                let here = around_point(point);
-                let holds = |shells: &[u32], other: &u32| shells.binary_search(other).is_ok();
-                found.shells.retain(|other| holds(&here.shells, other) || holds(&here.touching, other));
-                if found.shells.is_empty() {
-                    break;
-                }
-            }
-            // Its vertices may all lie inside while a face between them passes through the outside.
+    drop(next);
+    // What each shell lies in: one list, and where it ends for each.
+    let mut around: Vec<u32> = Vec::new();
+    let mut ends = vec![0; list.len()];
+    let mut vertices: Vec<u32> = Vec::new();
+    let mut complete = Some(());
+    for shell in 0..list.len() {
+        if inner[shell] && complete.is_some() {
             let own = &faces[starts[shell]..starts[shell + 1]];
-            found.shells.retain(|&other| !solids.pass_through(mesh, own, other));
+            vertices.clear();
+            vertices.extend(own.iter().flat_map(|face| mesh.triangles()[face.index()]));
+            vertices.sort_unstable();
+            vertices.dedup();
+            let points = vertices.iter().map(|&vertex| mesh.positions()[vertex as usize]);
+            let found = holders(&solids, mesh, shell, signs[shell], list, own, points, &mut allowance);
+            complete = allowance.left().filter(|()| around.len() + found.len() <= most_held);
+            if complete.is_some() {
+                list[shell].depth = found.len();
+                around.extend(found);
+            }
         }
-        list[shell].depth = found.shells.len();
-        around[shell] = found.shells;
+        ends[shell] = around.len();
     }
     // The innermost is the deepest; of two as deep as each other, the one with the smaller volume.
     for shell in 0..list.len() {
+        let start = if shell == 0 { 0 } else { ends[shell - 1] };
         let volume = |other: &u32| list[*other as usize].signed_volume.abs();
-        let innermost = around[shell].iter().copied().min_by(|a, b| {
+        let innermost = around[start..ends[shell]].iter().copied().min_by(|a, b| {
             let depth = |other: &u32| list[*other as usize].depth;
             depth(b).cmp(&depth(a)).then(volume(a).total_cmp(&volume(b))).then(a.cmp(b))
         });
         list[shell].parent = innermost.map(|other| other as usize);
     }
+    complete
+}
+
+/// The shells that hold `shell`, which has the faces `own` with the vertices `points`; ascending.
+#[expect(clippy::too_many_arguments, reason = "all that is known of one shell")]
+fn holders(
+    solids: &Solids,
+    mesh: &Mesh,
+    shell: usize,
+    sign: Sign,
+    list: &[ShellReport],
+    own: &[FaceId],
+    points: impl Iterator<Item = [f32; 3]> + Clone,
+    allowance: &mut Allowance,
+) -> Vec<u32> {
+    let mut around_point = |point| solids.around(mesh, point, shell, allowance);
+    // A point that lies on another shell tells nothing about it; the next one may.
+    let mut found = around_point(points.clone().next().expect("a shell has faces"));
+    if !found.touching.is_empty()
+        && let Some(clear) = points.clone().map(&mut around_point).find(|found| found.touching.is_empty())
+    {
+        found = clear;
+    }
+    found.shells.retain(|&other| list[other as usize].bounds.contains_box(&list[shell].bounds));
+    // Before the depth makes it inside out, all of it must lie inside: else it merely cuts the other.
+    let odd = found.shells.len() % 2 == 1;
+    if !found.shells.is_empty() && (sign == Sign::Positive) == odd {
+        for point in points {
+            let here = around_point(point);
+            let holds = |shells: &[u32], other: &u32| shells.binary_search(other).is_ok();
+            found.shells.retain(|other| holds(&here.shells, other) || holds(&here.touching, other));
+            if found.shells.is_empty() {
+                break;
+            }
+        }
+        // Its vertices may all lie inside while a face between them passes through the outside.
+        found.shells = solids.not_passing_through(mesh, own, found.shells, allowance);
+    }
+    found.shells
 }
 
 /// Whether an edge of the triangle `edges` passes through the inside of `face`, from one side to the other.
@@ -305,39 +363,55 @@ impl Solids {
         Self { bvh: Bvh::build(&boxes), faces, shell_of }
     }
 
-    /// Whether one of the faces `own` and a face of the shell `other` pass through each other, not merely touch.
-    fn pass_through(&self, mesh: &Mesh, own: &[FaceId], other: u32) -> bool {
-        own.iter().any(|&face| {
+    /// Those of `others` (ascending) of which no face and none of the faces `own` pass through each other, rather
+    /// than merely touch.
+    fn not_passing_through(
+        &self,
+        mesh: &Mesh,
+        own: &[FaceId],
+        mut others: Vec<u32>,
+        allowance: &mut Allowance,
+    ) -> Vec<u32> {
+        for &face in own {
+            if others.is_empty() || allowance.left().is_none() {
+                break;
+            }
             let corners = mesh.corners(face);
-            let mut passes = false;
-            self.bvh.for_each_overlapping(&Aabb::around(corners), |slot| {
-                let slot = slot as usize;
-                let others = mesh.corners(self.faces[slot]);
-                passes = passes
-                    || self.shell_of[slot] == other
-                        && (edge_pierces(corners, others) || edge_pierces(others, corners));
-            });
-            passes
-        })
+            let aabb = Aabb::around(corners);
+            let visit = |slot: usize| {
+                let slot = self.bvh.order()[slot] as usize;
+                if let Ok(at) = others.binary_search(&self.shell_of[slot]) {
+                    let theirs = mesh.corners(self.faces[slot]);
+                    if edge_pierces(corners, theirs) || edge_pierces(theirs, corners) {
+                        others.remove(at);
+                    }
+                }
+                allowance.take()
+            };
+            self.bvh.walk(|node| node.overlaps(&aabb), visit);
+        }
+        others
     }
 
     /// A shell is around `point` if its faces' signed crossings with the ray towards +x do not cancel. Shell
     /// `own` is left out.
-    fn around(&self, mesh: &Mesh, point: [f32; 3], own: usize) -> Around {
+    fn around(&self, mesh: &Mesh, point: [f32; 3], own: usize, allowance: &mut Allowance) -> Around {
         let ray = Aabb { low: point, high: [f32::MAX, point[1], point[2]] };
         let mut crossings: Vec<(u32, i32)> = Vec::new();
         let mut touching = Vec::new();
-        self.bvh.for_each_overlapping(&ray, |slot| {
-            let shell = self.shell_of[slot as usize];
-            if shell as usize == own {
-                return;
+        let visit = |slot: usize| {
+            let slot = self.bvh.order()[slot] as usize;
+            let shell = self.shell_of[slot];
+            if shell as usize != own {
+                match crossing(mesh.corners(self.faces[slot]), point) {
+                    Crossing::None => {}
+                    Crossing::Signed(sign) => crossings.push((shell, sign)),
+                    Crossing::At => touching.push(shell),
+                }
             }
-            match crossing(mesh.corners(self.faces[slot as usize]), point) {
-                Crossing::None => {}
-                Crossing::Signed(sign) => crossings.push((shell, sign)),
-                Crossing::At => touching.push(shell),
-            }
-        });
+            allowance.take()
+        };
+        self.bvh.walk(|aabb| aabb.overlaps(&ray), visit);
         crossings.sort_unstable();
         touching.sort_unstable();
         touching.dedup();

@@ -1,0 +1,202 @@
+//! The same bytes on every machine: digests of all that is computed, held against constants.
+//!
+//! These tests run with and without threads (`tests/run.sh` runs them with the default features and with none). A
+//! change of any output changes a constant, on purpose or not. The meshes are made without sines and cosines, which
+//! may differ between platforms in the last bit.
+
+use crate::geom::Light;
+use crate::mesh::{FaceId, Mesh, Weld, solid, weld};
+use crate::oracle::Oracle;
+use crate::picture::{CLAY, Lamp, View, render};
+use crate::read::read_bytes;
+use crate::scene::{Camera, Scope, Size, Up};
+use crate::silhouette::{Casters, FacePlanes, Silhouette, classify};
+use crate::stencil::most_layers;
+use crate::topology::{CrackReport, DefectKind, Topology};
+use crate::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof, WindingIndex};
+use crate::write::{Layer, Model, Target, to_bytes};
+
+/// FNV-1a with 64 bits (Glenn Fowler, Landon Curt Noll, Phong Vo, 1991): each byte is mixed in by an exclusive or and
+/// a multiplication.
+#[derive(Clone, Copy)]
+struct Digest(u64);
+
+impl Digest {
+    fn of(bytes: &[u8]) -> u64 {
+        bytes
+            .iter()
+            .fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+    }
+
+    /// More bytes; texts and lists are told apart by their lengths.
+    fn add(&mut self, bytes: &[u8]) {
+        self.0 = Self::of(&[&self.0.to_le_bytes(), &bytes.len().to_le_bytes()[..4], bytes].concat());
+    }
+}
+
+/// A name, and a mesh with what is special about it.
+fn meshes() -> Vec<(&'static str, Mesh)> {
+    let parts = [solid::menger_sponge(2), solid::translated(&solid::icosphere(2), [4.0, 0.5, -1.0])];
+    vec![
+        ("sphere", solid::shuffled(&solid::icosphere(3), 7)),
+        ("open cube", solid::open_cube()),
+        ("t-junction", solid::t_junction()),
+        ("nested", solid::nested_cubes(6)),
+        ("figure eight", solid::figure_eight_prism()),
+        ("double sheet", solid::double_sheet()),
+        ("two parts", Mesh::concat(&parts).unwrap()),
+    ]
+}
+
+fn lights() -> [Light; 2] {
+    [Light::point([3.0, 7.0, 5.0]).unwrap(), Light::directional([-1.0, -3.0, 2.0]).unwrap()]
+}
+
+/// Everything that is computed from one mesh.
+fn geometry(mesh: &Mesh) -> u64 {
+    let mut digest = Digest(0);
+    let mesh = weld(&solid::soup(mesh), Weld::Exact).mesh;
+    digest.add(bytemuck::cast_slice(mesh.positions()));
+    digest.add(bytemuck::cast_slice(mesh.triangles()));
+    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let shells = topology.shells();
+    let mut report = CrackReport::of(&mesh, &topology);
+    report.add_self_intersections(&mesh, &topology, 9);
+    digest.add(format!("{:?} {:?} {:?}", report.counts, report.shell_list, report.near_miss).as_bytes());
+    for kind in DefectKind::ALL {
+        digest.add(format!("{:?}", report.items(kind, &mesh, &topology, 9)).as_bytes());
+    }
+    let proofs = ShellProof::of(&mesh, &topology, &shells);
+    let planes = FacePlanes::new(&mesh);
+    let oracle = Oracle::build(&mesh);
+    for light in lights() {
+        let facing = planes.classify(&mesh, &light);
+        assert_eq!(facing, classify(&mesh, &light));
+        digest.add(&facing.iter().map(|facing| facing.sign() as u8).collect::<Vec<_>>());
+        let plan = Plan::choose(&mesh, &shells, &proofs, &light, Faces::Auto);
+        for signs in [Casters::All.signs(&facing), plan.signs(&shells, &facing)] {
+            let silhouette = Silhouette::extract(&topology, &signs);
+            digest.add(format!("{silhouette:?} {:?}", silhouette.loops(&topology)).as_bytes());
+            let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
+            digest.add(bytemuck::cast_slice(&volume.to_f32()));
+            digest.add(bytemuck::cast_slice(&volume.clamped(50.0)));
+            digest.add(bytemuck::cast_slice(volume.triangles()));
+            digest.add(format!("{:?}", most_layers(&mesh, &signs, &light, 3)).as_bytes());
+            let winding = WindingIndex::build(&volume, oracle.bounds());
+            for step in 0..20_i16 {
+                let p = [f32::from(step) / 8.0 - 1.0, 0.25, f32::from(step % 5) / 4.0];
+                let said = (winding.number(p), oracle.verdict(p, &light), oracle.crossings(p, &light));
+                digest.add(format!("{said:?}").as_bytes());
+            }
+        }
+    }
+    digest.0
+}
+
+/// The bytes of all files and of a picture.
+fn files(mesh: &Mesh) -> u64 {
+    let mut digest = Digest(0);
+    let model = Model {
+        layers: vec![Layer::from(mesh), Layer { colour: Some([0.5, 0.25, 1.0, 0.5]), ..mesh.into() }],
+    };
+    for (name, target) in [("a.obj", Target::Obj), ("a.ply", Target::Ply), ("a.glb", Target::Glb)] {
+        let bytes = to_bytes(&model, target).unwrap();
+        digest.add(&bytes);
+        for mesh in read_bytes(&bytes, name).unwrap().bake(Scope::Scene).unwrap() {
+            digest.add(bytemuck::cast_slice(mesh.positions()));
+            digest.add(bytemuck::cast_slice(mesh.triangles()));
+        }
+    }
+    let camera = Camera::look_at([6.0, 5.0, 8.0], [0.5, 0.5, 0.5], 0.75, Up::Y).unwrap();
+    let view = View {
+        camera,
+        size: Size::new(72, 48).unwrap(),
+        lamps: &Lamp::equal(&lights()),
+        up: Up::Y,
+        ground: None,
+        paint: &|_: FaceId| CLAY,
+        edge_samples: 2,
+    };
+    let picture = render(&Oracle::build(mesh), &view, &|_| {}).unwrap();
+    let mut png = Vec::new();
+    picture.encode_png(&mut png).unwrap();
+    digest.add(picture.pixels.as_flattened());
+    digest.add(&png);
+    digest.0
+}
+
+/// What the judges say.
+#[cfg(feature = "reference")]
+fn verification(mesh: &Mesh) -> u64 {
+    use crate::verify::{Options, Verifier};
+    let verifier = Verifier::new(mesh);
+    let options = Options { points: 300, seed: 5, keep: 10 };
+    let said = lights().map(|light| verifier.verify(&light, &options, &|_| {}));
+    Digest::of(format!("{said:?}").as_bytes())
+}
+
+fn expect(wanted: &[(&str, u64)], of: fn(&Mesh) -> u64) {
+    let found: Vec<(&str, u64)> = meshes().iter().map(|(name, mesh)| (*name, of(mesh))).collect();
+    assert_eq!(found, wanted, "found {found:#x?}");
+}
+
+#[test]
+fn digest_of_all_geometry_is_the_same_everywhere() {
+    expect(&GEOMETRY, geometry);
+}
+
+#[test]
+fn digest_of_files_and_pictures_is_the_same_everywhere() {
+    expect(&FILES, files);
+}
+
+#[cfg(feature = "reference")]
+#[test]
+fn digest_of_a_verification_is_the_same_everywhere() {
+    expect(&VERIFICATION, verification);
+}
+
+#[test]
+fn digest_is_fnv_and_sees_one_bit() {
+    // Test vectors of the authors.
+    assert_eq!(
+        [b"".as_slice(), b"a", b"foobar"].map(Digest::of),
+        [0xcbf2_9ce4_8422_2325, 0xaf63_dc4c_8601_ec8c, 0x8594_4171_f739_67e8]
+    );
+    // The sabotage: the last bit of one coordinate of one vertex.
+    let mesh = solid::open_cube();
+    let (mut positions, triangles, ..) = mesh.clone().into_parts();
+    positions[0][1] = f32::from_bits(positions[0][1].to_bits() ^ 1);
+    let changed = Mesh::new(positions, triangles).unwrap();
+    assert_ne!(geometry(&mesh), geometry(&changed));
+    assert_ne!(files(&mesh), files(&changed));
+}
+
+const GEOMETRY: [(&str, u64); 7] = [
+    ("sphere", 0x63a7_0642_8069_a6a0),
+    ("open cube", 0x5670_282e_8722_f7b6),
+    ("t-junction", 0x9748_9e45_2670_0a61),
+    ("nested", 0x6b4e_8ceb_a2f9_90cb),
+    ("figure eight", 0x59ce_94a4_e1dd_5b88),
+    ("double sheet", 0x16ee_7846_41d2_04a1),
+    ("two parts", 0x4c85_6e40_a8c7_2130),
+];
+const FILES: [(&str, u64); 7] = [
+    ("sphere", 0xeac0_ea2a_70f6_a01f),
+    ("open cube", 0xa600_55a2_8402_02b6),
+    ("t-junction", 0xcb69_b7f1_2e7a_6ad0),
+    ("nested", 0x3817_3dab_5295_7c89),
+    ("figure eight", 0x4333_6bf2_cc23_de8b),
+    ("double sheet", 0x9e81_03c8_dcfc_1a6c),
+    ("two parts", 0x0f8f_1a22_6964_2adb),
+];
+#[cfg(feature = "reference")]
+const VERIFICATION: [(&str, u64); 7] = [
+    ("sphere", 0xd5f5_0bd2_0afb_ce71),
+    ("open cube", 0x00a3_a588_8638_3552),
+    ("t-junction", 0xf79f_8d4a_2ad8_017b),
+    ("nested", 0x5a7d_416c_01e0_795a),
+    ("figure eight", 0x6494_55f3_f283_d9c7),
+    ("double sheet", 0xa65d_c640_9542_1d37),
+    ("two parts", 0x3064_3834_04eb_3746),
+];

@@ -1,0 +1,103 @@
+//! Peak bytes a face of each stage, in memory that the caller does not hold already.
+
+use umbrage::geom::{Light, bvh::Bvh};
+use umbrage::mesh::{Weld, weld};
+use umbrage::oracle::Oracle;
+use umbrage::silhouette::{FacePlanes, Silhouette, classify};
+use umbrage::stencil::{ShellBoxes, most_layers};
+use umbrage::topology::{CrackReport, DefectKind, Topology};
+use umbrage::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof, WindingIndex};
+
+use super::{alone, peak, shapes};
+
+/// What the documentation of each stage allows: bytes a face (of the caster; of the volume for what reads one).
+const BOUNDS: [(&str, usize); 18] = [
+    ("weld", 90),
+    ("weld within", 400),
+    ("topology", 120),
+    ("shells", 12),
+    ("crack report", 700),
+    ("items", 100),
+    ("tree", 96),
+    ("proofs", 700),
+    ("planes", 20),
+    ("classify", 1),
+    ("plan", 20),
+    ("silhouette", 72),
+    ("volume", 60),
+    ("certificate", 48),
+    ("layers", 800),
+    ("shell boxes", 156),
+    ("oracle", 128),
+    ("winding", 2300),
+];
+
+/// What does not depend on the mesh.
+const CONSTANT: usize = 1 << 20;
+
+fn bound(stage: &str) -> usize {
+    BOUNDS.iter().find(|(name, _)| *name == stage).expect("a bound for each stage").1
+}
+
+/// What it promises of an ordinary closed mesh, besides.
+const ORDINARY: [(&str, usize); 6] =
+    [("weld", 33), ("topology", 41), ("shells", 8), ("crack report", 12), ("proofs", 125), ("layers", 125)];
+
+#[test]
+fn memory_of_every_stage_is_what_its_documentation_says() {
+    let _alone = alone();
+    let light = Light::point([3.1, 7.3, 11.7]).unwrap();
+    let mut beyond = Vec::new();
+    for (name, mesh) in shapes::all() {
+        let mut line = Vec::new();
+        let mut note = |stage: &'static str, units: usize, bytes: usize| {
+            line.push(format!("{stage} {:.1}", bytes as f64 / units as f64));
+            let ordinary = ORDINARY.iter().find(|(other, _)| *other == stage && name.ends_with("sphere"));
+            let bound = ordinary.map_or(bound(stage), |(_, bound)| *bound);
+            if bytes > CONSTANT / 16 + bound * units {
+                beyond.push(format!("{name}: {stage}: {} bytes a face", bytes / units));
+            }
+        };
+        let faces = mesh.face_count();
+        note("weld", faces, peak(|| weld(&mesh, Weld::Exact)).1);
+        note("weld within", faces, peak(|| weld(&mesh, Weld::Within(1e-6))).1);
+        let triangles = mesh.triangles().to_vec();
+        let (topology, bytes) = peak(|| Topology::build(mesh.vertex_count(), triangles));
+        note("topology", faces, bytes);
+        let (shells, bytes) = peak(|| topology.shells());
+        note("shells", faces, bytes);
+        let (report, bytes) = peak(|| CrackReport::of(&mesh, &topology));
+        note("crack report", faces, bytes);
+        let places = || DefectKind::ALL.map(|kind| report.items(kind, &mesh, &topology, 5));
+        note("items", faces, peak(places).1);
+        drop(report);
+        let boxes: Vec<_> =
+            topology.faces().map(|face| umbrage::geom::Aabb::around(mesh.corners(face))).collect();
+        note("tree", faces, peak(|| Bvh::build(&boxes)).1);
+        drop(boxes);
+        let (proofs, bytes) = peak(|| ShellProof::of(&mesh, &topology, &shells));
+        note("proofs", faces, bytes);
+        let (planes, bytes) = peak(|| FacePlanes::new(&mesh));
+        note("planes", faces, bytes);
+        drop(planes);
+        let (facing, bytes) = peak(|| classify(&mesh, &light));
+        note("classify", faces, bytes);
+        let (plan, bytes) = peak(|| Plan::choose(&mesh, &shells, &proofs, &light, Faces::Auto));
+        note("plan", faces, bytes);
+        let signs = plan.signs(&shells, &facing);
+        let (silhouette, bytes) = peak(|| Silhouette::extract(&topology, &signs));
+        note("silhouette", faces, bytes);
+        let (volume, bytes) =
+            peak(|| ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both));
+        note("volume", faces + volume.triangles().len(), bytes);
+        note("certificate", volume.triangles().len().max(1), peak(|| volume.boundary_sum()).1);
+        note("layers", faces, peak(|| most_layers(&mesh, &signs, &light, 256)).1);
+        note("shell boxes", faces, peak(|| ShellBoxes::new(&mesh, &shells)).1);
+        let (oracle, bytes) = peak(|| Oracle::build(&mesh));
+        note("oracle", faces, bytes);
+        let index = peak(|| WindingIndex::build(&volume, oracle.bounds())).1;
+        note("winding", volume.triangles().len().max(1), index);
+        eprintln!("{name}, {faces} faces: {}", line.join(", "));
+    }
+    assert!(beyond.is_empty(), "{}", beyond.join("\n"));
+}

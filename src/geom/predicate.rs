@@ -1,12 +1,14 @@
 //! The one place that decides a sign.
 //!
 //! Every sidedness question of the crate is the sign of one 3×3 determinant whose entries are differences of
-//! two `f32` numbers. It is answered in three steps, each only when the one before cannot tell:
+//! two `f32` numbers. It is answered in four steps, each only when the one before cannot tell:
 //!
 //! 1. an `f64` evaluation with a static error bound (Jonathan R. Shewchuk, *Adaptive Precision Floating-Point
 //!    Arithmetic and Fast Robust Geometric Predicates*, 1997, section 4.3, bound A);
 //! 2. `i128` integers, when the entries of each row span at most 41 bits: exact ties on CAD parts end here;
-//! 3. a sum of exact products as a floating-point expansion (ibid., section 2): always exact.
+//! 3. the first two again, where subtracting one row from another leaves smaller entries: far from a light, that
+//!    is, where all vertices that are extruded from it lie nearly one way;
+//! 4. a sum of exact products as a floating-point expansion (ibid., section 2): always exact.
 //!
 //! Entries are multiples of 2⁻¹⁴⁹ below 2¹²⁹, so products of three lie in 2⁻⁴⁴⁷ … 2³⁸⁷ and the six-term sums
 //! below 2³⁹³: no step can overflow or underflow, for any finite input.
@@ -266,26 +268,56 @@ fn rounded_det(rows: &[Row; 3]) -> (f64, f64) {
 /// Step 1: the filter. Everything else is rare and lives behind one call.
 #[inline(always)]
 fn sign_of_det(rows: [Row; 3]) -> Sign {
-    let (det, permanent) = rounded_det(&rows);
+    match filtered_sign_of_det(&rows) {
+        Some(sign) => sign,
+        None => exact_sign_of_det(rows),
+    }
+}
+
+/// `None` where rounding may have decided.
+#[inline(always)]
+fn filtered_sign_of_det(rows: &[Row; 3]) -> Option<Sign> {
+    let (det, permanent) = rounded_det(rows);
     let bound = FILTER * permanent;
     if det > bound {
-        Sign::Positive
+        Some(Sign::Positive)
     } else if det < -bound {
-        Sign::Negative
+        Some(Sign::Negative)
     } else if permanent == 0.0 {
-        Sign::Zero // no product can underflow, so every one of them is exactly zero
+        Some(Sign::Zero) // no product can underflow, so every one of them is exactly zero
     } else {
-        exact_sign_of_det(rows)
+        None
     }
 }
 
 #[cold]
 #[inline(never)]
 fn exact_sign_of_det(rows: [Row; 3]) -> Sign {
-    match rows.map(integers) {
-        [Some(a), Some(b), Some(c)] => integer_sign_of_det(a, b, c),
-        _ => expansion_of_det(rows).sign(),
+    let whole = |rows: [Row; 3]| match rows.map(integers) {
+        [Some(a), Some(b), Some(c)] => Some(integer_sign_of_det(a, b, c)),
+        _ => None,
+    };
+    let expanded = |rows: [Row; 3]| expansion_of_det(rows).sign();
+    whole(rows).unwrap_or_else(|| match nearer(&rows) {
+        None => expanded(rows),
+        Some(rows) => filtered_sign_of_det(&rows).or_else(|| whole(rows)).unwrap_or_else(|| expanded(rows)),
+    })
+}
+
+/// Step 3: the same determinant with smaller entries, where that takes no rounding: of two rows that subtract the same
+/// vector, as those of two vertices extruded from one light do, one becomes their difference. Far from the light
+/// little else is left of them. `None` where no row becomes smaller by half.
+fn nearer(rows: &[Row; 3]) -> Option<[Row; 3]> {
+    let size = |row: Row| row.rounded().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+        let difference = Row(rows[i].0, rows[j].0);
+        if rows[i].1 == rows[j].1 && 2.0 * size(difference) < size(rows[i]) {
+            let mut rows = *rows;
+            rows[i] = difference;
+            return Some(rows);
+        }
     }
+    None
 }
 
 /// Step 2: a row as integers below 2⁴¹, scaled by a power of two of its own (which leaves the determinant's
@@ -324,7 +356,7 @@ fn integer_sign_of_det(a: [i64; 3], b: [i64; 3], c: [i64; 3]) -> Sign {
     Sign::of(det)
 }
 
-/// Step 3: each entry as head + tail, each product of three as four numbers, all of them added exactly.
+/// Step 4: each entry as head + tail, each product of three as four numbers, all of them added exactly.
 fn expansion_of_det(rows: [Row; 3]) -> Expansion {
     let entries = rows.map(|Row(u, v)| [0, 1, 2].map(|i| two_diff(f64::from(u[i]), f64::from(v[i]))));
     let mut sum = Expansion::new();
@@ -336,7 +368,11 @@ fn expansion_of_det(rows: [Row; 3]) -> Expansion {
         ([1, 0, 2], false),
         ([2, 1, 0], false),
     ] {
-        let halves = |row: usize| <[f64; 2]>::from(entries[row][columns[row]]);
+        // Most differences are exact: their tails are 0, and whole products with them.
+        let halves = |row: usize| {
+            let (head, tail) = entries[row][columns[row]];
+            [head, tail].into_iter().filter(|&part| part != 0.0)
+        };
         for x in halves(0) {
             for y in halves(1) {
                 for z in halves(2) {
@@ -368,6 +404,9 @@ impl Expansion {
 
     /// Grow-expansion with zero elimination: one component more at most.
     fn add(&mut self, number: f64) {
+        if number == 0.0 {
+            return;
+        }
         let mut carry = number;
         let mut kept = 0;
         for i in 0..self.len {
@@ -472,14 +511,21 @@ mod tests {
             u in [vector(), vector(), vector()],
             v in [vector(), vector(), vector()],
             tie in any::<bool>(),
+            shared in any::<bool>(),
         ) {
             let mut rows = [0, 1, 2].map(|i| Row(u[i], v[i]));
+            if shared {
+                rows[1].1 = rows[0].1;
+            }
             if tie {
                 rows[2] = Row(v[0], u[0]); // row 2 = −row 0: exactly singular
             }
             let expected = reference(rows);
             prop_assert_eq!(sign_of_det(rows).value(), expected);
             prop_assert_eq!(expansion_of_det(rows).sign().value(), expected);
+            if let Some(nearer) = nearer(&rows) {
+                prop_assert_eq!(expansion_of_det(nearer).sign().value(), expected);
+            }
             if let [Some(a), Some(b), Some(c)] = rows.map(integers) {
                 prop_assert_eq!(integer_sign_of_det(a, b, c).value(), expected);
             }
@@ -494,6 +540,24 @@ mod tests {
         assert_eq!(expansion_of_det(rows).sign(), Sign::Positive);
         assert_eq!(expansion_of_det([rows[1], rows[0], rows[2]]).sign(), Sign::Negative);
         assert_eq!(sign_of_det([rows[1], rows[0], rows[2]]), Sign::Negative);
+    }
+
+    #[test]
+    fn predicate_needs_no_expansion_for_vertices_extruded_from_far_away() {
+        // Two rows that differ in their last bits: f64 cannot tell them apart, their difference is exact.
+        let light = [1e13, -3e12, 2e12];
+        let rows = [
+            Row([0.1, 0.2, 0.3], light),
+            Row([0.7, -0.4, 0.9], light),
+            Row([0.3, 0.5, -0.2], [0.1, 0.2, 0.3]),
+        ];
+        assert_eq!(filtered_sign_of_det(&rows), None);
+        let nearer = nearer(&rows).expect("two rows share the light");
+        let sign = filtered_sign_of_det(&nearer).expect("this is easy");
+        assert_eq!((sign.value(), sign_of_det(rows)), (reference(rows), sign));
+        // The sabotage: the difference the other way turns the sign.
+        let turned = [Row(nearer[0].1, nearer[0].0), nearer[1], nearer[2]];
+        assert_ne!(filtered_sign_of_det(&turned), Some(sign));
     }
 
     #[test]

@@ -164,7 +164,7 @@ const WHOLE_EVERY: u64 = 4;
 
 /// Tortures. `progress` is told of queries as they are done, from any thread.
 ///
-/// Below a microsecond a query on two cores; memory does not grow with the number of queries.
+/// About two microseconds of one core a query; memory does not grow with the number of queries.
 ///
 /// ```
 /// use umbrage::verify::torture::{Options, run};

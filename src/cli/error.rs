@@ -19,7 +19,7 @@ impl Failure {
         Self::of(format!("{problem}; {remedy}"), None)
     }
 
-    fn of(line: String, format: Option<Format>) -> Self {
+    pub(super) fn of(line: String, format: Option<Format>) -> Self {
         Self { line: line.replace(char::is_control, "\u{fffd}"), format }
     }
 

@@ -21,6 +21,7 @@ mod silhouette;
 mod volume;
 mod verify;
 mod render;
+mod torture;
 mod unbuilt;
 mod demo;
 
@@ -54,8 +55,7 @@ enum Command {
     Volume(volume::Args),
     Verify(verify::Args),
     Render(render::Args),
-    /// Adversarial queries (not built yet)
-    Torture(unbuilt::Rest),
+    Torture(torture::Args),
     /// Error against time (not built yet)
     Accuracy(unbuilt::Rest),
     Demo(demo::Args),
@@ -69,7 +69,7 @@ impl Command {
             Self::Volume(args) => volume::run(args),
             Self::Verify(args) => verify::run(args),
             Self::Render(args) => render::run(args),
-            Self::Torture(args) => unbuilt::run("torture", args),
+            Self::Torture(args) => torture::run(args),
             Self::Accuracy(args) => unbuilt::run("accuracy", args),
             Self::Demo(args) => demo::run(args),
         }

@@ -9,6 +9,16 @@ pub(crate) fn whole(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| "write a whole number, 0 or more".to_owned())
 }
 
+/// A count that may be large: `1000000`, `1_000_000` or `1e6`.
+pub(crate) fn large(text: &str) -> Result<u64, String> {
+    let digits = text.replace('_', "");
+    let (mantissa, exponent) = digits.split_once(['e', 'E']).unwrap_or((&digits, "0"));
+    let number = mantissa.parse::<u64>().ok().zip(exponent.parse().ok()).and_then(|(mantissa, exponent)| {
+        10_u64.checked_pow(exponent).and_then(|power| mantissa.checked_mul(power))
+    });
+    number.ok_or_else(|| "write a whole number, as 1000000 or 1e6".to_owned())
+}
+
 /// A seed.
 pub(crate) fn seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("write a whole number from 0 to {}", u64::MAX))
@@ -76,6 +86,16 @@ mod tests {
         );
         for error in [whole("-1").err(), seed("x").err(), degrees("°").err(), distance("0").err()] {
             assert!(error.is_some_and(|text| text.starts_with("write ")));
+        }
+    }
+
+    #[test]
+    fn large_counts_may_have_an_exponent_or_underscores() {
+        for text in ["1000000", "1_000_000", "1e6", "10E5"] {
+            assert_eq!(large(text), Ok(1_000_000), "{text}");
+        }
+        for text in ["", "-1", "1.5e3", "1e", "e6", "1e20", "1e-3", "1e99999999999", "99999999999999999999"] {
+            assert!(large(text).is_err(), "{text}");
         }
     }
 

@@ -6,16 +6,19 @@
 //! are decided once more one by one. Where something is only touched, or a judge
 //! stands on a face, that is declared: both answers are right there.
 
+mod judge;
 mod point;
+pub mod torture;
 
 pub use point::STRATA;
 
 use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
-use crate::oracle::{Meeting, Oracle, Verdict, reference};
-use crate::silhouette::{Casters, FacePlanes, Facing, Silhouette, classify};
+use crate::oracle::{Oracle, Verdict};
+use crate::silhouette::{Casters, FacePlanes, Silhouette, classify};
 use crate::topology::{Shells, Topology};
 use crate::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof, WindingIndex};
+use judge::Cast;
 
 /// How much to verify.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -262,34 +265,14 @@ impl Bench<'_> {
 
     fn judge(&self, index: usize, stratum: usize, p: [f32; 3], tally: &mut Tally) {
         // 1. The ray cast: all faces between, those of them that cast in the halved volume, and what is touched.
-        let (mut crossed, mut cast, mut touching, mut cast_touching) = (0, 0, 0, 0);
-        let (mut front, mut back) = (0, 0);
-        self.verifier.oracle.for_each_meeting(p, self.light, |face, meeting| match meeting {
-            Meeting::Crossing(side) => {
-                crossed += 1;
-                cast += i32::from(self.chosen[face.index()] != 0);
-                front += u32::from(side == Facing::Front);
-                back += u32::from(side == Facing::Back);
-            }
-            _ => {
-                touching += 1;
-                cast_touching += i32::from(self.chosen[face.index()] != 0);
-            }
-        });
-        let verdict = match (crossed, touching) {
-            (0, 0) => Verdict::Lit,
-            (0, _) => Verdict::Grazing,
-            _ => Verdict::Shadowed,
-        };
+        let cast = Cast::of(&self.verifier.oracle, p, self.light, self.chosen);
+        let verdict = cast.verdict();
         tally.judges[0].points += 1;
         let mut contradictions = Vec::new();
 
-        // 2. The two volumes. A judge that does not abstain stands on no triangle, so that its count is that of the
-        // points around: every face that is crossed here is crossed there, and any that is touched may be.
+        // 2. The two volumes.
         let mut abstain = 0;
-        let judges =
-            [(1, &self.all, crossed..=crossed + touching), (2, &self.half, cast..=cast + cast_touching)];
-        for (judge, volume, expected) in judges {
+        for (judge, volume, expected) in [(1, &self.all, cast.all()), (2, &self.half, cast.chosen())] {
             let row = &mut tally.judges[judge];
             row.points += 1;
             match volume.number(p) {
@@ -297,28 +280,21 @@ impl Bench<'_> {
                     row.abstain += 1;
                     abstain += 1;
                 }
-                Some(winding) => {
-                    let in_or_out = match verdict {
-                        Verdict::Shadowed => winding > 0,
-                        Verdict::Lit => winding == 0,
-                        Verdict::Grazing => true,
-                    };
-                    if !(in_or_out && expected.contains(&winding)) {
-                        row.disagree += 1;
-                        contradictions.push(format!("{} is {winding}, expected {expected:?}", JUDGES[judge]));
-                    }
+                Some(winding) if !cast.allows(winding, &expected) => {
+                    row.disagree += 1;
+                    contradictions.push(format!("{} is {winding}, expected {expected:?}", JUDGES[judge]));
                 }
+                Some(_) => {}
             }
         }
 
         // 3. Whole numbers, on a sample.
         if (index / STRATA.len()).is_multiple_of(self.reference_every) {
-            let truth = reference(self.verifier.mesh, p, self.light).crossings;
             let row = &mut tally.judges[3];
             row.points += 1;
-            if (truth.front, truth.back, truth.touching as i32) != (front, back, touching) {
+            if let Err(what) = cast.in_whole_numbers(self.verifier.mesh, p, self.light) {
                 row.disagree += 1;
-                contradictions.push(format!("{}: {truth:?}, not {front}, {back}, {touching}", JUDGES[3]));
+                contradictions.push(format!("{}: {what}", JUDGES[3]));
             }
         }
 

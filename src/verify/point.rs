@@ -44,16 +44,17 @@ pub(super) fn draw(
         .collect()
 }
 
-struct Sampler<'a> {
-    mesh: &'a Mesh,
-    topology: &'a Topology,
-    silhouette: &'a Silhouette,
-    light: &'a Light,
-    bounds: Aabb,
+/// Draws points of each kind; the mesh has a face.
+pub(super) struct Sampler<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) topology: &'a Topology,
+    pub(super) silhouette: &'a Silhouette,
+    pub(super) light: &'a Light,
+    pub(super) bounds: Aabb,
 }
 
 impl Sampler<'_> {
-    fn in_box(&self, random: &mut SplitMix64) -> [f32; 3] {
+    pub(super) fn in_box(&self, random: &mut SplitMix64) -> [f32; 3] {
         rounded([0, 1, 2].map(|i| {
             let (low, high) = (f64::from(self.bounds.low[i]), f64::from(self.bounds.high[i]));
             // A flat box gets some thickness.
@@ -67,7 +68,7 @@ impl Sampler<'_> {
         face.map(|vertex| self.mesh.positions()[vertex as usize].map(f64::from))
     }
 
-    fn near_face(&self, random: &mut SplitMix64) -> [f32; 3] {
+    pub(super) fn near_face(&self, random: &mut SplitMix64) -> [f32; 3] {
         let corners = self.corners(random);
         let (mut u, mut v) = (random.unit(), random.unit());
         if u + v > 1.0 {
@@ -76,14 +77,14 @@ impl Sampler<'_> {
         nudged(combined(corners, u, v), random)
     }
 
-    fn face_plane(&self, random: &mut SplitMix64) -> [f32; 3] {
+    pub(super) fn face_plane(&self, random: &mut SplitMix64) -> [f32; 3] {
         // Eighths, so that on axis-aligned faces the point stays exactly in the plane.
         let mut eighths = || (random.below(41) as f64 - 16.0) / 8.0;
         let (u, v) = (eighths(), eighths());
         rounded(combined(self.corners(random), u, v))
     }
 
-    fn vertex_or_edge(&self, random: &mut SplitMix64) -> [f32; 3] {
+    pub(super) fn vertex_or_edge(&self, random: &mut SplitMix64) -> [f32; 3] {
         let [a, b, _] = self.corners(random);
         let middle = [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]));
         match random.below(4) {
@@ -95,7 +96,7 @@ impl Sampler<'_> {
     }
 
     /// A point of a silhouette edge pushed away from the light.
-    fn shadow_boundary(&self, random: &mut SplitMix64) -> [f32; 3] {
+    pub(super) fn shadow_boundary(&self, random: &mut SplitMix64) -> [f32; 3] {
         if self.silhouette.edges.is_empty() {
             return self.near_face(random);
         }
@@ -122,12 +123,12 @@ fn combined([a, b, c]: [[f64; 3]; 3], u: f64, v: f64) -> [f64; 3] {
 }
 
 /// The nearest `f32` point that is finite.
-fn rounded(p: [f64; 3]) -> [f32; 3] {
+pub(super) fn rounded(p: [f64; 3]) -> [f32; 3] {
     p.map(|x| (x as f32).clamp(f32::MIN, f32::MAX) + 0.0)
 }
 
 /// The nearest `f32` point, each coordinate moved by −2 … 2 ulps.
-fn nudged(p: [f64; 3], random: &mut SplitMix64) -> [f32; 3] {
+pub(super) fn nudged(p: [f64; 3], random: &mut SplitMix64) -> [f32; 3] {
     rounded(p).map(|mut x| {
         let steps = random.below(5) as i32 - 2;
         for _ in 0..steps.abs() {

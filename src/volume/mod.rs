@@ -15,6 +15,8 @@ mod extrude;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod plan;
+#[cfg(feature = "reference")]
+mod table;
 mod winding;
 
 use std::ops::Range;
@@ -23,6 +25,8 @@ pub use certificate::BoundarySum;
 #[cfg(feature = "gpu")]
 pub use gpu::{Demand, GpuExtrusion, GpuVolume, Part, VolumeShaders};
 pub use plan::{Faces, LightPlace, Plan, ShellChoice, ShellProof, Variant};
+#[cfg(feature = "reference")]
+pub(crate) use table::WindingTable;
 pub use winding::{WindingIndex, winding_number};
 
 use crate::geom::predicate::Homogeneous;
@@ -205,6 +209,15 @@ impl ShadowVolume {
     #[must_use]
     pub fn finite_bounds(&self) -> Aabb {
         Aabb::around(self.positions.iter().copied())
+    }
+
+    /// Without its last side triangle, if it has one: what a test must notice.
+    #[cfg(all(test, feature = "reference"))]
+    pub(crate) fn forget_a_side(&mut self) {
+        if self.sides > 0 {
+            self.triangles.remove(self.light_cap + self.sides - 1);
+            self.sides -= 1;
+        }
     }
 
     /// The certificate: the signed sum over all directed edges of all triangles, from the triangles alone.

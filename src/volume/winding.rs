@@ -43,7 +43,7 @@ pub struct WindingIndex<'volume> {
 }
 
 /// How many anchors or directions are tried before a point is given up.
-const TRIES: u32 = 16;
+pub(super) const TRIES: u32 = 16;
 
 /// What a path meets, summed up.
 enum Path {
@@ -122,7 +122,7 @@ impl<'volume> WindingIndex<'volume> {
 }
 
 /// The triangles without the flat ones (which enclose nothing) and with copies counted once.
-fn weighted(volume: &ShadowVolume) -> Vec<([u32; 3], i32)> {
+pub(super) fn weighted(volume: &ShadowVolume) -> Vec<([u32; 3], i32)> {
     let mut weighted: Vec<([u32; 3], i32)> = Vec::with_capacity(volume.triangles.len());
     for &triangle in &volume.triangles {
         // Copies stand together, two triangles a quad apart at most.
@@ -186,8 +186,20 @@ pub(super) enum Crossing {
 }
 
 /// Decides how the way from `p` to `q` meets a triangle that is not flat. `p` is finite; `q` may lie at infinity.
-pub(super) fn crossing([a, b, c]: [Homogeneous; 3], p: Homogeneous, q: Homogeneous) -> Crossing {
-    let (from, to) = (orient3d_homogeneous([a, b, c, p]), orient3d_homogeneous([a, b, c, q]));
+pub(super) fn crossing(corners: [Homogeneous; 3], p: Homogeneous, q: Homogeneous) -> Crossing {
+    crossing_to(corners, p, q, side_of(corners, q))
+}
+
+/// Which side of a triangle a point is on: positive behind it.
+#[inline]
+pub(super) fn side_of([a, b, c]: [Homogeneous; 3], q: Homogeneous) -> Sign {
+    orient3d_homogeneous([a, b, c, q])
+}
+
+/// As [`crossing`], where the side that `q` is on is known.
+#[inline]
+pub(super) fn crossing_to([a, b, c]: [Homogeneous; 3], p: Homogeneous, q: Homogeneous, to: Sign) -> Crossing {
+    let from = side_of([a, b, c], p);
     if from == to {
         return if from.is_zero() { Crossing::Tie } else { Crossing::Miss };
     }
@@ -343,7 +355,7 @@ fn thickened(within: Aabb) -> Aabb {
     thick
 }
 
-fn scattered_in(within: &Aabb, i: u32) -> [f32; 3] {
+pub(super) fn scattered_in(within: &Aabb, i: u32) -> [f32; 3] {
     let mut random = SplitMix64(u64::from(i));
     [0, 1, 2].map(|axis| {
         let (low, high) = (f64::from(within.low[axis]), f64::from(within.high[axis]));

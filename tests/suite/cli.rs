@@ -6,6 +6,7 @@ mod input;
 mod machine;
 mod render;
 mod silhouette;
+mod torture;
 mod verify;
 mod volume;
 
@@ -153,7 +154,7 @@ fn cli_usage_errors_exit_with_two() {
 fn cli_help_names_every_default() {
     let folder = Folder::new();
     assert!(folder.run("--help").stdout.contains("Exit codes: 0 sound"));
-    for command in ["check", "silhouette", "volume", "verify", "render"] {
+    for command in ["check", "silhouette", "volume", "verify", "render", "torture"] {
         let run = folder.run(&format!("{command} --help"));
         assert_eq!(run.code, 0);
         // An option starts a block, which goes on to the next one.
@@ -181,7 +182,6 @@ fn cli_refuses_by_name_what_is_not_built() {
     for (arguments, named) in [
         ("check cube.obj --fast", "--fast"),
         ("silhouette cube.obj --method tree", "--method tree"),
-        ("torture --queries 10", "torture"),
         ("accuracy facing cube.obj", "accuracy"),
     ] {
         let run = folder.run(arguments);
@@ -237,6 +237,13 @@ fn cli_refuses_values_that_mean_nothing() {
         ("verify cube.obj --threads 1025", "from 1 to 1024"),
         ("verify cube.obj --threads 99999999999999999999", "from 1 to 1024"),
         ("render cube.obj -o a.png --eye 1,2,3 --target 0,0,0 --fov wide", "write a number of degrees"),
+        ("torture --queries 0", "is not between 1 and"),
+        ("torture --queries many", "write a whole number"),
+        ("torture --queries -1", "write a whole number"),
+        ("torture --queries 1e30", "write a whole number"),
+        ("torture --seed x", "write a whole number"),
+        ("torture --case nowhere/case.obj", "no folder nowhere"),
+        ("torture --replay cube.obj --queries 5", "--queries"),
         ("volume cube.obj --caps one", "one"),
         ("volume cube.obj -o a", "extension"),
     ] {

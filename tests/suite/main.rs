@@ -21,6 +21,7 @@ mod picture;
 mod read;
 mod stencil;
 mod support;
+mod torture;
 mod verify;
 mod volume;
 mod write;

@@ -1,0 +1,105 @@
+//! `umbrage torture`: adversarial queries.
+
+mod json;
+mod text;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use umbrage::verify::torture::{self, Case, CaseError, Options};
+
+use super::machine::ThreadArgs;
+use super::output::{self, Output};
+use super::progress::Progress;
+use super::values::{large, require_folder, seed};
+use super::{Failure, Outcome};
+
+/// Adversarial queries: generated meshes, lights and points that attack exactness from every side
+///
+/// Small meshes, sound and damaged, tiny and huge, full of slivers and exact ties; lights on vertices, in planes, an
+/// ulp beside them; points on the surface and on the shadow's boundary. The ray cast and the winding number of the
+/// emitted volume have to agree on each, and a sample is judged in whole numbers. Beside them the same queries are
+/// answered in plain f32, as most programs do. A disagreement is a bug in umbrage: it is minimised and written to a
+/// file.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Args {
+    /// How many queries, spread evenly over the strata; 1000000, 1_000_000 and 1e6 are the same
+    #[arg(long, value_name = "N", default_value = "1000000", value_parser = large, allow_negative_numbers = true)]
+    queries: u64,
+
+    /// What everything is drawn from; the same seed gives the same queries
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
+    seed: u64,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    json: bool,
+
+    /// Where the first disagreement goes, minimised; nothing is written without one
+    #[arg(long, value_name = "FILE.obj", default_value = "umbrage-torture-case.obj")]
+    case: PathBuf,
+
+    /// Judge the query of such a file again, and say what each judge says [default: none, queries are drawn]
+    #[arg(long, value_name = "FILE.obj", conflicts_with_all = ["queries", "seed", "threads", "json", "case"])]
+    replay: Option<PathBuf>,
+}
+
+/// How many disagreements are shown.
+const SHOWN: usize = 10;
+
+/// Three years at a million queries a second: beyond that a count is a slip of the finger.
+const MOST_QUERIES: u64 = 100_000_000_000_000;
+
+pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+    if let Some(file) = &args.replay {
+        return replay(file);
+    }
+    if !(1..=MOST_QUERIES).contains(&args.queries) {
+        let problem = format!("--queries {} is not between 1 and {MOST_QUERIES}", args.queries);
+        return Err(Failure::new(problem, "run several seeds instead of one long run"));
+    }
+    require_folder(&args.case)?;
+    args.threads.apply()?;
+    let options = Options { queries: args.queries, seed: args.seed, keep: SHOWN };
+    let progress = Progress::bar("judging queries", args.queries);
+    let start = Instant::now();
+    let found = torture::run(&options, &|queries| progress.done(queries));
+    let seconds = start.elapsed().as_secs_f64();
+    drop(progress);
+
+    let case = found.case.as_ref().map(|_| args.case.as_path());
+    if let Some(path) = case {
+        found.write_case(args.seed, path)?;
+        output::wrote(path);
+    }
+    let mut output = Output::new();
+    if args.json {
+        output.json(&json::document(&found, args.seed, seconds, case))?;
+    } else {
+        output.text(text::report(&found, args.seed, seconds, case))?;
+    }
+    output.flush()?;
+    Ok(if found.agrees() { Outcome::Sound } else { Outcome::Unsound })
+}
+
+fn replay(file: &Path) -> Result<Outcome, Failure> {
+    let case = Case::read(file)?;
+    let ruling = case.judge();
+    let mut output = Output::new();
+    output.text(text::replay(file, &case, &ruling))?;
+    output.flush()?;
+    Ok(if ruling.agrees { Outcome::Sound } else { Outcome::Unsound })
+}
+
+/// It prints as problem and remedy already.
+impl From<CaseError> for Failure {
+    fn from(error: CaseError) -> Self {
+        match error {
+            CaseError::Mesh(error) => error.into(),
+            error => Self::of(error.to_string(), None),
+        }
+    }
+}

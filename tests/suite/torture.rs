@@ -1,0 +1,28 @@
+//! Adversarial queries, all judges against each other.
+//!
+//! `UMBRAGE_TORTURE_QUERIES=1000000000 cargo test --release --test suite torture_all -- --nocapture` is the long form.
+
+use umbrage::verify::torture::{Options, run};
+
+#[test]
+fn torture_all_judges_agree_and_plain_f32_does_not() {
+    let queries = std::env::var("UMBRAGE_TORTURE_QUERIES")
+        .map_or(10_000_000, |n| n.parse().expect("a number of queries"));
+    let found = run(&Options { queries, ..Options::default() }, &|_| {});
+    let total = found.total();
+    eprintln!("{total:?}, rate of disagreement below {:?}", found.bound_95());
+    assert!(found.agrees(), "{:?} {:?}", found.strata, found.disagreements);
+    assert_eq!(total.queries, queries);
+    let tries = |row: &umbrage::verify::torture::Stratum| (row.queries - row.ties) as f64;
+    let [generic, adversarial @ ..] = found.strata.as_slice() else { panic!("no strata") };
+    assert_eq!(generic.name, "generic");
+    for row in adversarial {
+        // From three ties in four queries to none, and plain f32 wrong in a percent of the others and more.
+        assert!(4.0 * tries(row) > row.queries as f64, "{row:?}");
+        assert!(row.plain_f32_wrong as f64 > 0.01 * tries(row), "{row:?}");
+        assert!(row.plain_f32_faces_wrong > 0 && row.judged_by_whole_numbers > 0, "{row:?}");
+        assert!(row.abstained > 0, "no point stands on a volume: {row:?}");
+    }
+    // Where nothing is aimed at, nothing is hit: uniform sampling shows next to no errors.
+    assert!((generic.plain_f32_wrong as f64) < 0.001 * tries(generic), "{generic:?}");
+}

@@ -60,8 +60,7 @@ fn hard_10_light_at_the_eye_lights_all_it_sees() {
     ]);
     let by_zpass =
         expect_pixels("light at the eye", &scene, &point(0.0, 0.0, 8.0), (0.5, 8.0), |_, _| Pixel::Count(0));
-    // What is before the eye is beyond the near rectangle as well: z-pass is proven to be right. All but two of the
-    // shells are.
+    // Nothing lies between the eye and its near rectangle, so that z-pass is proven to be right for all five shells.
     assert!(by_zpass.is_none_or(|count| count == 5), "{by_zpass:?}");
     // The sabotage: the light moved behind the cover.
     let Some(shot) = shoot(&scene, &point(0.0, 0.0, 24.0), &plain(), Asked::ZFail) else { return };

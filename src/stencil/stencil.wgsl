@@ -41,6 +41,17 @@ struct Corner {
     @location(1) @interpolate(flat) face: u32,
 }
 
+// A corner of a side of a volume.
+struct Side {
+    @invariant @builtin(position) clip: vec4f,
+    // As a receiver's.
+    @location(0) @interpolate(flat) depth: vec3f,
+    // Where the side ends: the lines on which its edge's two ends are extruded, as functions of x, y, 1 in normalised
+    // device coordinates, which are 0 there and rise by 1 a unit towards the side; zero for one that is seen end-on.
+    @location(1) @interpolate(flat) end_a: vec3f,
+    @location(2) @interpolate(flat) end_b: vec3f,
+}
+
 fn vertex(id: u32) -> vec3f {
     return vec3f(vertices[3u * id], vertices[3u * id + 1u], vertices[3u * id + 2u]);
 }
@@ -58,9 +69,12 @@ fn plane_depth(normal: vec3f, place: vec3f) -> vec3f {
     return slope * (frame.near / distance);
 }
 
+fn normalised(position: vec2f) -> vec2f {
+    return vec2f(2.0 * position.x / frame.width - 1.0, 1.0 - 2.0 * position.y / frame.height);
+}
+
 fn depth_at(position: vec2f, depth: vec3f) -> f32 {
-    let ndc = vec2f(2.0 * position.x / frame.width - 1.0, 1.0 - 2.0 * position.y / frame.height);
-    return clamp(dot(depth, vec3f(ndc, 1.0)), 0.0, 1.0);
+    return clamp(dot(depth, vec3f(normalised(position), 1.0)), 0.0, 1.0);
 }
 
 // Flat values are those of a triangle's first corner; the others need none.
@@ -124,11 +138,21 @@ fn volume_clip(id: u32) -> vec4f {
     return project(v * frame.scale - frame.eye, 1.0);
 }
 
+// The line on which `v` is extruded, as seen, rising towards `inside`.
+fn end_line(v: vec3f, inside: vec3f) -> vec3f {
+    // The plane of the line and the eye.
+    let normal = cross(direction(v * frame.scale - frame.eye), direction(away(v)));
+    let line = vec3f(dot(normal, frame.ray_right), dot(normal, frame.ray_up), dot(normal, frame.ray_forward));
+    let steepness = length(line.xy);
+    if steepness == 0.0 { return vec3f(0.0); }
+    return line * (sign(dot(normal, (inside - v) * frame.scale)) / steepness);
+}
+
 // A corner of a volume. Its depth is that of the plane through the light and the silhouette edge, from the edge itself:
 // interpolating from a clipped corner to infinity would lose digits.
 @vertex
-fn volume(@builtin(vertex_index) index: u32) -> Corner {
-    if index % 3u != 0u { return Corner(volume_clip(triangles[index]), vec3f(0.0), 0u); }
+fn volume(@builtin(vertex_index) index: u32) -> Side {
+    if index % 3u != 0u { return Side(volume_clip(triangles[index]), vec3f(0.0), vec3f(0.0), vec3f(0.0)); }
     let ids = vec3u(triangles[index], triangles[index + 1u], triangles[index + 2u]);
     // The ends of the edge: the two vertices that the triangle is made of, as they are or extruded. A directional
     // light's one point at infinity is of neither.
@@ -144,7 +168,8 @@ fn volume(@builtin(vertex_index) index: u32) -> Corner {
         b = swapped;
     }
     let normal = direction(cross(direction((b - a) * frame.scale), direction(away(a))));
-    return Corner(volume_clip(ids.x), plane_depth(normal, a * frame.scale - frame.eye), 0u);
+    let depth = plane_depth(normal, a * frame.scale - frame.eye);
+    return Side(volume_clip(ids.x), depth, end_line(a, b), end_line(b, a));
 }
 
 // A vertex of a volume, finite or not, for triangles that share it: no depth is asked of it but its own.
@@ -156,6 +181,22 @@ fn volume_vertex(@builtin(vertex_index) id: u32) -> Corner {
 @fragment
 fn plane(corner: Corner) -> @builtin(frag_depth) f32 {
     return depth_at(corner.clip.xy, corner.depth);
+}
+
+// A rasteriser rounds corners to 1/256 pixel, and so may cover a pixel that is just beyond an end of the side. There the
+// plane of a side that is seen nearly edge-on is far in front of the side, or behind it: so the depth is that of the
+// nearest place of the side. No farther than 1/128 pixel: a line that is seen nearly end-on is not well known.
+fn side_depth(side: Side) -> f32 {
+    let most = 1.0 / (64.0 * max(frame.width, frame.height));
+    var p = normalised(side.clip.xy);
+    p -= side.end_a.xy * clamp(dot(side.end_a, vec3f(p, 1.0)), -most, 0.0);
+    p -= side.end_b.xy * clamp(dot(side.end_b, vec3f(p, 1.0)), -most, 0.0);
+    return clamp(dot(side.depth, vec3f(p, 1.0)), 0.0, 1.0);
+}
+
+@fragment
+fn side_plane(side: Side) -> @builtin(frag_depth) f32 {
+    return side_depth(side);
 }
 
 // Counting in whole numbers, for scenes that could overflow the stencil.
@@ -174,17 +215,17 @@ fn count_all(corner: Corner, @builtin(front_facing) front: bool) {
 }
 
 @fragment
-fn count_behind(corner: Corner, @builtin(front_facing) front: bool) {
-    let depth = depth_at(corner.clip.xy, corner.depth);
-    if !(depth > textureLoad(receiver_depth, vec2u(corner.clip.xy), 0)) {
-        count(corner.clip, select(1, -1, front));
+fn count_behind(side: Side, @builtin(front_facing) front: bool) {
+    let depth = side_depth(side);
+    if !(depth > textureLoad(receiver_depth, vec2u(side.clip.xy), 0)) {
+        count(side.clip, select(1, -1, front));
     }
 }
 
 @fragment
-fn count_before(corner: Corner, @builtin(front_facing) front: bool) {
-    let depth = depth_at(corner.clip.xy, corner.depth);
-    if depth > textureLoad(receiver_depth, vec2u(corner.clip.xy), 0) {
-        count(corner.clip, select(-1, 1, front));
+fn count_before(side: Side, @builtin(front_facing) front: bool) {
+    let depth = side_depth(side);
+    if depth > textureLoad(receiver_depth, vec2u(side.clip.xy), 0) {
+        count(side.clip, select(-1, 1, front));
     }
 }

@@ -15,6 +15,7 @@ mod gpu_silhouette;
 mod gpu_stencil;
 #[cfg(feature = "gpu")]
 mod gpu_topology;
+mod hard;
 mod metamorphic;
 mod oracle;
 mod picture;

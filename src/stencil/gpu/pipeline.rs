@@ -95,7 +95,7 @@ impl Pipelines {
         let module = Shader::new("stencil", SOURCE).module(gpu)?;
         let layout = layout(gpu, false)?;
         let counting_layout = self::layout(gpu, true)?;
-        let fragment = plane.then_some("plane");
+        let (of_receiver, of_side) = (plane.then_some("plane"), plane.then_some("side_plane"));
         let (receiver, side) =
             if plane { ("receiver", "volume") } else { ("receiver_vertex", "volume_vertex") };
         let fails = |operation| StencilFaceState {
@@ -124,9 +124,9 @@ impl Pipelines {
         // z-fail counts what is behind the visible point: out where a volume ends there, in where it begins.
         let (out, into) = (fails(DecrementWrap), fails(IncrementWrap));
         Ok(Self {
-            receivers: build(receiver, fragment, true, greater, KEEP, KEEP)?,
-            zfail_sides: build(side, fragment, false, greater, out, into)?,
-            zpass_sides: build(side, fragment, false, greater, passes(IncrementWrap), passes(DecrementWrap))?,
+            receivers: build(receiver, of_receiver, true, greater, KEEP, KEEP)?,
+            zfail_sides: build(side, of_side, false, greater, out, into)?,
+            zpass_sides: build(side, of_side, false, greater, passes(IncrementWrap), passes(DecrementWrap))?,
             caps: build("volume_vertex", None, false, CompareFunction::Never, out, into)?,
             count_all: count("volume_vertex", "count_all")?,
             count_behind: count("volume", "count_behind")?,

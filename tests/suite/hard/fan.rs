@@ -1,0 +1,120 @@
+//! Many faces on one edge, and solids that touch in an edge or in a vertex.
+
+use umbrage::mesh::{Mesh, VertexId, solid};
+use umbrage::silhouette::{Casters, classify};
+use umbrage::volume::{Caps, ShadowVolume};
+
+use super::figures::*;
+
+/// The pages of a book that is opened half: all of them face a light at the side.
+fn half_open(pages: u32) -> Mesh {
+    let (positions, mut triangles, ..) = solid::book(2 * pages).into_parts();
+    triangles.truncate(pages as usize);
+    Mesh::new(positions[..pages as usize + 2].to_vec(), triangles).unwrap()
+}
+
+fn at_angle(degrees: f64, radius: f64) -> [f32; 3] {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    [(radius * cos) as f32, (radius * sin) as f32, 0.5]
+}
+
+fn lamp(at: [f32; 3]) -> umbrage::geom::Light {
+    umbrage::geom::Light::point(at).unwrap()
+}
+
+/// Guards against edge tables with two places, where the third face overwrites one or is lost.
+#[test]
+fn hard_03_edge_keeps_three_five_nine_and_eighteen_faces() {
+    for (pages, [front, back], spine) in [(3_u32, [1, 2], 1), (5, [3, 2], 1), (9, [4, 5], 1), (18, [9, 9], 0)]
+    {
+        let (book, n) = (solid::book(pages), pages as usize);
+        let c = counts(&book);
+        assert_eq!(
+            (c.non_manifold_edges, c.max_faces_per_edge, c.boundary_edges, c.shells),
+            (1, n, 2 * n, 1)
+        );
+        let topology = topology(&book);
+        let edge = topology.edge_between(VertexId::new(0), VertexId::new(1)).unwrap();
+        assert_eq!(topology.valence(edge), n);
+        assert!(topology.half_edges(edge).all(|half_edge| topology.twin(half_edge).is_none()));
+
+        // A page at angle θ is in front of the light at 100.5° if θ is up to 180° behind it.
+        let light = lamp(at_angle(100.5, 3.0));
+        let edges = 2 * n + usize::from(spine > 0);
+        expect_figures(&[(&book, light, ([front, back, 0], edges, 2 * n + spine))]);
+        // The way to the opposite side passes just beside the spine, through all pages of one kind.
+        expect_crossings(
+            &book,
+            &light,
+            &[(at_angle(100.5 + 179.9, 3.0), back as u32), (at_angle(100.5 - 179.9, 3.0), front as u32)],
+        );
+        expect_agreement(&book, &light);
+    }
+}
+
+/// Guards against multiplicities that are capped at one or two copies of a side.
+#[test]
+fn hard_03_edge_that_all_faces_leave_one_way_has_a_side_for_each() {
+    for pages in [3_u32, 5, 9, 18] {
+        let (book, n) = (half_open(pages), pages as usize);
+        let light = lamp(at_angle(180.0 - 90.0 / f64::from(pages), 3.0));
+        expect_figures(&[(&book, light, ([n, 0, 0], 2 * n + 1, 3 * n))]);
+        let (mut silhouette, _) = cast(&book, &light, Casters::All);
+        assert_eq!(silhouette.max_multiplicity(), pages);
+
+        // The sabotage: copies above two are dropped, and the spine opens by as many.
+        for edge in &mut silhouette.edges {
+            edge.multiplicity = edge.multiplicity.clamp(-2, 2);
+        }
+        let signs = Casters::All.signs(&classify(&book, &light));
+        let capped = ShadowVolume::extrude(&book, &topology(&book), &light, &signs, &silhouette, Caps::Both);
+        assert_eq!(capped.boundary_sum().largest, u64::from(pages) - 2);
+        assert!(!capped.boundary_sum().is_closed());
+    }
+}
+
+/// Guards against pairing the four faces of a shared edge two by two: which pair is right depends on the light.
+#[test]
+fn hard_03_edge_of_two_cubes_is_no_outline_where_their_shadows_meet() {
+    let cubes = solid::cubes_sharing_edge();
+    let c = counts(&cubes);
+    assert_eq!((c.non_manifold_edges, c.max_faces_per_edge, c.boundary_edges, c.shells), (1, 4, 0, 1));
+    assert_eq!((c.watertight, c.balanced, c.even, c.signed_volume), (false, true, true, 2.0));
+    // Along the common edge's own diagonal plane it is inside both hexagons; across it, on both: there it cancels.
+    let (along, across) = (sun(-3.0, -5.0, -7.0), sun(-3.0, 5.0, -7.0));
+    expect_figures(&[(&cubes, along, ([12, 12, 0], 12, 24)), (&cubes, across, ([12, 12, 0], 10, 20))]);
+    // Through both; and on either side of the way through the edge, where one shadow goes over into the other.
+    expect_crossings(&cubes, &sun(-1.0, -1.0, -0.01), &[([0.4, 0.5, 0.5], 3), ([-1.0, -0.9, 0.5], 4)]);
+    expect_crossings(
+        &cubes,
+        &sun(-1.0, 1.0, -0.01),
+        &[([0.8, 1.19, 0.5], 2), ([0.8, 1.21, 0.5], 2), ([0.8, 0.1, 0.5], 1)],
+    );
+    for light in [along, across, point(1.0, 1.0, 9.0), point(1.0, 1.0, 0.5)] {
+        expect_agreement(&cubes, &light);
+    }
+    // The sabotage: the cubes apart have an outline of twelve edges each way.
+    let apart =
+        Mesh::concat(&[solid::cuboid([0.0; 3], [1.0; 3]), solid::cuboid([1.0, 1.0, 0.0], [2.0, 2.0, 1.0])]);
+    expect_figures(&[(&apart.unwrap(), across, ([12, 12, 0], 12, 24))]);
+}
+
+/// Guards against connecting through a vertex: fans would be walked from one cube into the other.
+#[test]
+fn hard_03_edge_less_contact_in_a_vertex_keeps_two_shells() {
+    let cubes = solid::cubes_sharing_vertex();
+    let c = counts(&cubes);
+    assert_eq!((c.shells, c.closed_shells, c.non_manifold_vertices, c.non_manifold_edges), (2, 2, 1, 0));
+    assert_eq!((c.watertight, c.sound(), c.signed_volume), (true, true, 2.0));
+    let light = sun(-1.0, -1.0, -1.0);
+    // Along the diagonal near the common vertex through both cubes; behind one of them.
+    expect_crossings(
+        &cubes,
+        &light,
+        &[([-1.0, -0.9, -1.05], 4), ([1.01, 1.02, 0.99], 2), ([0.5, 1.1, 0.9], 2)],
+    );
+    expect_figures(&[(&cubes, sun(-3.0, 5.0, -7.0), ([12, 12, 0], 12, 24))]);
+    expect_agreement(&cubes, &point(1.0, 1.0, 1.0));
+    // The sabotage: one cube alone is one shell with no such vertex.
+    assert_ne!(counts(&solid::cube()).non_manifold_vertices, c.non_manifold_vertices);
+}

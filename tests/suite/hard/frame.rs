@@ -1,0 +1,91 @@
+//! Frames of an animation: vertices that meet in one of them and part in another.
+
+use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::silhouette::{Casters, Silhouette, classify};
+use umbrage::volume::{Caps, ShadowVolume};
+
+use super::figures::*;
+
+/// Two unit quads side by side, their common edge twice: in frame 0 closed, in frame 1 open by 1, in frame 2 closed.
+fn zip() -> Mesh {
+    let quad = |x: f32| [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x + 1.0, 1.0, 0.0], [x, 1.0, 0.0]];
+    let closed = [quad(0.0), quad(1.0)].concat();
+    let open = [quad(0.0), quad(2.0)].concat();
+    let faces = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    Mesh::new(closed.clone(), faces).unwrap().with_frames(vec![open, closed]).unwrap()
+}
+
+/// A frame of a mesh, as a mesh.
+fn frame(mesh: &Mesh, number: usize) -> Mesh {
+    let positions = if number == 0 { mesh.positions() } else { &mesh.frames()[number - 1] };
+    Mesh::new(positions.to_vec(), mesh.triangles().to_vec()).unwrap()
+}
+
+/// Guards against adjacency that depends on the frame: edges would come and go, and buffers with them.
+#[test]
+fn hard_23_frames_in_which_vertices_part_keep_them_apart_in_all() {
+    let zip = zip();
+    for how in [Weld::Exact, Weld::Within(0.25)] {
+        let welded = weld(&zip, how).mesh;
+        assert_eq!((welded.vertex_count(), welded.frames().len()), (8, 2));
+        let topology = topology(&welded);
+        assert_eq!(
+            (topology.edge_count(), topology.edge_counts().boundary, topology.shells().count),
+            (10, 8, 2)
+        );
+        for number in 0..3 {
+            let mesh = frame(&welded, number);
+            // One topology serves every frame: eight edges of outline, be the slit open or not.
+            expect_figures(&[(&mesh, point(1.3, 0.4, 5.0), ([4, 0, 0], 8, 8))]);
+            expect_agreement(&mesh, &point(1.3, 0.4, 5.0));
+            let in_the_slit = u32::from(number != 1);
+            expect_crossings(
+                &mesh,
+                &sun(0.0, 0.0, -1.0),
+                &[([1.25, 0.5, -1.0], in_the_slit), ([0.75, 0.5, -1.0], 1)],
+            );
+        }
+    }
+    // The sabotage: welded by one frame alone, the quads hang together and the slit cannot open.
+    let by_one = weld(&frame(&zip, 0), Weld::Exact).mesh;
+    assert_eq!((by_one.vertex_count(), counts(&by_one).boundary_edges, counts(&by_one).shells), (6, 6, 1));
+    // A frame later is as good as the first: closed, open the other way round.
+    let (positions, triangles, _, frames) = zip.into_parts();
+    let [open, closed] = <[Vec<[f32; 3]>; 2]>::try_from(frames).unwrap();
+    assert_eq!(positions, closed);
+    let late = Mesh::new(open, triangles).unwrap().with_frames(vec![closed]).unwrap();
+    assert_eq!(weld(&late, Weld::Exact).mesh.vertex_count(), 8);
+}
+
+/// Guards against keeping apart what never parts: split vertices that move alike are one.
+#[test]
+fn hard_23_frames_of_split_vertices_that_move_alike_close() {
+    let ball = solid::soup(&solid::icosphere(1));
+    // Pressed flat more and more, and moved: in the last frame all lie in one plane, opposite ones in one place.
+    let pressed = |factor: f32| -> Vec<[f32; 3]> {
+        ball.positions().iter().map(|&[x, y, z]| [x + 4.0 * factor, y, z * (1.0 - factor)]).collect()
+    };
+    let moving = ball.clone().with_frames(vec![pressed(0.5), pressed(1.0)]).unwrap();
+    let welded = weld(&moving, Weld::Exact).mesh;
+    let topology = topology(&welded);
+    assert_eq!((welded.vertex_count(), topology.edge_count()), (42, 120));
+    assert!(topology.edge_counts().watertight());
+    let light = point(3.0, 5.0, 7.0);
+    for number in 0..3 {
+        let mesh = frame(&welded, number);
+        let signs = Casters::All.signs(&classify(&mesh, &light));
+        let silhouette = Silhouette::extract(&topology, &signs);
+        let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
+        assert!(volume.boundary_sum().is_closed(), "frame {number}");
+        let x = [0.0, 2.0, 4.0][number];
+        expect_crossings(
+            &mesh,
+            &sun(0.0, 0.0, -1.0),
+            &[([x + 0.1, 0.07, -5.0], 2), ([x + 1.5, 0.07, -5.0], 0)],
+        );
+        expect_agreement(&mesh, &light);
+    }
+    // The sabotage: the pressed frame by itself welds its two sides together.
+    let alone = weld(&Mesh::new(pressed(1.0), ball.triangles().to_vec()).unwrap(), Weld::Exact).mesh;
+    assert!(alone.vertex_count() < 42 && !counts(&alone).watertight);
+}

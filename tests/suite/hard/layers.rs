@@ -1,0 +1,272 @@
+//! Many layers, coincident edges and overlapping lobes, by the stencil pass against counts in closed form.
+
+use std::collections::BTreeSet;
+
+use umbrage::compare::PixelVerdict;
+use umbrage::geom::Light;
+use umbrage::glam::Vec3;
+use umbrage::mesh::{Mesh, solid};
+use umbrage::oracle::Oracle;
+use umbrage::silhouette::{Facing, facing_of};
+use umbrage::stencil::{Asked, Caster, Counting, ShadowMask};
+use umbrage::volume::{Faces, ShadowVolume, Variant};
+
+use super::figures::*;
+use super::screen::*;
+
+/// How many of `n` nested cubes, of half sides 1/2, 1, 3/2, … about (1/4, 1/8), cover a pixel.
+fn covering(n: u32, x: f32, y: f32) -> i32 {
+    let out = (x - 0.25).abs().max((y - 0.125).abs());
+    (1..=n).filter(|&k| 0.5 * k as f32 > out).count() as i32
+}
+
+/// Guards against eight bits: 128 closed shells, or 256 where front faces alone cast, read as lit.
+#[test]
+fn hard_13_wrap_of_the_stencil_is_foreseen_and_counted_beyond() {
+    let light = sun(0.0, 0.0, -1.0);
+    for (shells, faces, counting) in [
+        (60, Faces::All, Counting::Stencil),
+        (128, Faces::All, Counting::Integer),
+        (60, Faces::Auto, Counting::Stencil),
+        (256, Faces::Auto, Counting::Integer),
+        (300, Faces::Auto, Counting::Integer),
+        (300, Faces::All, Counting::Integer),
+    ] {
+        let scene = walled(&[placed(&solid::nested_cubes(shells), 0.5, [0.25, 0.125, 256.0])]);
+        let caster = Caster::new(&scene, faces);
+        let each = if faces == Faces::All { 2 } else { 1 };
+        let must = |x: f32, y: f32| Pixel::Count(each * covering(shells, x, y));
+        let Some(shot) = shoot_as(&caster, &light, &plain(), Asked::ZFail, None) else { return };
+        assert_eq!(shot.casting.counting(), counting, "{shells} {faces:?}: {}", shot.casting.layers);
+        assert_eq!(shot.wrong(8.0, must), [], "{shells} {faces:?}");
+        assert!(shot.comparison.agrees(), "{:?}", shot.comparison.mismatches);
+        // The sabotage: to trust eight bits. The first count that they take for another is 256, all shells in a pixel.
+        let eight = shoot_as(&caster, &light, &plain(), Asked::ZFail, Some(Counting::Stencil)).unwrap();
+        let wraps = |x: f32, y: f32| Pixel::Count((each * covering(shells, x, y)) & 255);
+        assert_eq!(eight.wrong(8.0, wraps), [], "{shells} {faces:?}");
+        let overflown = eight.comparison.count(PixelVerdict::Overflow);
+        assert_eq!(overflown, eight.wrong(8.0, must).len());
+        let expected = match shells as i32 * each {
+            60 | 120 => 0,
+            256 => 1,
+            // Where at least 256 of 300, and 128 of them, are crossed: all of the picture.
+            _ => 256,
+        };
+        assert_eq!((overflown, eight.comparison.agrees()), (expected, expected == 0), "{shells} {faces:?}");
+    }
+}
+
+/// The corners of a volume's side triangles, as positions.
+fn sides(volume: &ShadowVolume) -> BTreeSet<Vec<[u64; 4]>> {
+    let corners = |triangle: &[u32; 3]| {
+        let mut corners = triangle.map(|v| volume.vertex(v).to_f64().map(f64::to_bits)).to_vec();
+        corners.sort_unstable();
+        corners
+    };
+    volume.triangles()[volume.sides()].iter().map(corners).collect()
+}
+
+/// Guards against diagonals by vertex number: two meshes that meet would leave a raster crack between their sides.
+#[test]
+fn hard_14_coincident_edges_sweep_the_same_two_triangles() {
+    let mut state = 5_u32;
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / 1_048_576.0 - 8.0
+    };
+    let light = point(0.3, 4.0, 1.0);
+    for _ in 0..200 {
+        let [a, b, c, d]: [[f32; 3]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| next()));
+        // The edge from a to b in two meshes, its ends numbered one way and the other.
+        let one = Mesh::new(vec![a, b, c], vec![[0, 1, 2]]).unwrap();
+        let two = Mesh::new(vec![d, b, a], vec![[2, 0, 1]]).unwrap();
+        let [one, two] = [one, two].map(|mesh| sides(&shadow(&mesh, &light)));
+        assert_eq!(one.intersection(&two).count(), 2);
+        // The sabotage: the other diagonal of the same quad.
+        let quad = one.intersection(&two).flatten().copied().collect::<BTreeSet<_>>();
+        assert_eq!(quad.len(), 4);
+        let all: Vec<_> = quad.into_iter().collect();
+        let halves =
+            (0..4).map(|left_out| (0..4).filter(|&i| i != left_out).map(|i| all[i]).collect::<Vec<_>>());
+        assert_eq!(
+            halves.filter(|half| one.contains(half)).count(),
+            2,
+            "two of the four triangles of four points"
+        );
+    }
+}
+
+/// Guards against cracks of a pixel: inner edges of a torn sheet run exactly through the middles of pixels.
+#[test]
+fn hard_14_coincident_edges_through_pixel_middles_leave_no_crack() {
+    // Seven by seven unit quads about the middle, every triangle with corners of its own, numbered at random.
+    let torn = solid::shuffled(&solid::soup(&placed(&solid::sheet(7), 1.0, [-3.5, -3.5, 16.0])), 3);
+    assert_eq!(counts(&torn).boundary_edges, 3 * 98);
+    let must = |x: f32, y: f32| match x.abs().max(y.abs()) {
+        out if out < 3.5 => Pixel::Count(1),
+        out if out > 3.5 => Pixel::Count(0),
+        _ => Pixel::Either,
+    };
+    let scene = walled(std::slice::from_ref(&torn));
+    for light in [sun(0.0, 0.0, -1.0), point(0.0, 0.0, 1e9)] {
+        expect_pixels("a torn sheet", &scene, &light, (0.5, 8.0), must);
+    }
+    // The sabotage: one triangle less is a hole.
+    let (positions, mut triangles, ..) = torn.into_parts();
+    let middle = triangles.iter().position(|face| {
+        let corners = face.map(|v| positions[v as usize]);
+        [0, 1].iter().all(|&i| corners.iter().all(|p| p[i].abs() <= 0.5))
+    });
+    triangles.remove(middle.unwrap());
+    let scene = walled(&[Mesh::new(positions, triangles).unwrap()]);
+    let shot = shoot(&scene, &sun(0.0, 0.0, -1.0), &plain(), Asked::ZFail);
+    assert!(shot.is_none_or(|shot| !shot.wrong(8.0, must).is_empty()));
+}
+
+/// A fin over each pixel: a small triangle with one side that the eye sees nearly edge-on. Below its tip that side meets
+/// another one, just beneath the wall, within some 256ths of a pixel of the middle.
+fn fins(seed: u32) -> Mesh {
+    let mut state = seed;
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / 8_388_608.0 - 1.0
+    };
+    let (eye, travel) = (Vec3::new(0.0, 0.0, 8.0), Vec3::new(1.0, 0.0, -1.0));
+    let mut positions = Vec::new();
+    for pixel in 0..256_u16 {
+        let ray = (Vec3::new(f32::from(pixel % 16) - 7.5, f32::from(pixel / 16) - 7.5, 0.0) - eye) / 8.0;
+        let beside = Vec3::new(next(), next(), 0.0) * (1.5 / 256.0);
+        let tip = eye + ray * 8.01 + beside - travel * 0.6;
+        let gentle = tip + Vec3::new(0.0, 0.2 * next().signum(), 0.0);
+        let steep = tip + 0.2 * ray + Vec3::new(0.0, 0.03 * next(), 0.0);
+        positions.extend([tip, gentle, steep].map(|p| p.to_array()));
+    }
+    Mesh::new(positions, (0..256).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap()
+}
+
+/// Guards against the depth of a plane beyond its side: a rasteriser may cover a pixel there, and the plane of a steep
+/// side is before the wall where the side itself is behind it.
+#[test]
+fn hard_14_coincident_lines_of_a_steep_side_and_another_are_of_one_depth() {
+    let light = sun(1.0, 0.0, -1.0);
+    for seed in 1..=8 {
+        let scene = walled(&[fins(seed)]);
+        let caster = Caster::new(&scene, Faces::All);
+        for counting in [Counting::Stencil, Counting::Integer] {
+            let shot = shoot_as(&caster, &light, &plain(), Asked::ZFail, Some(counting));
+            let Some(Shot { comparison, mask, casting }) = shot else { return };
+            assert!(comparison.agrees(), "{counting:?} {seed}: {:?}", comparison.mismatches);
+            // Few pixels need to be forgiven: their middles are beside the shadows, not on their rims.
+            assert!(comparison.count(PixelVerdict::Grazing) < 8);
+            // The sabotage: one more everywhere.
+            let raw = mask.raw().iter().map(|count| count + 1).collect();
+            let altered = ShadowMask::new(mask.size(), Counting::Integer, raw, vec![true; 256]);
+            let found = judge(&scene, &casting.signs, &light, &plain(), &altered);
+            assert!(found.count(PixelVerdict::Real) > 200);
+        }
+    }
+}
+
+/// Guards against a slit that light shines through: what joins there is not the same vertices.
+#[test]
+fn hard_08_t_junction_throws_a_shadow_without_a_crack() {
+    // The open edge lies over the middles of a row of pixels.
+    let scene = walled(&[placed(&solid::t_junction(), 3.5, [0.25, 0.0, 20.0])]);
+    let must = |x: f32, y: f32| match y.abs() {
+        y if y > 3.5 || (x - 0.25).abs() > 3.5 => Pixel::Count(0),
+        y if y < 3.5 => Pixel::Count(2),
+        _ => Pixel::Either,
+    };
+    expect_pixels("a T-junction", &scene, &sun(0.0, 0.0, -1.0), (0.5, 8.0), must);
+    // Tilted so that the slit is over pixels that are dark on both of its sides.
+    let tilted = walled(&[placed(&solid::t_junction(), 4.0, [0.0, 20.5, 20.0])]);
+    let must = |x: f32, y: f32| {
+        // The slanting sun moves each level by its height: lid (z = 24) and front (y = 16.5) side by side.
+        let dark = x.abs() < 4.0 && y > -7.5 && y < 8.5;
+        counted(dark, 2)
+    };
+    expect_pixels("a T-junction, slanting", &tilted, &sun(0.0, -1.0, -1.0), (0.5, 8.0), must);
+    let open = walled(&[placed(&solid::open_cube(), 4.0, [0.0, 20.5, 20.0])]);
+    let shot = shoot(&open, &sun(0.0, -1.0, -1.0), &plain(), Asked::ZFail);
+    assert!(shot.is_none_or(|shot| !shot.wrong(8.0, must).is_empty()), "the sabotage: no lid");
+}
+
+/// Guards against counts that cancel: the lobes have winding +1 and −1, and where their caps overlap both count.
+#[test]
+fn hard_21_winding_of_lobes_adds_up_in_the_stencil() {
+    let scene = walled(&[placed(&solid::figure_eight_prism(), 2.0, [0.25, 0.0, 16.0])]);
+    let light = sun(0.0, 0.0, -1.0);
+    let must = |x: f32, y: f32| {
+        let p = [(x - 0.25) / 2.0, y / 2.0];
+        let inside = |corners: [[f32; 2]; 3]| {
+            let side = |i: usize| {
+                let (a, b) = (corners[i], corners[(i + 1) % 3]);
+                (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) > 0.0
+            };
+            side(0) == side(1) && side(1) == side(2)
+        };
+        let (a, b, c, d) = ([2.0, -2.0], [2.0, 2.0], [-1.0, -1.0], [-1.0, 1.0]);
+        Pixel::Count(2 * (i32::from(inside([a, b, c])) + i32::from(inside([a, c, d]))))
+    };
+    expect_pixels("a figure-eight prism", &scene, &light, (0.5, 8.0), must);
+    let caster = Caster::new(&scene, Faces::Auto);
+    let Some(shot) = shoot_as(&caster, &light, &plain(), Asked::ZFail, None) else { return };
+    assert_eq!(shot.casting.faces.choices[1].variant, Variant::General);
+    assert_eq!(shot.wrong(8.0, must), []);
+    assert!([2, 4].iter().all(|count| shot.mask.raw().contains(count)));
+    // The sabotage: front faces alone count half.
+    let front = Caster::new(&scene, Faces::Front);
+    let shot = shoot_as(&front, &light, &plain(), Asked::ZFail, None).unwrap();
+    assert!(!shot.wrong(8.0, must).is_empty());
+}
+
+/// Whether a round ball about the origin is lit at a point.
+fn round_is_lit(p: [f32; 3], light: &Light) -> bool {
+    let (p, light) = (Vec3::from(p), Vec3::from(light.xyz()));
+    p.dot(light - p) > 0.0
+}
+
+/// Guards against calling the staircase of a faceted terminator an error of the shadow, or blurring it away: a facet that
+/// looks away from the light is dark as a whole, whatever a smooth normal says.
+#[test]
+fn hard_24_terminator_follows_the_facets() {
+    let ball = placed(&solid::icosphere(2), 4.0, [0.0, 0.0, 0.0]);
+    let light = point(30.0, 9.0, 2.0);
+    let Some(shot) = shoot(&ball, &light, &plain(), Asked::ZFail) else { return };
+    let oracle = Oracle::build(&ball);
+    let (mut lit, mut dark, mut smooth_differs) = (0, 0, 0);
+    for y in 0..16_u8 {
+        for x in 0..16_u8 {
+            let ray = [f32::from(x) - 7.5, 7.5 - f32::from(y), -8.0];
+            let seen = oracle.first_visible([0.0, 0.0, 8.0], ray);
+            let count = shot.mask.count(x.into(), y.into());
+            let Some(seen) = seen else {
+                assert_eq!(count, None);
+                continue;
+            };
+            // From just outside a facet that looks away, the way leads in through it and out again.
+            let facing = facing_of(&ball, seen.face, &light);
+            assert_eq!(count, Some(if facing == Facing::Front { 0 } else { 2 }), "{x} {y}");
+            (lit, dark) =
+                (lit + i32::from(facing == Facing::Front), dark + i32::from(facing == Facing::Back));
+            smooth_differs += i32::from(round_is_lit(seen.point, &light) != (facing == Facing::Front));
+        }
+    }
+    assert!(lit > 10 && dark > 10);
+    // Next to the terminator facets and the round ball differ: counted here, and no disagreement there.
+    assert!(smooth_differs > 0, "{lit} lit, {dark} dark");
+    let verdicts = [PixelVerdict::Lit, PixelVerdict::Shadowed, PixelVerdict::Real, PixelVerdict::Grazing];
+    let found = verdicts.map(|verdict| shot.comparison.count(verdict) as i32);
+    assert_eq!(found, [lit, dark, 0, 0]);
+    // The sabotage: a mask that shades the round ball is wrong in those very pixels.
+    let pixels = (0..16_u32).flat_map(|y| (0..16).map(move |x| (x, y)));
+    let (mut raw, mut receivers) = (Vec::new(), Vec::new());
+    for (x, y) in pixels {
+        let seen = oracle.first_visible([0.0, 0.0, 8.0], [x as f32 - 7.5, 7.5 - y as f32, -8.0]);
+        receivers.push(seen.is_some());
+        raw.push(seen.map_or(0, |seen| if round_is_lit(seen.point, &light) { 0 } else { 2 }));
+    }
+    let smooth = ShadowMask::new(shot.mask.size(), Counting::Integer, raw, receivers);
+    let found = judge(&ball, &shot.casting.signs, &light, &plain(), &smooth);
+    assert_eq!(found.count(PixelVerdict::Real) as i32, smooth_differs, "{:?}", found.mismatches);
+}

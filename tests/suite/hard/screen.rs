@@ -1,0 +1,175 @@
+//! Sixteen by sixteen pixels whose counts are known in closed form.
+//!
+//! The eye stands at (0, 0, 8) and looks down on the plane z = 0, where pixels are the unit squares of [−8, 8]²: their
+//! middles are half-integers. A wall there receives what casters in and out of view throw on it.
+
+use std::sync::OnceLock;
+
+use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
+use umbrage::geom::{Light, Projection};
+use umbrage::mesh::{Mesh, solid};
+use umbrage::oracle::Oracle;
+use umbrage::scene::Size;
+use umbrage::stencil::{
+    Asked, Caster, Casting, Counting, Depth, Receivers, ShadowMask, StencilMethod, StencilPass,
+};
+use umbrage::volume::Faces;
+
+use super::figures::topology;
+use crate::support::gpu;
+
+const SIDE: u32 = 16;
+
+/// What a pixel must show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Pixel {
+    /// Nothing is there.
+    Sky,
+    /// So many casting faces are between the visible point and the light.
+    Count(i32),
+    /// The boundary of a shadow runs through its middle: either count is right.
+    Either,
+}
+
+/// The eye, with the near plane at `near`; at depth 8 the picture reaches `reach` to each side.
+pub(super) fn view(near: f32, reach: f32) -> Projection {
+    let scale = 8.0 / reach;
+    Projection {
+        eye: [0.0, 0.0, 8.0],
+        right: [scale, 0.0, 0.0],
+        up: [0.0, scale, 0.0],
+        forward: [0.0, 0.0, -1.0],
+        near,
+    }
+}
+
+/// Pixels of unit squares, the near plane at 0.5.
+pub(super) fn plain() -> Projection {
+    view(0.5, 8.0)
+}
+
+/// The rectangle from `low` to `high` at height z, facing up.
+pub(super) fn plate(low: [f32; 2], high: [f32; 2], z: f32) -> Mesh {
+    let [[x, y], [u, v]] = [low, high];
+    Mesh::new(vec![[x, y, z], [u, y, z], [u, v, z], [x, v, z]], vec![[0, 1, 2], [0, 2, 3]]).unwrap()
+}
+
+/// A wall behind everything, larger than the picture, with `casters` before it.
+pub(super) fn walled(casters: &[Mesh]) -> Mesh {
+    let wall = plate([-20.25, -20.5], [20.5, 20.75], 0.0);
+    Mesh::concat(&[&[wall], casters].concat()).unwrap()
+}
+
+/// A solid's positions put elsewhere.
+pub(super) fn placed(mesh: &Mesh, factor: f32, at: [f32; 3]) -> Mesh {
+    solid::translated(&solid::scaled(mesh, factor), at)
+}
+
+/// A scene as drawn.
+pub(super) struct Shot {
+    pub(super) casting: Casting,
+    pub(super) mask: ShadowMask,
+    pub(super) comparison: Comparison,
+}
+
+impl Shot {
+    /// The pixels that do not show what they must, by their middles at depth 8, with what they show.
+    pub(super) fn wrong(&self, reach: f32, must: impl Fn(f32, f32) -> Pixel) -> Vec<([f32; 2], Option<i32>)> {
+        let pixels = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
+        let shown = pixels.map(|(x, y)| {
+            let at = |i: u32| (i as f32 + 0.5 - 8.0) * (reach / 8.0);
+            ([at(x), -at(y)], self.mask.count(x, y))
+        });
+        shown
+            .filter(|&([x, y], count)| match must(x, y) {
+                Pixel::Sky => count.is_some(),
+                Pixel::Count(expected) => count != Some(expected),
+                Pixel::Either => count.is_none(),
+            })
+            .collect()
+    }
+}
+
+fn pass() -> Option<StencilPass> {
+    static PASS: OnceLock<Option<StencilPass>> = OnceLock::new();
+    PASS.get_or_init(|| gpu().map(|gpu| StencilPass::new(&gpu, Depth::Plane).unwrap())).clone()
+}
+
+/// Draws what `caster` throws on its mesh, and compares. `None` without an adapter.
+pub(super) fn shoot_as(
+    caster: &Caster<'_>,
+    light: &Light,
+    projection: &Projection,
+    asked: Asked,
+    counting: Option<Counting>,
+) -> Option<Shot> {
+    let (pass, mesh) = (pass()?, caster.mesh());
+    let size = Size::new(SIDE, SIDE).unwrap();
+    let casting = caster.cast(light, projection, asked);
+    let device = casting.upload(pass.gpu()).unwrap();
+    let receivers = Receivers::upload(pass.gpu(), mesh).unwrap();
+    let counting = counting.unwrap_or(casting.counting());
+    let mask = pass.mask(projection, size, &receivers, &device.draws(), counting).unwrap();
+    let comparison = judge(mesh, &casting.signs, light, projection, &mask);
+    Some(Shot { casting, mask, comparison })
+}
+
+/// The comparison of any mask with what the faces of `mesh` cast by `signs`.
+pub(super) fn judge(
+    mesh: &Mesh,
+    signs: &[i8],
+    light: &Light,
+    projection: &Projection,
+    mask: &ShadowMask,
+) -> Comparison {
+    let topology = &topology(mesh);
+    let rendered = Rendered { mesh, topology, signs, light, projection, mask, unsure: &[] };
+    compare(&Oracle::build(mesh), &rendered, 3, &|_| {})
+}
+
+/// Draws `mesh` with all its faces casting.
+pub(super) fn shoot(mesh: &Mesh, light: &Light, projection: &Projection, asked: Asked) -> Option<Shot> {
+    shoot_as(&Caster::new(mesh, Faces::All), light, projection, asked, None)
+}
+
+/// Asserts every pixel, by z-fail and by the method that is chosen, and that the comparison agrees with both. Gives how
+/// many shells the choice counted by z-pass; `None` without an adapter.
+pub(super) fn expect_pixels(
+    what: &str,
+    mesh: &Mesh,
+    light: &Light,
+    (near, reach): (f32, f32),
+    must: impl Fn(f32, f32) -> Pixel,
+) -> Option<usize> {
+    let mut by_zpass = 0;
+    for asked in [Asked::ZFail, Asked::Auto] {
+        let shot = shoot(mesh, light, &view(near, reach), asked)?;
+        let wrong = shot.wrong(reach, &must);
+        assert!(
+            wrong.is_empty(),
+            "{what} {light} {asked:?}: {} pixels, {:?}",
+            wrong.len(),
+            &wrong[..wrong.len().min(8)]
+        );
+        let sum = PixelVerdict::ALL.map(|verdict| shot.comparison.count(verdict));
+        assert!(
+            shot.comparison.agrees(),
+            "{what} {light} {asked:?}: {sum:?} {:?}",
+            shot.comparison.mismatches
+        );
+        by_zpass = shot.casting.methods.count(StencilMethod::ZPass);
+    }
+    Some(by_zpass)
+}
+
+/// 1 where `inside` holds and 0 elsewhere, times `count`.
+pub(super) fn counted(inside: bool, count: i32) -> Pixel {
+    Pixel::Count(if inside { count } else { 0 })
+}
+
+/// A picture of `mesh` without any light.
+pub(super) fn zero_lights(mesh: &Mesh) -> Option<ShadowMask> {
+    let pass = pass()?;
+    let receivers = Receivers::upload(pass.gpu(), mesh).unwrap();
+    Some(pass.mask(&plain(), Size::new(SIDE, SIDE).unwrap(), &receivers, &[], Counting::Stencil).unwrap())
+}

@@ -23,6 +23,7 @@ mod render;
 mod unbuilt;
 mod demo;
 
+use std::ffi::OsString;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -40,7 +41,7 @@ use error::Failure;
     after_help = "Exit codes: 0 sound, or all judges agree; 1 cracks or disagreements found; 2 could not run.\n\
                   Results go to standard output, notes, progress and errors to standard error."
 )]
-struct Cli {
+pub(crate) struct Cli {
     #[command(subcommand)]
     command: Command,
 }
@@ -87,7 +88,7 @@ enum Outcome {
 
 /// Parses the arguments, runs the command, and gives the exit code.
 pub(crate) fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match parse(std::env::args_os()) {
         Ok(cli) => cli,
         Err(error) => return ExitCode::from(answer(&error) as u8),
     };
@@ -98,6 +99,11 @@ pub(crate) fn main() -> ExitCode {
             ExitCode::from(Outcome::Incomplete as u8)
         }
     }
+}
+
+/// What `arguments` ask for, the command's own name first. Nothing is looked at or done yet.
+pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
+    Cli::try_parse_from(arguments)
 }
 
 /// What the parser answers itself: help and version, or in one line what is wrong with the arguments.
@@ -118,7 +124,7 @@ fn answer(error: &clap::Error) -> Outcome {
 }
 
 /// The parser's paragraphs as problem and remedy. The first one is the problem; a tip, if there is one, the remedy.
-fn usage(text: &str) -> Failure {
+pub(crate) fn usage(text: &str) -> Failure {
     let fold = |paragraph: &str| paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
     let mut paragraphs = text.split("\n\n").map(fold);
     let first = paragraphs.next().unwrap_or_default();

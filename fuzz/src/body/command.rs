@@ -11,13 +11,14 @@ use umbrage::scene::Size;
 
 use super::bytes::Bytes;
 
+#[rustfmt::skip]
 const WORDS: [&str; 64] = [
-    "check", "silhouette", "volume", "verify", "render", "torture", "accuracy", "demo", "help", "--help",
-    "--version", "-V", "-h", "--json", "--light", "point:1,2,3", "directional:0,-1,0", "--weld", "exact", "none",
-    "0.001", "--scope", "mesh", "primitive", "scene", "--eye", "1,2,3", "--target", "0,0,0", "--fov", "45",
-    "--size", "64x48", "--threads", "2", "--points", "10", "--seed", "7", "--gpu", "--pixels", "--adapter",
-    "--faces", "auto", "all", "front", "--caps", "both", "-o", "out.glb", "out.png", "--far", "100", "--list",
-    "5", "--samples", "4", "--picture", "--quiet", "--", "a.obj", "-1", "nan", "1e999",
+    "check", "silhouette", "volume", "verify", "render", "torture", "demo", "help", "--help", "--version",
+    "--json", "--light", "point:1,2,3", "directional:0,-1,0", "--weld", "exact", "none", "0.001", "--scope", "mesh",
+    "primitive", "scene", "--require", "--fast", "--self-intersections", "--limit", "--picture", "--mark", "--method",
+    "auto", "--adapter", "-o", "--output", "out.glb", "out.png", "--faces", "all", "front", "--caps", "both", "--far",
+    "100", "--gpu", "--points", "10", "--seed", "7", "--threads", "2", "--size", "64x48", "--eye", "1,2,3",
+    "--target", "0,0,0", "--fov", "45", "--samples", "--ground", "--out", "--", "a.obj", "-1", "1e999",
 ];
 
 /// At most 24 arguments.

@@ -37,7 +37,11 @@ pub(crate) fn judge(mesh: &Mesh, oracle: &Oracle, p: [f32; 3], light: &Light) {
     }
     let crossings = oracle.crossings(p, light);
     assert_eq!(crossings, looped, "tree and loop, {p:?} to {light}");
-    assert_eq!(crossings, reference(mesh, p, light).crossings, "predicates and whole numbers, {p:?} to {light}");
+    assert_eq!(
+        crossings,
+        reference(mesh, p, light).crossings,
+        "predicates and whole numbers, {p:?} to {light}"
+    );
     assert_eq!(oracle.verdict(p, light), crossings.verdict());
 }
 
@@ -68,5 +72,9 @@ fn judge_hit(mesh: &Mesh, oracle: &Oracle, eye: [f32; 3], direction: [f32; 3]) {
     let visible = oracle.first_visible(eye, direction).expect("a hit is visible");
     assert_eq!((visible.face, visible.t), (face, t));
     let sides = [eye, visible.point].map(|p| whole::side_of_point(mesh.corners(face), p));
-    assert!(sides[0] == sides[1] && sides[0] != 0, "the visible point {:?} is on the eye's side", visible.point);
+    assert!(
+        sides[0] == sides[1] && sides[0] != 0,
+        "the visible point {:?} is on the eye's side",
+        visible.point
+    );
 }

@@ -20,11 +20,14 @@ pub(crate) fn run(data: &[u8]) {
     let facing = FacePlanes::new(&mesh).classify(&mesh, &light);
     judge(&mesh, &light, &points, &facing);
 
-    // Any signs at all: the volume is closed, and counts what they say. Only a corner at the light cannot cast.
-    let at_light = |face: usize| {
-        !light.is_directional() && mesh.corners(FaceId::new(face)).contains(&light.xyz())
+    // Any signs at all: the volume is closed, and counts what they say. Only faces that the light lies on (here: that
+    // are edge-on, with the light in their box) do not cast: they leave it open which way is away from the light.
+    let holds_light = |face: usize| {
+        let corners = mesh.corners(FaceId::new(face));
+        let in_box = !light.is_directional() && Aabb::around(corners).contains(light.xyz());
+        in_box && facing[face] == Facing::EdgeOn
     };
-    let sign = |face| if at_light(face) { 0 } else { bytes.below(3) as i8 - 1 };
+    let sign = |face| if holds_light(face) { 0 } else { bytes.below(3) as i8 - 1 };
     let any: Vec<i8> = (0..mesh.face_count()).map(sign).collect();
     Scene::new(&mesh, &light, &points).judge_volume(&any, &facing);
 }
@@ -49,7 +52,10 @@ pub(crate) fn judge(mesh: &Mesh, light: &Light, points: &[[f32; 3]], facing: &[F
         let crossings = scene.oracle.crossings(*p, light);
         let (crossed, touched) = (crossings.front + crossings.back > 0, crossings.touching > 0);
         if let Some(winding) = winding {
-            assert!(if crossed { winding > 0 } else { winding == 0 || touched }, "{p:?}: {winding}, {crossings:?}");
+            assert!(
+                if crossed { winding > 0 } else { winding == 0 || touched },
+                "{p:?}: {winding}, {crossings:?}"
+            );
         }
     }
 }

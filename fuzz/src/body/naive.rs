@@ -26,8 +26,11 @@ pub(crate) fn half_edges(triangles: &[[u32; 3]]) -> Vec<(usize, u32, u32)> {
     sound.flat_map(|(face, &[a, b, c])| [(face, a, b), (face, b, c), (face, c, a)]).collect()
 }
 
-/// The undirected edges, ascending, with the faces at each and their directions, ascending.
-pub(crate) fn edges(triangles: &[[u32; 3]]) -> Vec<([u32; 2], Vec<(usize, i32)>)> {
+/// The faces at an edge, each with its direction along it.
+pub(crate) type Uses = Vec<(usize, i32)>;
+
+/// The undirected edges, ascending, with the faces at each, ascending.
+pub(crate) fn edges(triangles: &[[u32; 3]]) -> Vec<([u32; 2], Uses)> {
     let half_edges = half_edges(triangles);
     let ends: BTreeSet<[u32; 2]> = half_edges.iter().map(|&(_, a, b)| [a.min(b), a.max(b)]).collect();
     let uses = |[low, high]: [u32; 2]| {
@@ -44,8 +47,8 @@ pub(crate) fn edges(triangles: &[[u32; 3]]) -> Vec<([u32; 2], Vec<(usize, i32)>)
 pub(crate) fn counts(triangles: &[[u32; 3]]) -> Counts {
     let edges = edges(triangles);
     let sound: Vec<[u32; 3]> = triangles.iter().copied().filter(|&corners| !has_collapsed(corners)).collect();
-    let having = |test: &dyn Fn(&[(usize, i32)]) -> bool| edges.iter().filter(|edge| test(&edge.1)).count();
-    let sum = |uses: &[(usize, i32)]| uses.iter().map(|(_, direction)| direction).sum::<i32>();
+    let having = |test: &dyn Fn(&Uses) -> bool| edges.iter().filter(|edge| test(&edge.1)).count();
+    let sum = |uses: &Uses| uses.iter().map(|(_, direction)| direction).sum::<i32>();
     let common = |f: [u32; 3], g: [u32; 3]| f.iter().filter(|vertex| g.contains(vertex)).count();
     let boundary: Vec<[u32; 2]> =
         edges.iter().filter(|(_, uses)| uses.len() == 1).map(|(ends, _)| *ends).collect();

@@ -14,7 +14,7 @@ use umbrage::mesh::{Mesh, solid};
 use umbrage::oracle::Oracle;
 use umbrage::read::read_bytes;
 use umbrage::silhouette::{Facing, classify};
-use umbrage::topology::Topology;
+use umbrage::topology::{CrackReport, Topology};
 
 /// The files of a folder of the project in the order of their names; none if there is no such folder.
 fn files(folder: &str) -> Vec<PathBuf> {
@@ -125,6 +125,32 @@ fn fuzz_a_wrong_answer_fails_its_target() {
     let turned = with(|triangles| triangles[0].swap(1, 2));
     assert!(!fails(|| topology::judge(&cube, &topology_of(&cube))));
     assert!(fails(|| topology::judge(&cube, &topology_of(&turned))));
+
+    // The same triangles elsewhere: mirrored, they enclose the opposite volume; one moved away, it meets no other.
+    let elsewhere = |mesh: &Mesh, place: fn([f32; 3]) -> [f32; 3]| {
+        let (positions, triangles, ..) = mesh.clone().into_parts();
+        Mesh::new(positions.into_iter().map(place).collect(), triangles).unwrap()
+    };
+    let report = |mesh: &Mesh| {
+        let mut report = CrackReport::of(mesh, &topology_of(mesh));
+        report.add_self_intersections(mesh, &topology_of(mesh), usize::MAX);
+        report
+    };
+    let mirrored = elsewhere(&cube, |[x, y, z]| [-x, y, z]);
+    assert!(!fails(|| topology::judge_report(&cube, &topology_of(&cube), &report(&cube))));
+    assert!(fails(|| topology::judge_report(&cube, &topology_of(&cube), &report(&mirrored))));
+    let corners = [
+        [0.0, 0.0, 0.0],
+        [4.0, 0.0, 0.0],
+        [0.0, 4.0, 0.0],
+        [1.0, 1.0, -1.0],
+        [1.0, 1.0, 1.0],
+        [9.0, 1.0, 0.0],
+    ];
+    let crossed = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [3, 4, 5]]).unwrap();
+    let apart = elsewhere(&crossed, |[x, y, z]| [x, y, if z == 0.0 && x < 9.0 { 100.0 } else { z }]);
+    assert!(!fails(|| topology::judge_report(&crossed, &topology_of(&crossed), &report(&crossed))));
+    assert!(fails(|| topology::judge_report(&crossed, &topology_of(&crossed), &report(&apart))));
 
     // One face is taken for its opposite.
     let mut facing = classify(&cube, &light);

@@ -23,8 +23,41 @@ pub(crate) fn judge(mesh: &Mesh, topology: &Topology) {
     edges_are_all_pairs(mesh.triangles(), topology);
     let mut report = CrackReport::of(mesh, topology);
     report.add_self_intersections(mesh, topology, usize::MAX);
-    counts_are_naive(mesh, &report);
-    report_is_consistent(mesh, topology, &report);
+    judge_report(mesh, topology, &report);
+}
+
+/// Panics unless `report`, with self-intersections, is that of `mesh`.
+pub(crate) fn judge_report(mesh: &Mesh, topology: &Topology, report: &CrackReport) {
+    counts_are_naive(mesh, report);
+    report_is_consistent(mesh, topology, report);
+    volumes_are_those_in_whole_numbers(mesh, topology, report);
+    self_intersections_are_all_pairs(mesh, report);
+}
+
+fn volumes_are_those_in_whole_numbers(mesh: &Mesh, topology: &Topology, report: &CrackReport) {
+    let of_face = topology.shells().of_face;
+    for (number, shell) in report.shell_list.iter().enumerate() {
+        let faces = topology.faces().filter(|face| of_face[face.index()] == Some(number as u32));
+        let sign = whole::volume_sign(faces.map(|face| mesh.corners(face)));
+        let expected = if shell.watertight { sign } else { 0 };
+        assert_eq!(shell.volume_sign.value(), i32::from(expected), "shell {number}");
+    }
+}
+
+/// Only pairs without a common vertex, which is where to touch is to intersect; and few faces, for time's sake.
+fn self_intersections_are_all_pairs(mesh: &Mesh, report: &CrackReport) {
+    let faces = mesh.triangles();
+    if faces.len() > 14 {
+        return;
+    }
+    let apart = |f: usize, g: usize| faces[f].iter().all(|vertex| !faces[g].contains(vertex));
+    let corners = |face: usize| mesh.corners(FaceId::new(face));
+    let with_area: Vec<usize> = (0..faces.len()).filter(|&face| !whole::collinear(corners(face))).collect();
+    let pairs = with_area.iter().flat_map(|&f| with_area.iter().map(move |&g| (f, g)));
+    let naive = pairs.filter(|&(f, g)| f < g && apart(f, g) && whole::intersect(corners(f), corners(g)));
+    let found = report.self_intersections.as_ref().expect("they were looked for");
+    let found = found.first.iter().map(|[f, g]| (f.index(), g.index())).filter(|&(f, g)| apart(f, g));
+    assert_eq!(found.collect::<Vec<_>>(), naive.collect::<Vec<_>>());
 }
 
 fn weld_joins_what_is_bit_equal(mesh: &Mesh) {

@@ -69,3 +69,33 @@ pub(crate) fn distance(corners: [[f32; 3]; 3], origin: [f32; 3], direction: [f32
     let (above, climb) = (dot(&normal, &minus(&vector(origin), &a)), dot(&normal, &vector(direction)));
     if sign(&climb) > 0 { (-above, climb) } else { (above, -climb) }
 }
+
+/// The sign of the volume that faces enclose.
+pub(crate) fn volume_sign(faces: impl Iterator<Item = [[f32; 3]; 3]>) -> i8 {
+    let sum: BigInt = faces.map(|corners| corners.map(vector)).map(|[a, b, c]| dot(&a, &cross(&b, &c))).sum();
+    sign(&sum)
+}
+
+/// Whether two closed triangles with area have a point in common: they have none iff their shadows are apart on a
+/// normal, on the product of two edges, or, in one plane, on the normal of an edge.
+pub(crate) fn intersect(f: [[f32; 3]; 3], g: [[f32; 3]; 3]) -> bool {
+    let (f, g) = (f.map(vector), g.map(vector));
+    let edges = |[a, b, c]: &[Vector; 3]| [minus(b, a), minus(c, b), minus(a, c)];
+    let (of_f, of_g) = (edges(&f), edges(&g));
+    let normals = [cross(&of_f[0], &of_f[1]), cross(&of_g[0], &of_g[1])];
+    let in_plane = |normal: &Vector, edges: &[Vector; 3]| edges.clone().map(|edge| cross(normal, &edge));
+    let products = of_f.iter().flat_map(|e| of_g.iter().map(move |h| cross(e, h)));
+    let mut axes = products
+        .chain(in_plane(&normals[0], &of_f))
+        .chain(in_plane(&normals[1], &of_g))
+        .chain(normals.clone());
+    !axes.any(|axis| {
+        let shadow = |corners: &[Vector; 3]| {
+            let mut along = corners.clone().map(|corner| dot(&corner, &axis));
+            along.sort();
+            along
+        };
+        let (f, g) = (shadow(&f), shadow(&g));
+        f[2] < g[0] || g[2] < f[0]
+    })
+}

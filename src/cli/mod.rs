@@ -25,6 +25,7 @@ mod torture;
 mod unbuilt;
 mod demo;
 
+use std::ffi::OsString;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -43,7 +44,7 @@ use error::Failure;
                   130 interrupted.\n\
                   Results go to standard output, notes, progress and errors to standard error."
 )]
-struct Cli {
+pub(crate) struct Cli {
     #[command(subcommand)]
     command: Command,
 }
@@ -89,7 +90,7 @@ enum Outcome {
 
 /// Parses the arguments, runs the command, and gives the exit code.
 pub(crate) fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match parse(std::env::args_os()) {
         Ok(cli) => cli,
         Err(error) => return ExitCode::from(answer(&error) as u8),
     };
@@ -101,6 +102,11 @@ pub(crate) fn main() -> ExitCode {
             ExitCode::from(Outcome::Incomplete as u8)
         }
     }
+}
+
+/// What `arguments` ask for, the command's own name first. Nothing is looked at or done yet.
+pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
+    Cli::try_parse_from(arguments)
 }
 
 /// What the parser answers itself: help and version, or in one line what is wrong with the arguments.
@@ -121,7 +127,7 @@ fn answer(error: &clap::Error) -> Outcome {
 }
 
 /// The parser's paragraphs as problem and remedy. The first one is the problem; a tip, if there is one, the remedy.
-fn usage(text: &str) -> Failure {
+pub(crate) fn usage(text: &str) -> Failure {
     let fold = |paragraph: &str| paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
     let mut paragraphs = text.split("\n\n").map(fold);
     let first = paragraphs.next().unwrap_or_default();

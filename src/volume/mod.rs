@@ -66,8 +66,10 @@ pub struct ShadowVolume {
 impl ShadowVolume {
     /// Extrudes the faces of `mesh` that cast (`signs`, one entry a face, −1, 0 or +1) away from `light`.
     ///
-    /// `silhouette` must be that of the same signs; then the volume is closed, whatever the signs. Linear in
-    /// faces and silhouette edges.
+    /// `silhouette` must be that of the same signs; then the volume is closed, whatever the signs. Its winding
+    /// number counts what they say if faces that a point light lies on have sign 0, as those of
+    /// [`classify`](crate::silhouette::classify) do: on such a face no way leads away from the light. Linear in faces
+    /// and silhouette edges.
     ///
     /// Memory: at its peak less than 60 bytes for each face of the mesh and each triangle of the volume.
     ///

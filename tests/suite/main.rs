@@ -6,6 +6,7 @@ mod compare;
 mod crack;
 mod data;
 mod facts;
+mod fuzz;
 mod gltf;
 #[cfg(feature = "gpu")]
 mod gpu_compare;

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Every fuzz target for some seconds: fuzz/smoke.sh [SECONDS A TARGET]. Without a nightly toolchain or cargo-fuzz it
+# says so and passes; a find fails.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+seconds=${1:-10}
+
+skip() {
+    printf '\nSKIPPED, no fuzzing: %s\n' "$*" >&2
+    exit 0
+}
+
+cargo +nightly --version >/dev/null 2>&1 || skip "there is no nightly toolchain (rustup toolchain install nightly)"
+export PATH="$PWD/target/cargo-fuzz/bin:$PATH"
+if ! command -v cargo-fuzz >/dev/null; then
+    cargo install --locked --root target/cargo-fuzz cargo-fuzz || skip "cargo-fuzz could not be installed"
+fi
+cargo +nightly fetch --locked --manifest-path fuzz/Cargo.toml || skip "the targets' dependencies could not be fetched"
+
+cargo fmt --manifest-path fuzz/Cargo.toml --check
+cargo +nightly fuzz build
+for target in $(cargo +nightly fuzz list); do
+    printf '\n-- %s\n' "$target"
+    log=$(mktemp)
+    if ! fuzz/run.sh "$target" "$seconds" >"$log" 2>&1; then
+        tail -n 60 "$log" >&2
+        exit 1
+    fi
+    grep -E 'stat::number_of_executed_units|DONE ' "$log" || true
+    rm -f "$log"
+done

@@ -1,0 +1,27 @@
+//! What every target does with its bytes. No fuzzer is needed to run it: the tests of the crate replay these.
+
+mod bytes;
+pub(crate) mod command;
+mod naive;
+pub(crate) mod oracle;
+pub(crate) mod read;
+pub(crate) mod shadow;
+mod shape;
+pub(crate) mod topology;
+mod whole;
+
+/// A target by name: panics where a claim does not hold.
+pub(crate) type Body = fn(&[u8]);
+
+/// Every target.
+pub(crate) const TARGETS: [(&str, Body); 9] = [
+    ("read_obj", |data| read::run(data, "a.obj")),
+    ("read_gltf", |data| read::run(data, "a.gltf")),
+    ("read_stl", |data| read::run(data, "a.stl")),
+    ("read_ply", |data| read::run(data, "a.ply")),
+    ("read_md2", |data| read::run(data, "a.md2")),
+    ("topology", topology::run),
+    ("shadow", shadow::run),
+    ("oracle", oracle::run),
+    ("cli", command::run),
+];

@@ -1,0 +1,80 @@
+//! The ray cast against a loop over all faces, and against whole numbers.
+
+use num_bigint::BigInt;
+use umbrage::geom::Light;
+use umbrage::mesh::{FaceId, Mesh};
+use umbrage::oracle::{Crossings, Hit, Meeting, Oracle, meet, reference};
+use umbrage::silhouette::Facing;
+
+use super::bytes::Bytes;
+use super::{shape, whole};
+
+pub(crate) fn run(data: &[u8]) {
+    let bytes = &mut Bytes::new(data);
+    let mesh = shape::mesh(bytes);
+    let oracle = Oracle::build(&mesh);
+    for _ in 0..4 {
+        let light = shape::light(bytes, &mesh);
+        let p = shape::point(bytes, &mesh);
+        judge(&mesh, &oracle, p, &light);
+        judge_hit(&mesh, &oracle, p, bytes.place());
+        if bytes.is_empty() {
+            break;
+        }
+    }
+}
+
+/// Panics unless `oracle` says of the way from `p` to `light` what a loop over all faces and whole numbers say.
+pub(crate) fn judge(mesh: &Mesh, oracle: &Oracle, p: [f32; 3], light: &Light) {
+    let mut looped = Crossings::default();
+    for face in (0..mesh.face_count()).map(FaceId::new) {
+        match meet(p, light, mesh.corners(face)) {
+            Meeting::None => {}
+            Meeting::Touching => looped.touching += 1,
+            Meeting::Crossing(Facing::Front) => looped.front += 1,
+            Meeting::Crossing(_) => looped.back += 1,
+        }
+    }
+    let crossings = oracle.crossings(p, light);
+    assert_eq!(crossings, looped, "tree and loop, {p:?} to {light}");
+    assert_eq!(
+        crossings,
+        reference(mesh, p, light).crossings,
+        "predicates and whole numbers, {p:?} to {light}"
+    );
+    assert_eq!(oracle.verdict(p, light), crossings.verdict());
+}
+
+/// Panics unless the first face along a ray passes through it, no other one is surely nearer, and the visible point
+/// is on the eye's side.
+fn judge_hit(mesh: &Mesh, oracle: &Oracle, eye: [f32; 3], direction: [f32; 3]) {
+    let found = oracle.first_hit(eye, direction);
+    let Ok(back) = Light::directional(direction.map(|x| -x)) else {
+        return assert_eq!(found, None, "along no direction");
+    };
+    let passed: Vec<(FaceId, (BigInt, BigInt))> = (0..mesh.face_count())
+        .map(FaceId::new)
+        .filter(|&face| match meet(eye, &back, mesh.corners(face)) {
+            Meeting::None => false,
+            Meeting::Crossing(_) => true,
+            Meeting::Touching => whole::side_of_point(mesh.corners(face), eye) != 0,
+        })
+        .map(|face| (face, whole::distance(mesh.corners(face), eye, direction)))
+        .collect();
+    let Some(Hit { face, t }) = found else {
+        return assert!(passed.is_empty(), "{passed:?} are passed");
+    };
+    let (_, (n, d)) = passed.iter().find(|(other, _)| *other == face).expect("the hit face is passed");
+    // Nearer by more than 2⁻³⁶ of itself.
+    let nearer = passed.iter().find(|(_, (m, e))| ((m * d) << 36) + (n * e) < (n * e) << 36);
+    assert_eq!(nearer, None, "nearer than {face:?}");
+    assert!(t.is_finite() && t >= 0.0, "{t}");
+    let visible = oracle.first_visible(eye, direction).expect("a hit is visible");
+    assert_eq!((visible.face, visible.t), (face, t));
+    let sides = [eye, visible.point].map(|p| whole::side_of_point(mesh.corners(face), p));
+    assert!(
+        sides[0] == sides[1] && sides[0] != 0,
+        "the visible point {:?} is on the eye's side",
+        visible.point
+    );
+}

@@ -51,7 +51,7 @@ impl Welded {
 ///
 /// Vertices that no face references are left out.
 ///
-/// Memory: at its peak 33 bytes a face of a closed mesh, the result included, and at most 90 where no vertex is
+/// Memory: at its peak 33 bytes a face of a closed mesh, the result included, and at most 260 where no vertex is
 /// shared; 400 with a distance.
 ///
 /// ```

@@ -12,7 +12,7 @@ use super::{alone, peak, shapes};
 
 /// What the documentation of each stage allows: bytes a face (of the caster; of the volume for what reads one).
 const BOUNDS: [(&str, usize); 18] = [
-    ("weld", 90),
+    ("weld", 260),
     ("weld within", 400),
     ("topology", 120),
     ("shells", 12),

@@ -15,7 +15,12 @@ export PATH="$PWD/target/cargo-fuzz/bin:$PATH"
 if ! command -v cargo-fuzz >/dev/null; then
     cargo install --locked --root target/cargo-fuzz cargo-fuzz || skip "cargo-fuzz could not be installed"
 fi
-cargo +nightly fetch --locked --manifest-path fuzz/Cargo.toml || skip "the targets' dependencies could not be fetched"
+fetch() { cargo +nightly fetch --manifest-path fuzz/Cargo.toml "$@"; }
+if ! fetch --locked; then
+    fetch || skip "the targets' dependencies could not be fetched"
+    echo "fuzz/Cargo.lock was out of date, and is not any more: commit it" >&2
+    exit 1
+fi
 
 cargo fmt --manifest-path fuzz/Cargo.toml --check
 cargo +nightly fuzz build

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use assert_cmd::cargo::cargo_bin_cmd;
 use body::{TARGETS, command, oracle, read, shadow, topology};
 use umbrage::geom::Light;
-use umbrage::mesh::{Mesh, solid};
+use umbrage::mesh::{Mesh, Weld, solid, weld};
 use umbrage::oracle::Oracle;
 use umbrage::read::read_bytes;
 use umbrage::silhouette::{Facing, classify};
@@ -125,6 +125,13 @@ fn fuzz_a_wrong_answer_fails_its_target() {
     let turned = with(|triangles| triangles[0].swap(1, 2));
     assert!(!fails(|| topology::judge(&cube, &topology_of(&cube))));
     assert!(fails(|| topology::judge(&cube, &topology_of(&turned))));
+
+    // Nothing is welded, or not as far as it should be.
+    let soup = solid::soup(&cube);
+    assert!(!fails(|| topology::judge_exact_weld(&soup, &weld(&soup, Weld::Exact))));
+    assert!(fails(|| topology::judge_exact_weld(&soup, &weld(&soup, Weld::None))));
+    assert!(!fails(|| topology::judge_weld_within(&cube, 2.0, &weld(&cube, Weld::Within(2.0)))));
+    assert!(fails(|| topology::judge_weld_within(&cube, 2.0, &weld(&cube, Weld::Exact))));
 
     // The same triangles elsewhere: mirrored, they enclose the opposite volume; one moved away, it meets no other.
     let elsewhere = |mesh: &Mesh, place: fn([f32; 3]) -> [f32; 3]| {

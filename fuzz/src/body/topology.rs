@@ -1,14 +1,17 @@
 //! Topology and crack report of small meshes against all pairs and whole numbers.
 
-use umbrage::mesh::{EdgeId, FaceId, HalfEdgeId, Mesh, VertexId, Weld, weld};
+use umbrage::mesh::{EdgeId, FaceId, HalfEdgeId, Mesh, VertexId, Weld, Welded, weld};
 use umbrage::topology::{CrackReport, DefectKind, Topology};
 
 use super::bytes::Bytes;
 use super::{naive, shape, whole};
 
 pub(crate) fn run(data: &[u8]) {
-    let mesh = shape::mesh(&mut Bytes::new(data));
-    weld_joins_what_is_bit_equal(&mesh);
+    let bytes = &mut Bytes::new(data);
+    let mesh = shape::mesh(bytes);
+    judge_exact_weld(&mesh, &weld(&mesh, Weld::Exact));
+    let reach = bytes.coordinate().abs();
+    judge_weld_within(&mesh, reach, &weld(&mesh, Weld::Within(reach)));
     let welded = weld(&mesh, Weld::Exact).mesh;
     let unwelded = (welded != mesh).then_some(mesh);
     for mesh in unwelded.into_iter().chain([welded]) {
@@ -60,8 +63,8 @@ fn self_intersections_are_all_pairs(mesh: &Mesh, report: &CrackReport) {
     assert_eq!(found.collect::<Vec<_>>(), naive.collect::<Vec<_>>());
 }
 
-fn weld_joins_what_is_bit_equal(mesh: &Mesh) {
-    let welded = weld(mesh, Weld::Exact);
+/// Panics unless `welded` is `mesh` with what is bit-equal joined, and nothing else.
+pub(crate) fn judge_exact_weld(mesh: &Mesh, welded: &Welded) {
     let used = |vertex: usize| mesh.triangles().iter().flatten().any(|&v| v as usize == vertex);
     let joined: Vec<Option<VertexId>> =
         (0..mesh.vertex_count()).map(|vertex| welded.vertex_of(VertexId::new(vertex))).collect();
@@ -76,6 +79,33 @@ fn weld_joins_what_is_bit_equal(mesh: &Mesh) {
                 "{v}, {w}"
             );
         }
+    }
+}
+
+/// Panics unless in `welded` each vertex of `mesh` has joined the first kept one within reach. Nothing is claimed where
+/// a distance is so nearly `reach` that rounding decides.
+pub(crate) fn judge_weld_within(mesh: &Mesh, reach: f32, welded: &Welded) {
+    let positions = mesh.positions();
+    let mut kept: Vec<usize> = Vec::new();
+    let used = |vertex: &usize| welded.vertex_of(VertexId::new(*vertex)).is_some();
+    for vertex in (0..mesh.vertex_count()).filter(used) {
+        let mut joined = None;
+        for (number, &other) in kept.iter().enumerate() {
+            match whole::is_within(positions[vertex], positions[other], reach) {
+                Some(true) => joined = joined.or(Some(number)),
+                Some(false) => {}
+                None => return,
+            }
+        }
+        let number = joined.unwrap_or_else(|| {
+            kept.push(vertex);
+            kept.len() - 1
+        });
+        assert_eq!(
+            welded.vertex_of(VertexId::new(vertex)),
+            Some(VertexId::new(number)),
+            "{vertex} within {reach}"
+        );
     }
 }
 

@@ -70,6 +70,16 @@ pub(crate) fn distance(corners: [[f32; 3]; 3], origin: [f32; 3], direction: [f32
     if sign(&climb) > 0 { (-above, climb) } else { (above, -climb) }
 }
 
+/// Whether two points are at most `reach` apart; `None` where that is so to 2⁻⁴⁰ of it, but not exactly.
+pub(crate) fn is_within(a: [f32; 3], b: [f32; 3], reach: f32) -> Option<bool> {
+    let between = minus(&vector(a), &vector(b));
+    let [reach, ..] = vector([reach; 3]);
+    let (square, most) = (dot(&between, &between), &reach * &reach);
+    let gap: BigInt = &most - &square;
+    let is_rounding = sign(&gap) != 0 && (if sign(&gap) > 0 { gap.clone() } else { -&gap }) << 40 < most;
+    (!is_rounding).then_some(sign(&gap) >= 0)
+}
+
 /// The sign of the volume that faces enclose.
 pub(crate) fn volume_sign(faces: impl Iterator<Item = [[f32; 3]; 3]>) -> i8 {
     let sum: BigInt = faces.map(|corners| corners.map(vector)).map(|[a, b, c]| dot(&a, &cross(&b, &c))).sum();

@@ -16,6 +16,7 @@ mod fan;
 mod gpu;
 mod intersect;
 mod part;
+mod screen;
 mod shell;
 mod star;
 mod validate;
@@ -24,6 +25,7 @@ pub use crack::{Counts, CrackReport, Defect, DefectKind, NearMiss, SelfIntersect
 #[cfg(feature = "gpu")]
 pub use gpu::{GpuTopology, GpuTopologyBuilder};
 pub use intersect::{for_each_self_intersection, self_intersections};
+pub use screen::Screen;
 pub use shell::{Components, Shells};
 
 use crate::mesh::{EdgeId, FaceId, HalfEdgeId, VertexId};

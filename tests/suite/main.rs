@@ -18,6 +18,7 @@ mod gpu_topology;
 mod oracle;
 mod picture;
 mod read;
+mod screen;
 mod stencil;
 mod support;
 mod verify;

@@ -70,7 +70,7 @@ fn screen_equals_the_edge_table_on_real_meshes() {
     let Some(folder) = real_meshes() else { return };
     let mut found = [0, 0];
     for file in std::fs::read_dir(folder).unwrap() {
-        let Ok(scene) = read::read(&file.unwrap().path()) else { continue }; // facts.csv and the like
+        let Ok(scene) = read::read(file.unwrap().path()) else { continue }; // facts.csv and the like
         for mesh in scene.bake(Scope::Mesh).unwrap() {
             found[usize::from(assert_same(&mesh, Screen::default()))] += 1;
         }

@@ -249,7 +249,7 @@ fn examine(
     let mut meshes = Vec::with_capacity(baked.meshes.len());
     for mesh in baked.meshes {
         let WeldedMesh { mesh, vertices, unreferenced } = args.mesh.weld(mesh);
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.triangles().to_vec());
         let mut report = CrackReport::of(&mesh, &topology);
         if args.self_intersections {
             let all = marks.is_some() || sketch.is_some();

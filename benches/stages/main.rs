@@ -14,6 +14,7 @@ mod gpu_topology;
 mod machine;
 mod measure;
 mod report;
+mod screen;
 mod shadow;
 mod ties;
 mod topology;
@@ -84,7 +85,9 @@ fn run(options: &Options) -> Result<(), String> {
     let machine = machine::Machine::look(options.quick);
     report::print(&machine.to_string()).map_err(|error| error.to_string())?;
     let mut bench = Bench::new(options.quick, &options.filter, machine.touched_bytes_per_ns);
-    for stage in [topology::run, weld::run, facing::run, ties::run, shadow::run, visibility::run] {
+    for stage in
+        [screen::run, topology::run, weld::run, facing::run, ties::run, shadow::run, visibility::run]
+    {
         stage(&mut bench);
     }
     #[cfg(feature = "gpu")]

@@ -10,7 +10,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
     if !bench.wants("weld") {
         return;
     }
-    for (mesh, target) in [(crate::ordered(bench.quick), 40.0), (crate::scattered(bench.quick), 120.0)] {
+    for (mesh, target) in [(crate::ordered(bench.quick), 18.0), (crate::scattered(bench.quick), 60.0)] {
         let (vertices, soup) = (mesh.vertex_count(), solid::soup(&mesh));
         let name = format!("soup of {}", mesh.name);
         drop(mesh);

@@ -6,6 +6,7 @@ use umbrage::geom::Aabb;
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::read::{self, Format};
 use umbrage::scene::{Camera, Scene, SceneLight, Scope};
+use umbrage::topology::Screen;
 
 use super::error::Failure;
 use super::output;
@@ -117,6 +118,21 @@ impl MeshArgs {
         drop(mesh);
         let unreferenced = welded.unreferenced();
         WeldedMesh { mesh: welded.mesh, vertices, unreferenced }
+    }
+
+    /// Whether a mesh is balanced as it would be welded, with the probability of error of [`Screen`]; `None` for a
+    /// weld within a distance, which cannot be told without doing it.
+    pub(crate) fn screen(&self, mesh: &Mesh) -> Option<bool> {
+        match self.weld {
+            Weld::Exact => Some(Screen::default().positions(mesh)),
+            Weld::None => Some(Screen::default().indices(mesh.triangles())),
+            Weld::Within(_) => None,
+        }
+    }
+
+    /// Whether vertices are merged within a distance.
+    pub(crate) fn welds_within(&self) -> bool {
+        matches!(self.weld, Weld::Within(_))
     }
 
     /// Welds each mesh for itself and joins them into one that casts: no vertex is shared between two.

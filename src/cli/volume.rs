@@ -116,7 +116,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let Source { format, mesh, lights, .. } = args.source.load()?;
 
     let progress = Progress::spinner("building shadow volumes");
-    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.triangles().to_vec());
     let shells = topology.shells();
     let proofs = match args.faces {
         Faces::Auto => ShellProof::of(&mesh, &topology, &shells),

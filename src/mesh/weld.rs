@@ -129,6 +129,7 @@ fn exact(mesh: &Mesh, referenced: &[bool]) -> (Vec<u32>, Vec<u32>) {
         let more = |hash, frame: &Vec<[f32; 3]>| mix(hash, frame[vertex as usize].map(f32::to_bits));
         mesh.frames.iter().fold(mix(seeds[1], key), more)
     };
+    let still = mesh.frames.is_empty();
     let same_frames = |a: u32, b: u32| {
         let same = |frame: &Vec<[f32; 3]>| {
             frame[a as usize].map(f32::to_bits) == frame[b as usize].map(f32::to_bits)
@@ -140,84 +141,104 @@ fn exact(mesh: &Mesh, referenced: &[bool]) -> (Vec<u32>, Vec<u32>) {
     // Each kept vertex's bits, and where it comes from.
     let mut kept: Vec<([u32; 3], u32)> = Vec::with_capacity(used / 6);
     let mut vertex_of = vec![UNUSED; referenced.len()];
-    let mut vertices =
-        referenced.iter().enumerate().filter(|(_, used)| **used).map(|(vertex, _)| vertex as u32);
 
     // A look-up waits for memory twice: for the table, and for the kept vertex that it names. So a block of them
     // is looked up ahead, all waiting at once, and then settled in order; a vertex that came into the table in
     // between is found by looking again.
     const BLOCK: usize = 32;
-    let mut block = Vec::with_capacity(BLOCK);
-    let (mut hashes, mut guesses) = ([0; BLOCK], [UNUSED; BLOCK]);
-    let mut candidates = [([0; 3], UNUSED); BLOCK];
-    loop {
-        block.clear();
-        block.extend(vertices.by_ref().take(BLOCK).map(|vertex| (vertex, bits(vertex))));
-        if block.is_empty() {
-            break;
+    let (mut block, mut keys, mut hashes) = ([0_u32; BLOCK], [[0; 3]; BLOCK], [0; BLOCK]);
+    let (mut guesses, mut candidates) = ([UNUSED; BLOCK], [([0; 3], UNUSED); BLOCK]);
+    let mut next = 0;
+    while next < referenced.len() {
+        let mut count = 0;
+        while count < BLOCK && next < referenced.len() {
+            block[count] = next as u32; // vertices are fewer than 2³²
+            count += usize::from(referenced[next]);
+            next += 1;
         }
-        for (hash_of_vertex, &(vertex, key)) in hashes.iter_mut().zip(&block) {
-            *hash_of_vertex = hash(key, vertex);
+        for i in 0..count {
+            keys[i] = bits(block[i]);
+            hashes[i] = hash(keys[i], block[i]);
         }
-        for (guess, &hash) in guesses.iter_mut().zip(&hashes) {
-            *guess = table.first(hash);
+        for i in 0..count {
+            guesses[i] = table.first(hashes[i]);
         }
-        for (candidate, &guess) in candidates.iter_mut().zip(&guesses) {
-            *candidate = kept.get(guess as usize).copied().unwrap_or(([0; 3], UNUSED));
+        for i in 0..count {
+            candidates[i] = kept.get(guesses[i] as usize).copied().unwrap_or(([0; 3], UNUSED));
         }
-        for (i, &(vertex, key)) in block.iter().enumerate() {
-            let same = |(other, origin): ([u32; 3], u32)| other == key && same_frames(origin, vertex);
+        for i in 0..count {
+            let (vertex, key) = (block[i], keys[i]);
+            let same =
+                |(other, origin): ([u32; 3], u32)| other == key && (still || same_frames(origin, vertex));
             vertex_of[vertex as usize] = if candidates[i].1 != UNUSED && same(candidates[i]) {
                 guesses[i]
             } else {
                 let new = kept.len() as u32; // below the vertex count, which fits
-                table.find_or_insert(hashes[i], new, |id| same(kept[id as usize])).unwrap_or_else(|| {
+                let id = table.find_or_insert(hashes[i], new, |id| same(kept[id as usize]));
+                if id == new {
                     kept.push((key, vertex));
-                    new
-                })
+                }
+                id
             };
         }
-        if (kept.len() + BLOCK) * 2 > table.slots.len() {
+        if table.is_full(kept.len() + BLOCK) {
             table.grow(kept.iter().map(|&(key, origin)| hash(key, origin)));
         }
     }
     (vertex_of, kept.into_iter().map(|(_, origin)| origin).collect())
 }
 
-/// Ids by hash: open addressing with linear probing, a power of two of slots, at most half of them taken. A slot
-/// holds the upper half of the hash above the id, so that hardly any other vertex is looked at in vain.
+/// Ids by hash: open addressing with linear probing, a power of two of slots, at most half of them taken. So an id
+/// needs fewer bits than a slot has; the others hold bits of the hash, so that hardly any other vertex is looked at
+/// in vain.
 struct Table {
-    slots: Vec<u64>,
+    slots: Vec<u32>,
+    /// Ones where a slot holds the id.
+    id_bits: u32,
 }
 
-/// A slot without an id: no id is this large.
-const EMPTY: u64 = UNUSED as u64;
+/// A slot without an id: no id has ones only, as that many do not fit.
+const EMPTY: u32 = u32::MAX;
 
 impl Table {
     fn for_about(ids: usize) -> Self {
-        Self { slots: vec![EMPTY; (2 * ids).next_power_of_two().max(256)] }
+        Self::with_slots((2 * ids).next_power_of_two().max(256))
     }
 
-    /// The id in the first place where `hash` may be, if it belongs there; [`UNUSED`] otherwise.
+    fn with_slots(slots: usize) -> Self {
+        Self { slots: vec![EMPTY; slots], id_bits: (slots / 2 - 1) as u32 } // ids fit 32 bits
+    }
+
+    /// Whether another id would be one too many, or nearly.
+    fn is_full(&self, ids: usize) -> bool {
+        2 * ids >= self.slots.len()
+    }
+
+    /// The id in the first place where `hash` may be, if it belongs there, or one that there cannot be.
     #[inline]
     fn first(&self, hash: u64) -> u32 {
         let slot = self.slots[hash as usize & (self.slots.len() - 1)];
-        if slot >> 32 == hash >> 32 { slot as u32 } else { UNUSED }
+        if self.is_of(slot, hash) { slot & self.id_bits } else { UNUSED }
     }
 
-    /// The id for which `same` holds, if it is there; otherwise `new` is put in its place.
     #[inline]
-    fn find_or_insert(&mut self, hash: u64, new: u32, same: impl Fn(u32) -> bool) -> Option<u32> {
+    fn is_of(&self, slot: u32, hash: u64) -> bool {
+        (slot ^ (hash >> 32) as u32) & !self.id_bits == 0
+    }
+
+    /// The id for which `same` holds, if it is there; otherwise `new`, which is put in its place.
+    #[inline]
+    fn find_or_insert(&mut self, hash: u64, new: u32, same: impl Fn(u32) -> bool) -> u32 {
         let mask = self.slots.len() - 1;
         let mut at = hash as usize & mask;
         loop {
             let slot = self.slots[at];
-            if slot as u32 == UNUSED {
-                self.slots[at] = hash >> 32 << 32 | u64::from(new);
-                return None;
+            if slot == EMPTY {
+                self.slots[at] = (hash >> 32) as u32 & !self.id_bits | new;
+                return new;
             }
-            if slot >> 32 == hash >> 32 && same(slot as u32) {
-                return Some(slot as u32);
+            if self.is_of(slot, hash) && same(slot & self.id_bits) {
+                return slot & self.id_bits;
             }
             at = (at + 1) & mask;
         }
@@ -225,9 +246,9 @@ impl Table {
 
     /// Twice as many slots, filled anew with the hashes of the ids 0, 1, 2, …
     fn grow(&mut self, hashes: impl Iterator<Item = u64>) {
-        *self = Self { slots: vec![EMPTY; 2 * self.slots.len()] };
-        for (id, hash) in hashes.enumerate() {
-            self.find_or_insert(hash, id as u32, |_| false); // ids are vertices, which fit
+        *self = Self::with_slots(2 * self.slots.len());
+        for (id, hash) in (0..).zip(hashes) {
+            self.find_or_insert(hash, id, |_| false);
         }
     }
 }

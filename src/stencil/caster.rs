@@ -44,7 +44,7 @@ impl<'mesh> Caster<'mesh> {
     /// often.
     #[must_use]
     pub fn new(mesh: &'mesh Mesh, faces: Faces) -> Self {
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.triangles().to_vec());
         let shells = topology.shells();
         let proofs = match faces {
             Faces::Auto => ShellProof::of(mesh, &topology, &shells),

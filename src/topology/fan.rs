@@ -20,12 +20,12 @@ impl Topology {
     /// vertex; ascending, each with its number of fans.
     #[must_use]
     pub fn non_manifold_vertices(&self) -> Vec<(VertexId, u32)> {
-        let several = &self.survey.fans.several;
+        let several = &self.survey().fans.several;
         several.chunk_by(|a, b| a.0 == b.0).map(|fans| (fans[0].0, fans.len() as u32)).collect()
     }
 
     /// Which vertices have several fans.
     pub(crate) fn fans(&self) -> &Fans {
-        &self.survey.fans
+        &self.survey().fans
     }
 }

@@ -16,7 +16,9 @@ mod fan;
 mod gpu;
 mod intersect;
 mod part;
+mod screen;
 mod shell;
+mod sort;
 mod star;
 mod validate;
 
@@ -25,7 +27,10 @@ pub use crack::{Counts, CrackReport, Defect, DefectKind, NearMiss, SelfIntersect
 pub use gpu::{GpuTopology, GpuTopologyBuilder};
 pub(crate) use intersect::{faces_with_area, for_each_intersection_among};
 pub use intersect::{for_each_self_intersection, self_intersections};
+pub use screen::Screen;
 pub use shell::{Components, Shells};
+
+use std::sync::OnceLock;
 
 use crate::mesh::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use fan::Fans;
@@ -34,7 +39,7 @@ use fan::Fans;
 ///
 /// Edges are numbered in the order of their vertices `(a, b)`, `a < b`, whatever the order of the faces.
 /// A face with two equal corners has *collapsed*: it keeps its id and its half-edge ids, but has no edges.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Topology {
     vertex_count: usize,
     triangles: Vec<[u32; 3]>,
@@ -43,17 +48,29 @@ pub struct Topology {
     /// Half-edges by edge, ascending within an edge.
     entries: Vec<Entry>,
     collapsed_faces: usize,
-    survey: Survey,
+    counts: EdgeCounts,
+    /// Made when it is first asked for.
+    survey: OnceLock<Survey>,
 }
 
-/// What the build finds out on the way, while the star of each vertex is at hand.
+/// What the stars of the vertices tell.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Survey {
-    counts: EdgeCounts,
     fans: Fans,
     /// Sets of vertices connected by edges; those without a face do not count.
     components: usize,
 }
+
+/// Two are equal if they are made of the same faces; all else follows from these.
+impl PartialEq for Topology {
+    fn eq(&self, other: &Self) -> bool {
+        self.vertex_count == other.vertex_count
+            && self.triangles == other.triangles
+            && (&self.offsets, &self.entries) == (&other.offsets, &other.entries)
+    }
+}
+
+impl Eq for Topology {}
 
 /// A half-edge in the edge table: its id, and whether it runs from the edge's larger vertex to its smaller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +106,13 @@ pub struct EdgeCounts {
     pub even: bool,
 }
 
+/// Of no edges.
+impl Default for EdgeCounts {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
 impl EdgeCounts {
     const NONE: Self =
         Self { boundary: 0, non_manifold: 0, misoriented: 0, max_faces: 0, balanced: true, even: true };
@@ -114,14 +138,16 @@ impl EdgeCounts {
 impl Topology {
     /// Builds the edge table of `triangles` over `vertex_count` vertices.
     ///
-    /// A radix sort of the corners by vertex, then all that a vertex and its faces decide at once: its edges in
-    /// order, its fans, and which other vertices it hangs together with. No hashing; linear time (a vertex of
-    /// k faces that are not one ring takes k·log k). Besides the triangles the result holds 18 bytes a triangle
-    /// of a closed mesh; building needs 14 more for a while.
+    /// A radix sort of the half-edges by their smaller vertex, then a small sort of each vertex's by the larger one.
+    /// No hashing; linear time (a vertex of k half-edges that are not pairs takes k·log k). Besides the triangles
+    /// the result holds 18 bytes a triangle of a closed mesh; building needs 14 more for a while.
     ///
-    /// What memory has to move: the triangles are read five times (60 bytes a triangle), the sorted corners
-    /// written and read (72), the table written (18): 150 bytes, and 96 more for the first digit of the sort
-    /// where the order of the faces is random.
+    /// What memory has to move: the triangles are read three times (36 bytes a triangle), the sorted half-edges
+    /// written and read (48), the table written (18): 102 bytes, and 84 more for the first digit of the sort
+    /// where the order of the faces is random. Of these 32 bytes lie on pages that nobody touched before.
+    ///
+    /// Shells, vertex fans and the crack report need the star of each vertex as well, which the first of them to be
+    /// asked for makes: see [`Topology::build_surveyed`].
     ///
     /// Memory: so 32 bytes a triangle of a closed mesh at the peak, 40 where the order of the faces is random, and at
     /// most 120 for any mesh whose vertices are at most three a face.
@@ -141,6 +167,21 @@ impl Topology {
     #[must_use]
     pub fn build(vertex_count: usize, triangles: Vec<[u32; 3]>) -> Self {
         build::build(vertex_count, triangles)
+    }
+
+    /// The same table, for those who will also ask for shells, fans or a [`CrackReport`]: the corners are sorted
+    /// instead, and what a vertex and its faces decide is found out at once, which takes less than to build the table
+    /// and then to look.
+    ///
+    /// The triangles are read five times (60 bytes a triangle), the sorted corners written and read (72), the table
+    /// written (18): 150 bytes, and 96 more where the order of the faces is random. The same peak of memory.
+    ///
+    /// # Panics
+    ///
+    /// As [`Topology::build`].
+    #[must_use]
+    pub fn build_surveyed(vertex_count: usize, triangles: Vec<[u32; 3]>) -> Self {
+        build::build_surveyed(vertex_count, triangles)
     }
 
     /// How many vertices there are, used or not.
@@ -304,7 +345,13 @@ impl Topology {
     /// How the edges are used.
     #[must_use]
     pub fn edge_counts(&self) -> EdgeCounts {
-        self.survey.counts
+        self.counts
+    }
+
+    /// What the stars of the vertices tell. Where they were not looked at before, that takes twice as long as the
+    /// build did.
+    fn survey(&self) -> &Survey {
+        self.survey.get_or_init(|| star::survey(self.vertex_count, &self.triangles))
     }
 
     #[inline]

@@ -98,11 +98,12 @@ impl Topology {
     /// Which faces hang together through edges. Memory: 8 bytes a face, 12 at its peak.
     #[must_use]
     pub fn shells(&self) -> Shells {
-        if self.survey.components <= 1 && self.survey.fans.several.is_empty() {
+        let survey = self.survey();
+        if survey.components <= 1 && survey.fans.several.is_empty() {
             // Without a vertex of several fans, what hangs together through vertices does so through edges.
             let of_face =
                 self.triangles.iter().map(|&corners| (!has_collapsed(corners)).then_some(0)).collect();
-            return Shells { of_face, count: self.survey.components };
+            return Shells { of_face, count: survey.components };
         }
         let mut faces = Components::new(self.face_count());
         for edge in self.edges() {
@@ -128,7 +129,7 @@ impl Topology {
     /// The same in two lists: the edges loop by loop, and where each loop ends.
     pub(crate) fn grouped_boundary(&self) -> (Vec<EdgeId>, Vec<u32>) {
         let boundary = || self.edges().filter(|&edge| self.valence(edge) == 1);
-        let count = self.survey.counts.boundary;
+        let count = self.counts.boundary;
         if count == 0 {
             return (Vec::new(), Vec::new());
         }

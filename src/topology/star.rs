@@ -5,28 +5,27 @@
 //! the arcs form one ring, each end met once coming and once going; that is tested, and the edges are sorted
 //! on the way, without a branch that depends on the order of the faces. All else goes the long way.
 
+use bytemuck::{Pod, Zeroable};
+
+use super::build::KEEP;
 use super::fan::Fans;
 use super::part::Parts;
 use super::shell::Components;
+use super::sort::{self, Blocks, NEXT, PREVIOUS, Receive, Send};
 use super::{EdgeCounts, Entry, Survey};
 use crate::mesh::{FaceId, VertexId};
 
 /// A corner seen from its vertex: its face runs from `from` to `to` on the other side.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Arc {
-    pub(super) from: u32,
-    pub(super) to: u32,
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+struct Arc {
+    from: u32,
+    to: u32,
     /// Four times the face plus the number of the corner: what follows needs no division by three.
     code: u32,
 }
 
 impl Arc {
-    /// The corner number `corner` of a face (at most [`MAX_TRIANGLES`](crate::mesh::MAX_TRIANGLES)).
-    #[inline]
-    pub(super) fn new(face: u32, corner: u32, from: u32, to: u32) -> Self {
-        Self { from, to, code: face << 2 | corner }
-    }
-
     #[inline]
     fn face(self) -> u32 {
         self.code >> 2
@@ -46,8 +45,31 @@ impl Arc {
     }
 }
 
+/// Each corner to its own vertex, as an [`Arc`].
+#[derive(Clone, Copy)]
+pub(super) struct Arcs;
+
+impl Send<3> for Arcs {
+    #[inline(always)]
+    fn send(self, face: u32, corner: usize, triangle: &[u32; 3]) -> (u32, [u32; 3]) {
+        let (from, to) = (triangle[NEXT[corner]], triangle[PREVIOUS[corner]]);
+        (triangle[corner], [from, to, face << 2 | corner as u32])
+    }
+}
+
+/// What the stars of all vertices tell.
+pub(super) fn survey(vertex_count: usize, triangles: &[[u32; 3]]) -> Survey {
+    let mut stars = Stars::new(vertex_count);
+    let blocks = Blocks::for_order_of(vertex_count, triangles);
+    sort::by_vertex(vertex_count, triangles, blocks, Arcs, &mut stars);
+    stars.finish().3
+}
+
 /// No vertex has this id, see [`Mesh::new`](crate::mesh::Mesh::new).
 pub(super) const NONE: u32 = u32::MAX;
+
+/// How much is written beyond the end of a list.
+const SLACK: usize = 16;
 
 /// Takes the stars of all vertices in ascending order and makes the edge table and the [`Survey`] of them.
 pub(super) struct Stars {
@@ -64,45 +86,16 @@ pub(super) struct Stars {
 }
 
 impl Stars {
-    /// How far the arcs must reach beyond the last star.
-    pub(super) const SLACK: usize = 16;
-
-    pub(super) fn new(vertex_count: usize, faces: usize) -> Self {
+    pub(super) fn new(vertex_count: usize) -> Self {
         Self {
-            offsets: vec![0; 3 * faces / 2 + 1 + Self::SLACK],
+            offsets: Vec::new(),
             edges: 0,
-            entries: vec![0; 3 * faces + 2 * Self::SLACK],
+            entries: Vec::new(),
             entry_count: 0,
             counts: EdgeCounts::NONE,
             fans: Fans { several: Vec::new(), vertices: 0, folded: false },
             parts: Parts::new(vertex_count),
             keys: Vec::new(),
-        }
-    }
-
-    /// Takes the stars of the vertices from `first` on: where each one's arcs end (they start where the ones
-    /// before end), and the arcs, those of each star ascending.
-    pub(super) fn add(&mut self, first: u32, ends: &[u32], arcs: &[Arc]) {
-        let mut start = 0;
-        for (vertex, &end) in (first..).zip(ends) {
-            let degree = (end - start) as usize;
-            let at = start as usize;
-            start = end;
-            if degree == 0 {
-                continue;
-            }
-            self.fans.vertices += 1;
-            let is_ring = match degree {
-                0..=1 => false,
-                2..=8 => self.ring::<8>(vertex, arcs[at..].first_chunk().expect("slack"), degree),
-                9..=16 => self.ring::<16>(vertex, arcs[at..].first_chunk().expect("slack"), degree),
-                _ => false,
-            };
-            if !is_ring {
-                self.tangle(vertex, &arcs[at..at + degree]);
-            } else {
-                self.counts.max_faces = self.counts.max_faces.max(2);
-            }
         }
     }
 
@@ -161,7 +154,7 @@ impl Stars {
 
     #[cold]
     fn grow_offsets(&mut self) {
-        self.offsets.resize(self.offsets.len() / 2 * 3 + 2 * Self::SLACK, 0);
+        self.offsets.resize(self.offsets.len() / 2 * 3 + 2 * SLACK, 0);
     }
 
     /// Adds any star.
@@ -219,27 +212,51 @@ impl Stars {
     }
 
     /// The offsets and entries of the edge table, and what was found on the way.
-    pub(super) fn finish(self) -> (Vec<u32>, Vec<Entry>, Survey) {
+    pub(super) fn finish(self) -> (Vec<u32>, Vec<Entry>, EdgeCounts, Survey) {
         let Self { mut offsets, edges, mut entries, entry_count, counts, fans, parts, .. } = self;
         offsets.truncate(edges + 1);
         offsets.shrink_to_fit();
         entries.truncate(entry_count);
         entries.shrink_to_fit();
         let entries = entries.into_iter().map(Entry).collect(); // in place
-        (offsets, entries, Survey { counts, fans, components: parts.count() })
+        (offsets, entries, counts, Survey { fans, components: parts.count() })
     }
 }
 
-/// Ones for the arcs of a star, zeros beyond: of degree d from place 16 − d on.
-const KEEP: [i32; 32] = {
-    let mut keep = [0; 32];
-    let mut i = 0;
-    while i < 16 {
-        keep[i] = -1;
-        i += 1;
+impl Receive<3> for Stars {
+    /// 36 / 4 bytes a triangle, or 48 / 4.
+    const ROUNDS: usize = 4;
+
+    fn prepare(&mut self, arcs: usize) {
+        self.offsets = vec![0; arcs / 2 + 1 + SLACK];
+        self.entries = vec![0; arcs + 2 * SLACK];
     }
-    keep
-};
+
+    fn receive(&mut self, first: u32, ends: &[u32], arcs: &[[u32; 3]]) {
+        let arcs: &[Arc] = bytemuck::cast_slice(arcs);
+        let mut start = 0;
+        for (vertex, &end) in (first..).zip(ends) {
+            let degree = (end - start) as usize;
+            let at = start as usize;
+            start = end;
+            if degree == 0 {
+                continue;
+            }
+            self.fans.vertices += 1;
+            let is_ring = match degree {
+                0..=1 => false,
+                2..=8 => self.ring::<8>(vertex, arcs[at..].first_chunk().expect("slack"), degree),
+                9..=16 => self.ring::<16>(vertex, arcs[at..].first_chunk().expect("slack"), degree),
+                _ => false,
+            };
+            if !is_ring {
+                self.tangle(vertex, &arcs[at..at + degree]);
+            } else {
+                self.counts.max_faces = self.counts.max_faces.max(2);
+            }
+        }
+    }
+}
 
 /// A star whose ends are compared with each other, each with each.
 struct Ranked<const N: usize> {

@@ -160,7 +160,7 @@ impl<'mesh> Verifier<'mesh> {
     /// Prepares `mesh`, which is welded: topology, shells and what is proven of them, planes, tree.
     #[must_use]
     pub fn new(mesh: &'mesh Mesh) -> Self {
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.triangles().to_vec());
         let shells = topology.shells();
         let proofs = ShellProof::of(mesh, &topology, &shells);
         let (planes, oracle) = (FacePlanes::new(mesh), Oracle::build(mesh));

@@ -180,7 +180,6 @@ fn cli_help_names_every_default() {
 fn cli_refuses_by_name_what_is_not_built() {
     let folder = Folder::with_cubes();
     for (arguments, named) in [
-        ("check cube.obj --fast", "--fast"),
         ("silhouette cube.obj --method tree", "--method tree"),
         ("accuracy facing cube.obj", "accuracy"),
     ] {
@@ -202,6 +201,12 @@ fn cli_refuses_values_that_mean_nothing() {
         ("check cube.obj --require closed", "closed"),
         ("check cube.obj --mark a.stl", ".stl"),
         ("check cube.obj open.obj --mark a.glb", "--mark"),
+        ("check cube.obj --fast --weld 0.1", "--weld DIST"),
+        ("check cube.obj --fast --require even", "--require even"),
+        ("check cube.obj --fast --require watertight", "--require watertight"),
+        ("check cube.obj --fast --self-intersections", "--self-intersections"),
+        ("check cube.obj --fast --mark a.glb", "--mark"),
+        ("check cube.obj --fast --picture a.png", "--picture"),
         ("silhouette cube.obj --light spot:1,2,3", "spot:1,2,3"),
         ("silhouette cube.obj --light point:1,2", "point:1,2"),
         ("silhouette cube.obj --light directional:0,0,0", "0,0,0"),

@@ -21,6 +21,7 @@ mod metamorphic;
 mod oracle;
 mod picture;
 mod read;
+mod screen;
 mod stencil;
 mod support;
 mod torture;

@@ -1,10 +1,12 @@
 //! The crack report as JSON. Keys and their order are a contract.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde_json::{Map, Value, json};
-use umbrage::topology::{Counts, DefectKind, ShellReport};
+use umbrage::read::Format;
+use umbrage::topology::{Counts, CrackReport, DefectKind, ShellReport, Topology};
 
+use super::fast::Screened;
 use super::{FileReport, Found, MeshReport, Place};
 use crate::cli::error::Failure;
 use crate::cli::output::{number, number32};
@@ -13,35 +15,87 @@ use crate::cli::output::{number, number32};
 ///
 /// Each total lists up to `limit` places of a kind of defect.
 pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>], limit: usize) -> Value {
-    let cracked = reports.iter().flatten().any(|report| !report.sound());
-    let verdict = match (cracked, reports.iter().all(Result::is_ok)) {
-        (true, _) => Some("cracked"),
-        (false, true) => Some("sound"),
-        (false, false) => None,
+    let entry = |report: &FileReport| Entry {
+        format: report.format,
+        sound: report.sound(),
+        meshes: report.meshes.iter().map(mesh).collect(),
+        total: total(report, limit),
     };
-    let entries: Vec<Value> =
-        files.iter().zip(reports).map(|(file, report)| entry(file, report, limit)).collect();
+    of_entries(files, reports.iter().map(|report| report.as_ref().map(entry)))
+}
+
+/// The same for files of which only the balance is known.
+pub(super) fn screened(files: &[PathBuf], reports: &[Result<Screened, Failure>]) -> Value {
+    let entry = |report: &Screened| Entry {
+        format: report.format,
+        sound: report.balanced(),
+        meshes: report
+            .meshes
+            .iter()
+            .map(|mesh| balance(Some(&mesh.name), mesh.vertices, mesh.faces, mesh.balanced))
+            .collect(),
+        total: if report.meshes.is_empty() {
+            Value::Null
+        } else {
+            let sum = |of: fn(&super::fast::Mesh) -> usize| report.meshes.iter().map(of).sum();
+            balance(None, sum(|mesh| mesh.vertices), sum(|mesh| mesh.faces), report.balanced())
+        },
+    };
+    of_entries(files, reports.iter().map(|report| report.as_ref().map(entry)))
+}
+
+/// What is said of a file.
+struct Entry {
+    format: Option<Format>,
+    sound: bool,
+    meshes: Vec<Value>,
+    total: Value,
+}
+
+fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry, &'a Failure>>) -> Value {
+    let (mut cracked, mut unread) = (false, false);
+    let entries: Vec<Value> = files
+        .iter()
+        .zip(reports)
+        .map(|(file, report)| {
+            cracked |= report.as_ref().is_ok_and(|entry| !entry.sound);
+            unread |= report.is_err();
+            let (format, error) = match &report {
+                Ok(entry) => (entry.format, None),
+                Err(failure) => (failure.format, Some(failure.to_string())),
+            };
+            let (meshes, total) = report.map_or((vec![], Value::Null), |entry| (entry.meshes, entry.total));
+            json!({
+                "file": file.to_string_lossy(),
+                "format": format.map(|format| format.name()),
+                "error": error,
+                "meshes": meshes,
+                "total": total,
+            })
+        })
+        .collect();
+    let verdict = match (cracked, unread) {
+        (true, _) => Some("cracked"),
+        (false, false) => Some("sound"),
+        (false, true) => None,
+    };
     json!({ "files": entries, "verdict": verdict })
 }
 
-fn entry(file: &Path, report: &Result<FileReport, Failure>, limit: usize) -> Value {
-    let file = file.to_string_lossy();
-    match report {
-        Ok(report) => json!({
-            "file": file,
-            "format": report.format.map(|format| format.name()),
-            "error": null,
-            "meshes": report.meshes.iter().map(mesh).collect::<Vec<_>>(),
-            "total": total(report, limit),
-        }),
-        Err(failure) => json!({
-            "file": file,
-            "format": failure.format.map(|format| format.name()),
-            "error": failure.to_string(),
-            "meshes": [],
-            "total": null,
-        }),
+/// A mesh of which nothing else is known: the same keys, null.
+fn balance(name: Option<&str>, vertices: usize, faces: usize, balanced: bool) -> Value {
+    // The keys are those of any mesh; here of one without faces.
+    let empty = umbrage::mesh::Mesh::default();
+    let nothing = CrackReport::of(&empty, &Topology::build(0, Vec::new())).counts;
+    let mut object = counts(name, [vertices, 0, 0], &Counts { faces, balanced, ..nothing });
+    for (key, value) in &mut object {
+        if !["name", "vertices", "faces", "balanced"].contains(&key.as_str()) {
+            *value = Value::Null;
+        }
     }
+    object.insert("shell_list".into(), Value::Null);
+    object.insert("defects".into(), Value::Null);
+    Value::Object(object)
 }
 
 fn mesh(mesh: &MeshReport) -> Value {

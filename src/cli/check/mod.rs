@@ -1,5 +1,6 @@
 //! `umbrage check`: the crack report of each file.
 
+mod fast;
 mod json;
 mod mark;
 mod picture;
@@ -41,7 +42,10 @@ pub(crate) struct Args {
     #[arg(long, value_enum)]
     require: Option<Require>,
 
-    /// Only count, without places (not built yet)
+    /// Only tell whether each mesh is balanced, as fast as it can be read
+    ///
+    /// Balanced: at every edge the two directions are used equally often. A mesh that is not is told to be with a
+    /// probability below 1e-8, as long as no more than two faces too many run along an edge in one direction.
     #[arg(long)]
     fast: bool,
 
@@ -145,6 +149,9 @@ const FACES_LISTED: usize = 64;
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     refuse(&args)?;
+    if args.fast {
+        return fast::run(&args);
+    }
     let mut out = Output::new();
     let mut outcome = Outcome::Sound;
     let mut documents = Vec::new();
@@ -212,7 +219,7 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
 /// What can be told before any work is done.
 fn refuse(args: &Args) -> Result<(), Failure> {
     if args.fast {
-        return Err(Failure::not_built("--fast", "leave it out"));
+        fast::refuse(args)?;
     }
     for (option, path) in [("--mark", &args.mark), ("--picture", &args.picture)] {
         if path.is_some() && args.files.len() > 1 {
@@ -242,7 +249,7 @@ fn examine(
     let mut meshes = Vec::with_capacity(baked.meshes.len());
     for mesh in baked.meshes {
         let WeldedMesh { mesh, vertices, unreferenced } = args.mesh.weld(mesh);
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.triangles().to_vec());
         let mut report = CrackReport::of(&mesh, &topology);
         for (complete, note) in [
             (

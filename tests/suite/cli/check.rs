@@ -248,3 +248,60 @@ fn check_verdict_names_what_the_required_property_lacks() {
         assert!(text.lines().any(|text| text.trim() == line), "{arguments}: {text}");
     }
 }
+
+#[test]
+fn check_fast_tells_balanced_from_not_and_says_how_sure_it_is() {
+    let folder = Folder::with_cubes();
+    folder.mesh("touching.obj", &solid::cubes_sharing_edge());
+    folder.mesh("turned.obj", &solid::misoriented_cube());
+    folder.mesh("soup.ply", &solid::soup(&solid::cube()));
+    for (arguments, code, said) in [
+        ("cube.obj", 0, "cube.obj (obj): balanced, 12 faces"),
+        ("touching.obj", 0, "balanced"),
+        ("open.obj", 1, "open.obj (obj): not balanced, 10 faces"),
+        ("turned.obj", 1, "not balanced"),
+        ("soup.ply", 0, "balanced"),
+        ("soup.ply --weld none", 1, "not balanced"),
+        ("cube.obj --require balanced", 0, "balanced"),
+        ("cube.obj open.obj", 1, "verdict: 1 of 2 files not balanced"),
+        ("missing.obj open.obj", 2, "verdict: 1 of 2 files not balanced, 1 could not be read"),
+    ] {
+        let run = folder.run(&format!("check --fast {arguments}"));
+        assert_eq!(run.code, code, "{arguments}: {}", run.stdout);
+        assert!(run.stdout.contains(said), "{arguments}: {}", run.stdout);
+        assert!(run.stdout.contains("probability below 1e-8"), "{}", run.stdout);
+        let balanced = folder.run(&format!("check --require balanced {arguments}")).code;
+        if !arguments.contains("--require") {
+            assert_eq!(run.code, balanced, "{arguments}: as the whole report has it");
+        }
+    }
+}
+
+#[test]
+fn check_fast_json_has_the_agreed_keys_and_null_for_what_was_not_computed() {
+    let folder = Folder::with_cubes();
+    let document = folder.json("check --fast open.obj cube.obj");
+    assert_eq!((keys(&document).as_str(), &document["verdict"]), ("files verdict", &"cracked".into()));
+    for (file, balanced, faces) in [(0, false, 10), (1, true, 12)] {
+        let file = &document["files"][file];
+        assert_eq!(keys(file), "file format error meshes total");
+        for mesh in [&file["meshes"][0], &file["total"]] {
+            assert_eq!(keys(mesh), MESH_KEYS);
+            let Value::Object(object) = mesh else { unreachable!() };
+            let known: Vec<&str> =
+                object.iter().filter(|(_, value)| !value.is_null()).map(|(key, _)| key.as_str()).collect();
+            let known: Vec<&str> = known.into_iter().filter(|&key| key != "name").collect();
+            assert_eq!(known, ["vertices", "faces", "balanced"]);
+            assert_eq!((&mesh["balanced"], &mesh["faces"]), (&balanced.into(), &faces.into()));
+        }
+    }
+}
+
+#[test]
+fn check_fast_takes_scopes_as_they_are() {
+    let Some(file) = real("strips_mode5.gltf") else { return };
+    let folder = Folder::new();
+    let file = file.display();
+    assert_eq!(folder.code(&format!("check --fast {file} --scope mesh")), 1);
+    assert_eq!(folder.code(&format!("check --fast {file} --scope scene")), 0);
+}

@@ -1,0 +1,141 @@
+//! `umbrage check --fast`: whether each mesh is balanced, and nothing else.
+
+use std::fmt::{self, Display};
+use std::path::{Path, PathBuf};
+
+use umbrage::read::Format;
+use umbrage::topology::Screen;
+
+use super::{Args, Require, json};
+use crate::cli::load;
+use crate::cli::output::{self, Output, counted, plain, short};
+use crate::cli::progress::Progress;
+use crate::cli::{Failure, Outcome};
+
+/// What was found in one file.
+pub(super) struct Screened {
+    file: PathBuf,
+    pub(super) format: Option<Format>,
+    pub(super) meshes: Vec<Mesh>,
+}
+
+/// What was found in one mesh.
+pub(super) struct Mesh {
+    pub(super) name: String,
+    pub(super) vertices: usize,
+    pub(super) faces: usize,
+    pub(super) balanced: bool,
+}
+
+impl Screened {
+    pub(super) fn balanced(&self) -> bool {
+        self.meshes.iter().all(|mesh| mesh.balanced)
+    }
+}
+
+/// What asks for more than the screen can tell.
+pub(super) fn refuse(args: &Args) -> Result<(), Failure> {
+    let asked = match args.require {
+        Some(Require::Watertight) => Some("--require watertight"),
+        Some(Require::Even) => Some("--require even"),
+        Some(Require::Balanced) | None => None,
+    };
+    let within = args.mesh.welds_within().then_some("--weld DIST");
+    let others = [
+        (args.self_intersections, "--self-intersections"),
+        (args.mark.is_some(), "--mark"),
+        (args.picture.is_some(), "--picture"),
+    ];
+    let mut others = others.into_iter().filter_map(|(given, option)| given.then_some(option));
+    match within.or(asked).or_else(|| others.next()) {
+        None => Ok(()),
+        Some(option) => Err(Failure::new(
+            format_args!("--fast only tells whether a mesh is balanced, which {option} goes beyond"),
+            "leave one of them out",
+        )),
+    }
+}
+
+pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+    let mut out = Output::new();
+    let mut outcome = Outcome::Sound;
+    let mut reports = Vec::new();
+    for file in &args.files {
+        let report = examine(file, args);
+        outcome = outcome.max(match &report {
+            Ok(report) if report.balanced() => Outcome::Sound,
+            Ok(_) => Outcome::Unsound,
+            Err(failure) => {
+                output::say(failure);
+                Outcome::Incomplete
+            }
+        });
+        if let (Ok(report), false) = (&report, args.json) {
+            out.text(Report { report, limit: args.limit })?;
+            out.flush()?;
+        }
+        reports.push(report);
+    }
+    if args.json {
+        out.json(&json::screened(&args.files, &reports))?;
+    } else {
+        out.line(verdict(&reports))?;
+    }
+    out.flush()?;
+    Ok(outcome)
+}
+
+fn examine(file: &Path, args: &Args) -> Result<Screened, Failure> {
+    let baked = args.mesh.read(file)?;
+    let _progress = Progress::spinner(format!("checking {}", file.display()));
+    let meshes = baked.meshes.into_iter().map(|mesh| Mesh {
+        vertices: mesh.vertex_count(),
+        faces: mesh.face_count(),
+        balanced: args.mesh.screen(&mesh).expect("a weld within a distance was refused"),
+        name: mesh.name,
+    });
+    let meshes: Vec<Mesh> = meshes.collect();
+    load::note_none_left(file, meshes.iter().map(|mesh| mesh.faces).sum(), usize::MAX);
+    Ok(Screened { file: file.to_owned(), format: baked.format, meshes })
+}
+
+/// One file's report, for printing.
+struct Report<'a> {
+    report: &'a Screened,
+    limit: usize,
+}
+
+impl Display for Report<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Screened { file, format, meshes } = self.report;
+        let format = format.map_or("generated", |format| format.name());
+        write!(f, "{} ({format}): ", plain(&file.to_string_lossy()))?;
+        let open: Vec<&Mesh> = meshes.iter().filter(|mesh| !mesh.balanced).collect();
+        let faces = counted(meshes.iter().map(|mesh| mesh.faces).sum(), "face", "faces");
+        match (open.len(), meshes.len()) {
+            (0, 0 | 1) => writeln!(f, "balanced, {faces}"),
+            (0, all) => writeln!(f, "balanced, all {all} meshes, {faces}"),
+            (_, 1) => writeln!(f, "not balanced, {faces}"),
+            (open, all) => writeln!(f, "not balanced, {open} of {all} meshes, {faces}"),
+        }?;
+        for mesh in open.iter().filter(|mesh| !mesh.name.is_empty()).take(self.limit) {
+            writeln!(f, "  not balanced: {}", short(&mesh.name))?;
+        }
+        Ok(())
+    }
+}
+
+/// The last line: over all files, and how far it can be relied on.
+fn verdict(reports: &[Result<Screened, Failure>]) -> String {
+    let files = counted(reports.len(), "file", "files");
+    let unread = reports.iter().filter(|report| report.is_err()).count();
+    let open = reports.iter().flatten().filter(|report| !report.balanced()).count();
+    let error =
+        format!("a mesh that is not balanced would pass with a probability below {:e}", Screen::ERROR);
+    match (open, unread) {
+        (0, 0) => format!("verdict: balanced; {error}"),
+        (0, _) => format!("verdict: none; {unread} of {files} could not be read"),
+        (_, 0) => format!("verdict: {open} of {files} not balanced; {error}"),
+        _ => format!("verdict: {open} of {files} not balanced, {unread} could not be read; {error}"),
+    }
+}

@@ -7,12 +7,16 @@
 
 #[cfg(feature = "gpu")]
 mod gpu;
+mod edge_set;
 mod plane;
+mod quantised;
 mod scan;
+mod tree;
 
 #[cfg(feature = "gpu")]
 pub use gpu::{FoundSilhouette, GpuCaster, GpuSilhouette, SilhouetteShaders};
 pub use plane::FacePlanes;
+pub use tree::{SilhouetteTree, TreeSearch};
 
 use crate::geom::Light;
 use crate::geom::predicate::{self, Sign};
@@ -82,10 +86,14 @@ impl Casters {
     /// The sign that each face casts with: one entry a face, −1, 0 or +1.
     #[must_use]
     pub fn signs(self, facing: &[Facing]) -> Vec<i8> {
-        facing
-            .iter()
-            .map(|facing| if self == Self::All { facing.sign() } else { facing.sign().max(0) })
-            .collect()
+        facing.iter().map(|&facing| self.sign(facing)).collect()
+    }
+
+    /// The sign that a face casts with.
+    #[inline]
+    #[must_use]
+    pub fn sign(self, facing: Facing) -> i8 {
+        if self == Self::All { facing.sign() } else { facing.sign().max(0) }
     }
 
     /// Which sides a face casts on, as bits: [`CASTS_IN_FRONT`], [`CASTS_BEHIND`].

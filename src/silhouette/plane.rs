@@ -2,11 +2,13 @@
 
 use glam::DVec3;
 
+use super::quantised::{self, Quantised, QuantisedPlanes};
 use super::{Facing, facing_of};
 use crate::geom::{Aabb, Light};
 use crate::mesh::{FaceId, Mesh};
 
-/// The planes of a mesh's faces, laid out for a loop over all of them: 20 bytes a face.
+/// The planes of a mesh's faces, laid out for a loop over all of them: 8 bytes a face in whole numbers, which tell
+/// nearly every side, and 20 bytes in `f32` for what they leave open.
 ///
 /// Unit normals `n` and offsets `d` in `f32`, at a local origin `o` near the middle of the mesh, so that the
 /// plane of a face is `n·(x − o) + d = 0`.
@@ -33,14 +35,39 @@ use crate::mesh::{FaceId, Mesh};
 /// infinite or NaN, and again the exact predicate decides.
 #[derive(Clone, Debug)]
 pub struct FacePlanes {
-    normal: [Vec<f32>; 3],
-    offset: Vec<f32>,
-    error: Vec<f32>,
+    pub(super) normal: [Vec<f32>; 3],
+    pub(super) offset: Vec<f32>,
+    pub(super) error: Vec<f32>,
+    pub(super) quantised: QuantisedPlanes,
     origin: [f32; 3],
     /// `r` above, rounded up.
     reach: f32,
 }
 
+/// A light as the planes see it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LocalLight {
+    light: Light,
+    pub(super) quantised: Quantised,
+    l: [f32; 3],
+    w: f32,
+    /// `|lx| + |ly| + |lz| + w·r`.
+    scale: f32,
+}
+
+impl LocalLight {
+    /// `s` and `E` of one plane.
+    #[inline(always)]
+    pub(super) fn height(&self, [x, y, z]: [f32; 3], d: f32, e: f32) -> (f32, f32) {
+        let (x, y, z, d) = (x * self.l[0], y * self.l[1], z * self.l[2], d * self.w);
+        let s = (x + y) + (z + d);
+        let magnitudes = (x.abs() + y.abs()) + (z.abs() + d.abs());
+        (s, magnitudes * EVALUATION + (e * self.scale + UNDERFLOW))
+    }
+}
+
+/// Faces that are looked at together: they stay in the first-level cache.
+const RUN: usize = 256;
 /// 8u with u = 2⁻²⁴.
 const EVALUATION: f32 = f32::EPSILON * 4.0;
 /// 2⁻¹⁴⁵: more than the 2⁻¹⁵⁰ that each of seven roundings may lose below the normal range.
@@ -60,6 +87,7 @@ impl FacePlanes {
             normal: [(); 3].map(|()| Vec::with_capacity(n)),
             offset: Vec::with_capacity(n),
             error: Vec::with_capacity(n),
+            quantised: QuantisedPlanes::with_capacity(n),
             origin,
             reach,
         };
@@ -70,6 +98,7 @@ impl FacePlanes {
             planes.normal[2].push(plane.normal[2]);
             planes.offset.push(plane.offset);
             planes.error.push(plane.error);
+            planes.quantised.push(quantised::of_plane(plane.normal, plane.offset, plane.error, reach));
         }
         planes
     }
@@ -137,6 +166,59 @@ impl FacePlanes {
     pub fn classify_into(&self, mesh: &Mesh, light: &Light, facing: &mut Vec<Facing>) -> usize {
         assert_eq!(mesh.face_count(), self.offset.len(), "the planes are of another mesh");
         facing.resize(mesh.face_count(), Facing::EdgeOn);
+        let local = self.local(light);
+        let mut exact = 0;
+        for (first, facing) in (0..).step_by(RUN).zip(facing.chunks_mut(RUN)) {
+            exact += match self.quantised.look(&local.quantised, first, facing) {
+                0 => 0,
+                few if few <= RUN / 16 => self.settle_each(mesh, &local, first, facing),
+                _ => self.settle_all(mesh, &local, first, facing),
+            };
+        }
+        exact
+    }
+
+    /// The sides that whole numbers leave open in a run of faces; how many the predicate was asked for.
+    #[inline(never)]
+    fn settle_each(&self, mesh: &Mesh, local: &LocalLight, first: usize, facing: &mut [Facing]) -> usize {
+        let mut exact = 0;
+        for (face, facing) in (first..).zip(facing).filter(|(_, facing)| **facing == Facing::EdgeOn) {
+            let asked;
+            (*facing, asked) = self.side(mesh, face, local);
+            exact += usize::from(asked);
+        }
+        exact
+    }
+
+    /// As [`FacePlanes::settle_each`], for a run of which many are open: many planes in few vector registers.
+    #[inline(never)]
+    fn settle_all(&self, mesh: &Mesh, local: &LocalLight, first: usize, facing: &mut [Facing]) -> usize {
+        let range = first..first + facing.len();
+        let [nx, ny, nz] = [0, 1, 2].map(|i| &self.normal[i][range.clone()]);
+        let (offset, error) = (&self.offset[range.clone()], &self.error[range]);
+        // No branches, no bounds to check and one width throughout, so that it runs in vector registers.
+        let mut sides = [0_i32; RUN];
+        for (((((side, x), y), z), d), e) in sides.iter_mut().zip(nx).zip(ny).zip(nz).zip(offset).zip(error) {
+            let (s, bound) = local.height([*x, *y, *z], *d, *e);
+            *side = i32::from(s > bound) - i32::from(s < -bound);
+        }
+        for (facing, side) in facing.iter_mut().zip(&sides) {
+            *facing = match side {
+                1 => Facing::Front,
+                -1 => Facing::Back,
+                _ => Facing::EdgeOn,
+            };
+        }
+        let mut exact = 0;
+        for (face, facing) in (first..).zip(facing).filter(|(_, facing)| **facing == Facing::EdgeOn) {
+            *facing = facing_of(mesh, FaceId::new(face), &local.light);
+            exact += 1;
+        }
+        exact
+    }
+
+    /// A light from the local origin.
+    pub(super) fn local(&self, light: &Light) -> LocalLight {
         let xyz = light.xyz();
         let (l, w) = if light.is_directional() {
             (xyz, 0.0)
@@ -145,40 +227,22 @@ impl FacePlanes {
         };
         // (1 + 4u) covers the rounding of this sum.
         let scale = (l[0].abs() + l[1].abs() + l[2].abs() + w * self.reach) * (1.0 + 2.0 * f32::EPSILON);
-        const RUN: usize = 256; // stays in the first-level cache
-        let mut exact = 0;
-        for (start, facing) in (0..).step_by(RUN).zip(facing.chunks_mut(RUN)) {
-            let range = start..start + facing.len();
-            let [nx, ny, nz] = [0, 1, 2].map(|i| &self.normal[i][range.clone()]);
-            let (offset, error) = (&self.offset[range.clone()], &self.error[range]);
-            // No branches, no bounds to check and one width throughout, so that it runs in vector registers.
-            let mut sides = [0_i32; RUN];
-            for (((((side, x), y), z), d), e) in
-                sides.iter_mut().zip(nx).zip(ny).zip(nz).zip(offset).zip(error)
-            {
-                let (x, y, z, d) = (x * l[0], y * l[1], z * l[2], d * w);
-                let s = (x + y) + (z + d);
-                let magnitudes = (x.abs() + y.abs()) + (z.abs() + d.abs());
-                let bound = magnitudes * EVALUATION + (e * scale + UNDERFLOW);
-                *side = i32::from(s > bound) - i32::from(s < -bound);
-            }
-            let mut unsure = 0;
-            for (facing, side) in facing.iter_mut().zip(&sides) {
-                unsure += i32::from(*side == 0);
-                *facing = match side {
-                    1 => Facing::Front,
-                    -1 => Facing::Back,
-                    _ => Facing::EdgeOn,
-                };
-            }
-            if unsure > 0 {
-                exact += unsure as usize;
-                for (face, facing) in (start..).zip(facing).filter(|(_, facing)| **facing == Facing::EdgeOn) {
-                    *facing = facing_of(mesh, FaceId::new(face), light);
-                }
-            }
+        let quantised = quantised::of_light(light, self.origin, self.reach);
+        LocalLight { light: *light, quantised, l, w, scale }
+    }
+
+    /// The side of one face that whole numbers leave open, and whether the predicate was asked for it.
+    #[inline]
+    pub(super) fn side(&self, mesh: &Mesh, face: usize, local: &LocalLight) -> (Facing, bool) {
+        let normal = [0, 1, 2].map(|i| self.normal[i][face]);
+        let (s, bound) = local.height(normal, self.offset[face], self.error[face]);
+        if s > bound {
+            (Facing::Front, false)
+        } else if s < -bound {
+            (Facing::Back, false)
+        } else {
+            (facing_of(mesh, FaceId::new(face), &local.light), true)
         }
-        exact
     }
 }
 

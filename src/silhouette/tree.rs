@@ -1,0 +1,462 @@
+//! The silhouette by a tree of edges that leaves out, many at once, those whose two faces are surely on one side.
+//!
+//! Each edge with two faces in opposite directions is a segment between their planes, points of a space of four
+//! dimensions (normal and offset), and a light is a plane of that space: the edge is silhouette when its segment crosses
+//! it (Aaron Hertzmann, Denis Zorin, *Illustrating Smooth Surfaces*, 2000, section 4.2, for the dual space; Matt Olson,
+//! Hao Zhang, *Silhouette Extraction in Hough Space*, 2006, for a tree in it). A tree of boxes over such segments needs
+//! no halo, since every edge brings both its planes, and no geometry but theirs.
+//!
+//! All of it is done in the whole numbers of [`quantised`](super::quantised). Departures from the papers: edges lie in
+//! leaves of 32 whose two planes stand side by side, so that a leaf is evaluated by vector instructions without a single
+//! gather; nodes have eight children; and what the numbers leave open is decided exactly.
+
+use super::edge_set::{Bits, EdgeSet};
+use super::plane::LocalLight;
+use super::quantised::{self, BACK, FRONT, Quantised};
+use super::{Casters, FacePlanes, Silhouette, SilhouetteEdge};
+use crate::geom::Light;
+use crate::mesh::{EdgeId, FaceId, Mesh};
+use crate::topology::Topology;
+
+/// Edges in a leaf.
+const LEAF: usize = 32;
+/// Children of a node.
+const WIDE: usize = 8;
+/// One edge in so many may be left open, or lie outside the tree, before a scan of everything is cheaper.
+const OPEN_SHARE: usize = 64;
+
+/// A tree over the edges of a mesh, for many lights while the mesh rests.
+///
+/// Holds the [`FacePlanes`] of the mesh, and for each edge 20 bytes and a share of the nodes.
+///
+/// ```
+/// use umbrage::{geom::Light, mesh::solid, topology::Topology};
+/// use umbrage::silhouette::{Casters, SilhouetteTree};
+/// let cube = solid::cube();
+/// let topology = Topology::build(cube.vertex_count(), cube.triangles().to_vec());
+/// let mut tree = SilhouetteTree::new(&cube, &topology);
+/// let light = Light::directional([-1.0, -1.0, -1.0])?;
+/// let silhouette = tree.silhouette(&cube, &topology, &light, Casters::All);
+/// assert_eq!(silhouette.edges.len(), 6); // along the body diagonal: a hexagon
+/// # Ok::<(), umbrage::geom::LightError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SilhouetteTree {
+    planes: FacePlanes,
+    edge_count: usize,
+    leaves: Vec<Leaf>,
+    /// The edges of the leaves, 32 each but for the last.
+    edges: Vec<u32>,
+    /// Nodes over leaves, over those nodes, and so on to one that stands over all.
+    levels: Vec<Vec<Node>>,
+    /// Edges with other faces than two in opposite directions, or with a face whose plane is not known well: looked at
+    /// one by one for every light.
+    apart: Vec<u32>,
+    work: Work,
+}
+
+/// What a search leaves behind, kept for its memory.
+#[derive(Clone, Debug)]
+struct Work {
+    found: EdgeSet,
+    /// Of an edge in `found`: whether its multiplicity is negative.
+    negative: Vec<u64>,
+    found_count: usize,
+    open: Vec<u32>,
+    nodes: Vec<u32>,
+    next: Vec<u32>,
+    facing: Vec<super::Facing>,
+}
+
+/// How a search went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TreeSearch {
+    /// By the tree.
+    Searched {
+        /// Nodes whose boxes were looked at.
+        nodes: usize,
+        /// Leaves whose edges were looked at.
+        leaves: usize,
+        /// Faces that the filters left to the exact predicate; one counts for each of its edges.
+        exact: usize,
+    },
+    /// By a scan, since too many edges were left open or lie outside the tree.
+    Scanned,
+}
+
+/// The planes of 32 edges: of the faces that run along them, and of those against.
+#[derive(Clone, Debug)]
+struct Leaf([[[i16; LEAF]; 4]; 2]);
+
+/// The bounds of eight children, component by component.
+#[derive(Clone, Debug, Default)]
+struct Node {
+    low: [[i16; WIDE]; 4],
+    high: [[i16; WIDE]; 4],
+}
+
+/// An edge on its way into a leaf.
+#[derive(Clone, Copy)]
+struct Slot {
+    /// The sum of both planes, halved.
+    middle: Quantised,
+    edge: u32,
+}
+
+impl SilhouetteTree {
+    /// Builds the tree. Takes the time of some hundred looks at all edges: worth it for many lights.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `topology` has another number of faces than `mesh`.
+    #[must_use]
+    pub fn new(mesh: &Mesh, topology: &Topology) -> Self {
+        assert_eq!(mesh.face_count(), topology.face_count(), "the topology is of another mesh");
+        let planes = FacePlanes::new(mesh);
+        let (mut slots, mut apart) = (Vec::with_capacity(topology.edge_count()), Vec::new());
+        for edge in topology.edges() {
+            match ends(topology, &planes, edge) {
+                Some([a, b]) => {
+                    let middle = [0, 1, 2, 3].map(|i| ((i32::from(a[i]) + i32::from(b[i])) / 2) as i16);
+                    slots.push(Slot { middle, edge: edge.0 });
+                }
+                None => apart.push(edge.0),
+            }
+        }
+        arrange(&mut slots);
+        let edges: Vec<u32> = slots.into_iter().map(|slot| slot.edge).collect();
+        let mut leaves = Vec::with_capacity(edges.len().div_ceil(LEAF));
+        let mut bounds = Vec::with_capacity(leaves.capacity());
+        for edges in edges.chunks(LEAF) {
+            let mut leaf = Leaf([[[0; LEAF]; 4]; 2]);
+            let mut bound = Bound::NOTHING;
+            for (place, &edge) in edges.iter().enumerate() {
+                let ends = ends(topology, &planes, EdgeId(edge)).expect("it had them before");
+                for (side, plane) in leaf.0.iter_mut().zip(ends) {
+                    for (row, number) in side.iter_mut().zip(plane) {
+                        row[place] = number;
+                    }
+                    bound = bound.around(&Bound { low: plane, high: plane });
+                }
+            }
+            leaves.push(leaf);
+            bounds.push(bound);
+        }
+        let mut levels = Vec::new();
+        while !bounds.is_empty() {
+            levels.push(bounds.chunks(WIDE).map(Node::over).collect());
+            if bounds.len() <= WIDE {
+                break;
+            }
+            bounds = bounds
+                .chunks(WIDE)
+                .map(|children| children.iter().fold(Bound::NOTHING, |all, child| all.around(child)))
+                .collect();
+        }
+        let edge_count = topology.edge_count();
+        let work = Work {
+            found: EdgeSet::new(edge_count),
+            negative: vec![0; edge_count.div_ceil(64)],
+            found_count: 0,
+            open: Vec::new(),
+            nodes: Vec::new(),
+            next: Vec::new(),
+            facing: Vec::new(),
+        };
+        Self { planes, edge_count, leaves, edges, levels, apart, work }
+    }
+
+    /// The planes of the mesh's faces.
+    #[must_use]
+    pub fn planes(&self) -> &FacePlanes {
+        &self.planes
+    }
+
+    /// Whether so many edges lie outside the tree that it never searches.
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        self.apart.len() > self.edge_count / OPEN_SHARE
+    }
+
+    /// The silhouette for a light: what [`Silhouette::extract`] finds for the signs of the exact sides.
+    ///
+    /// On surfaces the time grows with the edges near the silhouette. Where many faces lie exactly in a plane with the
+    /// light it scans instead.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `mesh` or `topology` has another number of faces or edges than those that the tree was built of.
+    #[must_use]
+    pub fn silhouette(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        light: &Light,
+        casters: Casters,
+    ) -> Silhouette {
+        self.search(mesh, topology, light, casters).0
+    }
+
+    /// As [`SilhouetteTree::silhouette`], and how it went.
+    ///
+    /// # Panics
+    ///
+    /// As [`SilhouetteTree::silhouette`].
+    pub fn search(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        light: &Light,
+        casters: Casters,
+    ) -> (Silhouette, TreeSearch) {
+        assert_eq!(mesh.face_count(), self.planes.offset.len(), "the tree is of another mesh");
+        assert_eq!(topology.edge_count(), self.edge_count, "the tree is of another topology");
+        let local = self.planes.local(light);
+        let most_open = self.edge_count / OPEN_SHARE;
+        let (nodes, leaves) = if self.is_idle() { (0, 0) } else { self.walk(&local.quantised, most_open) };
+        if self.apart.len() + self.work.open.len() > most_open {
+            self.work.found.drain(|_, _| ());
+            (self.work.found_count, self.work.open) = (0, Vec::new());
+            self.planes.classify_into(mesh, light, &mut self.work.facing);
+            let signs = casters.signs(&self.work.facing);
+            return (Silhouette::extract(topology, &signs), TreeSearch::Scanned);
+        }
+        let (singles, exact) = self.settle(mesh, topology, &local, casters);
+        (self.gather(&singles, casters), TreeSearch::Searched { nodes, leaves, exact })
+    }
+
+    /// Collects the edges that are surely silhouette and those left open, until those are more than `most_open`. How many
+    /// nodes and leaves it looked at.
+    fn walk(&mut self, light: &Quantised, most_open: usize) -> (usize, usize) {
+        let Self { leaves, edges, levels, work, .. } = self;
+        let mut looked = 0;
+        work.nodes.clear();
+        work.nodes.extend(levels.last().map(|_| 0));
+        for level in (0..levels.len()).rev() {
+            let children = if level == 0 { leaves.len() } else { levels[level - 1].len() };
+            looked += work.nodes.len();
+            work.next.clear();
+            for &node in &work.nodes {
+                let first = node * WIDE as u32; // fewer than there are edges
+                let undecided = levels[level][node as usize].undecided(light);
+                let undecided = Bits(undecided).map(|bit| first + bit / 8);
+                work.next.extend(undecided.filter(|&child| (child as usize) < children));
+            }
+            std::mem::swap(&mut work.nodes, &mut work.next);
+        }
+        for &leaf in &work.nodes {
+            let first = leaf as usize * LEAF;
+            let edges = &edges[first..edges.len().min(first + LEAF)];
+            let codes = leaves[leaf as usize].codes(light);
+            for (eight, codes) in codes.chunks_exact(8).enumerate() {
+                let codes = u64::from_le_bytes(codes.try_into().expect("eight"));
+                // A code has two bits; one of them is enough to find it, and then it stands alone in its byte.
+                let mut left = (codes | codes >> 1) & 0x0101_0101_0101_0101;
+                while left != 0 {
+                    let bit = left.trailing_zeros();
+                    left &= left - 1;
+                    // Beyond the last edge of the last leaf nothing is found.
+                    let Some(&edge) = edges.get(eight * 8 + bit as usize / 8) else { break };
+                    match codes >> bit & 3 {
+                        OPEN => work.open.push(edge),
+                        code => {
+                            work.found.insert(edge);
+                            let word = &mut work.negative[edge as usize / 64];
+                            let bit = edge % 64;
+                            *word = *word & !(1 << bit) | u64::from(code == AGAINST) << bit;
+                            work.found_count += 1;
+                        }
+                    }
+                }
+            }
+            if work.open.len() > most_open {
+                break;
+            }
+        }
+        (looked, work.nodes.len())
+    }
+
+    /// The edges that are decided one by one and are silhouette, ascending; how often the exact predicate was asked.
+    fn settle(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        light: &LocalLight,
+        casters: Casters,
+    ) -> (Vec<SilhouetteEdge>, usize) {
+        let (mut singles, mut exact) = (Vec::new(), 0);
+        for &edge in self.work.open.iter().chain(&self.apart) {
+            let edge = EdgeId(edge);
+            let multiplicity = topology
+                .uses(edge)
+                .map(|(face, direction)| {
+                    let (facing, asked) = self.side(mesh, face, light);
+                    exact += usize::from(asked);
+                    direction * i32::from(casters.sign(facing))
+                })
+                .sum();
+            if multiplicity != 0 {
+                singles.push(SilhouetteEdge { edge, multiplicity });
+            }
+        }
+        self.work.open.clear();
+        singles.sort_unstable_by_key(|single| single.edge);
+        (singles, exact)
+    }
+
+    fn side(&self, mesh: &Mesh, face: FaceId, light: &LocalLight) -> (super::Facing, bool) {
+        match quantised::height(self.planes.quantised.get(face.index()), &light.quantised) {
+            FRONT.. => (super::Facing::Front, false),
+            ..=BACK => (super::Facing::Back, false),
+            _ => self.planes.side(mesh, face.index(), light),
+        }
+    }
+
+    /// What was found and the single edges, in order.
+    fn gather(&mut self, singles: &[SilhouetteEdge], casters: Casters) -> Silhouette {
+        // One face in front and one behind.
+        let magnitude = if casters == Casters::All { 2 } else { 1 };
+        let Work { found, negative, found_count, .. } = &mut self.work;
+        let mut edges = Vec::with_capacity(std::mem::take(found_count) + singles.len());
+        let mut singles = singles.iter().copied().peekable();
+        found.drain(|first, bits| {
+            let negative = negative[first as usize / 64];
+            for bit in Bits(bits) {
+                let edge = EdgeId(first + bit);
+                while let Some(single) = singles.next_if(|single| single.edge < edge) {
+                    edges.push(single);
+                }
+                let multiplicity = magnitude - 2 * magnitude * (negative >> bit & 1) as i32;
+                edges.push(SilhouetteEdge { edge, multiplicity });
+            }
+        });
+        edges.extend(singles);
+        Silhouette { edges }
+    }
+}
+
+/// Both faces on one side.
+const QUIET: u8 = 0;
+/// The face along the edge is in front, the other behind.
+const ALONG: u8 = 1;
+/// The face against the edge is in front, the other behind.
+const AGAINST: u64 = 2;
+/// A face whose side the numbers leave open.
+const OPEN: u64 = 3;
+
+impl Leaf {
+    /// What is known of each edge, in the lowest two bits of a byte.
+    #[inline(never)]
+    fn codes(&self, light: &Quantised) -> [u8; LEAF] {
+        let [along, against] = &self.0;
+        let (along, against) = (heights(along, light), heights(against, light));
+        let mut codes = [QUIET; LEAF];
+        for place in 0..LEAF {
+            let (a, b) = (along[place], against[place]);
+            let open = (a < FRONT && a > BACK) | (b < FRONT && b > BACK);
+            let code = u8::from(a > b) * ALONG + u8::from(a < b) * AGAINST as u8;
+            let differ = (a >= FRONT) != (b >= FRONT);
+            codes[place] = if open { OPEN as u8 } else if differ { code } else { QUIET };
+        }
+        codes
+    }
+}
+
+/// The heights of a row of planes.
+#[inline(always)]
+fn heights<const N: usize>([x, y, z, w]: &[[i16; N]; 4], light: &Quantised) -> [i16; N] {
+    let mut heights = [0; N];
+    for place in 0..N {
+        heights[place] = quantised::height([x[place], y[place], z[place], w[place]], light);
+    }
+    heights
+}
+
+impl Node {
+    fn over(children: &[Bound]) -> Self {
+        let mut node = Self::default();
+        for (place, bound) in children.iter().enumerate() {
+            for i in 0..4 {
+                (node.low[i][place], node.high[i][place]) = (bound.low[i], bound.high[i]);
+            }
+        }
+        node
+    }
+
+    /// One bit at the foot of a byte for each child that may hold a silhouette edge, or an open one.
+    ///
+    /// The height of a plane never falls when a number of it grows whose counterpart of the light is not negative, and
+    /// never rises otherwise. So one corner of the box is the lowest that any plane within reaches, in the very numbers
+    /// that decide a plane, and another corner the highest: nothing but the bound of [`Quantised`] is needed.
+    #[inline(never)]
+    fn undecided(&self, light: &Quantised) -> u64 {
+        let (mut lowest, mut highest) = (self.low, self.high);
+        for i in 0..4 {
+            if light[i] < 0 {
+                std::mem::swap(&mut lowest[i], &mut highest[i]);
+            }
+        }
+        let (least, most) = (heights(&lowest, light), heights(&highest, light));
+        let mut undecided = [0_u8; WIDE];
+        for child in 0..WIDE {
+            undecided[child] = u8::from(least[child] < FRONT && most[child] > BACK);
+        }
+        u64::from_le_bytes(undecided)
+    }
+}
+
+/// A box of planes.
+#[derive(Clone, Copy, Debug)]
+struct Bound {
+    low: Quantised,
+    high: Quantised,
+}
+
+impl Bound {
+    const NOTHING: Self = Self { low: [i16::MAX; 4], high: [-i16::MAX; 4] };
+
+    fn around(&self, other: &Self) -> Self {
+        let mut both = *self;
+        for i in 0..4 {
+            both.low[i] = both.low[i].min(other.low[i]);
+            both.high[i] = both.high[i].max(other.high[i]);
+        }
+        both
+    }
+}
+
+/// The planes of the face along an edge and of the face against it, if there are just these and both are known well.
+fn ends(topology: &Topology, planes: &FacePlanes, edge: EdgeId) -> Option<[Quantised; 2]> {
+    let mut uses = topology.uses(edge);
+    let (Some((a, up)), Some((b, down)), None) = (uses.next(), uses.next(), uses.next()) else { return None };
+    if up == down {
+        return None;
+    }
+    let (along, against) = if up > 0 { (a, b) } else { (b, a) };
+    let ends = [along, against].map(|face| planes.quantised.get(face.index()));
+    ends.iter().all(|plane| *plane != [0; 4]).then_some(ends)
+}
+
+/// Orders edges so that those of a leaf, of eight leaves, of 64 and so on have planes near each other: halves at the
+/// middle of the widest component, at a whole number of the largest node that fits more than once.
+fn arrange(slots: &mut [Slot]) {
+    let mut parts = vec![slots];
+    while let Some(part) = parts.pop() {
+        if part.len() <= LEAF {
+            continue;
+        }
+        let mut unit = LEAF;
+        while unit * WIDE < part.len() {
+            unit *= WIDE;
+        }
+        let bound = part.iter().fold(Bound::NOTHING, |bound, slot| {
+            bound.around(&Bound { low: slot.middle, high: slot.middle })
+        });
+        let width = |i: usize| i32::from(bound.high[i]) - i32::from(bound.low[i]);
+        let widest = [0, 1, 2, 3].into_iter().max_by_key(|&i| width(i)).expect("four");
+        let half = (part.len() / 2).div_ceil(unit) * unit;
+        part.select_nth_unstable_by_key(half, |slot| (slot.middle[widest], slot.edge));
+        let (left, right) = part.split_at_mut(half);
+        parts.extend([left, right]);
+    }
+}

@@ -1,7 +1,5 @@
 //! A set of edges that knows its order: one bit an edge, and one bit for every 64 of those.
 
-use crate::mesh::EdgeId;
-
 /// Insertion in any order and constant time; a walk in ascending order that skips what is empty 4096 edges at a time.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EdgeSet {
@@ -33,16 +31,13 @@ impl EdgeSet {
         }
     }
 
-    #[inline]
-    pub(super) fn contains(&self, edge: EdgeId) -> bool {
-        self.words[edge.index() / 64] >> (edge.index() % 64) & 1 == 1
-    }
-
     /// The edges, ascending.
     pub(super) fn iter(&self) -> impl Iterator<Item = u32> + '_ {
-        let words = self.summary.iter().enumerate().flat_map(|(high, &bits)| {
-            Bits(bits).map(move |low| high * 64 + low as usize)
-        });
+        let words = self
+            .summary
+            .iter()
+            .enumerate()
+            .flat_map(|(high, &bits)| Bits(bits).map(move |low| high * 64 + low as usize));
         // Fewer than 2^32 edges, so that their numbers fit.
         words.flat_map(|word| Bits(self.words[word]).map(move |low| word as u32 * 64 + low))
     }
@@ -97,7 +92,6 @@ mod tests {
                     set.remove(edge);
                     expected.remove(&edge);
                 }
-                prop_assert_eq!(set.contains(EdgeId(edge)), insert);
             }
             let expected: Vec<u32> = expected.into_iter().collect();
             prop_assert_eq!(set.iter().collect::<Vec<_>>(), expected.clone());

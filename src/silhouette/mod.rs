@@ -5,16 +5,20 @@
 //! no pairing of faces, so it holds on any mesh: open, non-manifold, not orientable. (Cf. Byungmoon Kim, Kihwan
 //! Kim, Greg Turk, *A Shadow-Volume Algorithm for Opaque and Transparent Nonmanifold Casters*, 2008.)
 
+mod auto;
+mod edge_set;
 #[cfg(feature = "gpu")]
 mod gpu;
-mod edge_set;
+mod kinetic;
 mod plane;
 mod quantised;
 mod scan;
 mod tree;
 
+pub use auto::{SilhouetteFinder, SilhouetteMethod, SilhouetteReason};
 #[cfg(feature = "gpu")]
 pub use gpu::{FoundSilhouette, GpuCaster, GpuSilhouette, SilhouetteShaders};
+pub use kinetic::{EdgeChange, KineticSilhouette, KineticStep};
 pub use plane::FacePlanes;
 pub use tree::{SilhouetteTree, TreeSearch};
 
@@ -66,7 +70,7 @@ pub fn facing_of(mesh: &Mesh, face: FaceId, light: &Light) -> Facing {
 
 /// The side of every face that `light` is on, exactly; one entry a face.
 ///
-/// Costs one filtered predicate a face. For many lights on one mesh, [`FacePlanes`] is several times faster.
+/// Costs one filtered predicate a face. For many lights on one mesh, [`FacePlanes`] is many times faster.
 #[must_use]
 pub fn classify(mesh: &Mesh, light: &Light) -> Vec<Facing> {
     (0..mesh.face_count()).map(|face| facing_of(mesh, FaceId::new(face), light)).collect()

@@ -64,6 +64,29 @@ impl LocalLight {
         let magnitudes = (x.abs() + y.abs()) + (z.abs() + d.abs());
         (s, magnitudes * EVALUATION + (e * self.scale + UNDERFLOW))
     }
+
+    /// `|s| − E` with the sign of `s`, or 0 where that is not positive, of planes given component by component: normals,
+    /// offsets, errors. The least magnitude of them. Each may be above the truth by half a unit in its last place.
+    ///
+    /// A call of its own, with lengths that the compiler does not know, so that it runs in vector registers.
+    #[inline(never)]
+    pub(super) fn heights(&self, [x, y, z, d, e]: [&[f32]; 5], heights: &mut [f32]) -> f32 {
+        for (((((height, x), y), z), d), e) in heights.iter_mut().zip(x).zip(y).zip(z).zip(d).zip(e) {
+            let (s, bound) = self.height([*x, *y, *z], *d, *e);
+            // A bound that is infinite or NaN leaves nothing.
+            let above = s.abs() - bound;
+            *height = if above > 0.0 { above.copysign(s) } else { 0.0 };
+        }
+        // Eight at once; what is left over comes one by one.
+        let mut least = [f32::INFINITY; 8];
+        let (eights, rest) = heights.as_chunks::<8>();
+        for eight in eights {
+            for (least, height) in least.iter_mut().zip(eight) {
+                *least = if height.abs() < *least { height.abs() } else { *least };
+            }
+        }
+        least.iter().chain(rest).fold(f32::INFINITY, |least, height| least.min(height.abs()))
+    }
 }
 
 /// Faces that are looked at together: they stay in the first-level cache.
@@ -134,7 +157,6 @@ impl FacePlanes {
     }
 
     /// `r`, rounded up; infinite if it does not fit.
-    #[cfg(feature = "gpu")]
     pub(crate) fn reach(&self) -> f32 {
         self.reach
     }
@@ -234,8 +256,8 @@ impl FacePlanes {
     /// The side of one face that whole numbers leave open, and whether the predicate was asked for it.
     #[inline]
     pub(super) fn side(&self, mesh: &Mesh, face: usize, local: &LocalLight) -> (Facing, bool) {
-        let normal = [0, 1, 2].map(|i| self.normal[i][face]);
-        let (s, bound) = local.height(normal, self.offset[face], self.error[face]);
+        let [x, y, z] = &self.normal;
+        let (s, bound) = local.height([x[face], y[face], z[face]], self.offset[face], self.error[face]);
         if s > bound {
             (Facing::Front, false)
         } else if s < -bound {

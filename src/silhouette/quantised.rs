@@ -72,6 +72,16 @@ pub(super) fn height(plane: Quantised, light: &Quantised) -> i16 {
     (high(0) + high(1)).saturating_add(high(2) + high(3))
 }
 
+/// The heights of planes that are given component by component.
+///
+/// A call of its own, with lengths that the compiler does not know: otherwise it unrolls instead of using vectors.
+#[inline(never)]
+pub(super) fn heights([x, y, z, w]: [&[i16]; 4], light: &Quantised, heights: &mut [i16]) {
+    for ((((to, x), y), z), w) in heights.iter_mut().zip(x).zip(y).zip(z).zip(w) {
+        *to = height([*x, *y, *z, *w], light);
+    }
+}
+
 /// The planes of all faces, one array a component.
 #[derive(Clone, Debug)]
 pub(super) struct QuantisedPlanes([Vec<i16>; 4]);
@@ -88,7 +98,8 @@ impl QuantisedPlanes {
     }
 
     pub(super) fn get(&self, face: usize) -> Quantised {
-        [0, 1, 2, 3].map(|i| self.0[i][face])
+        let [x, y, z, w] = &self.0;
+        [x[face], y[face], z[face], w[face]]
     }
 
     /// The sides of a run of faces, [`Facing::EdgeOn`] for what this does not tell; how many those are.
@@ -111,7 +122,8 @@ impl QuantisedPlanes {
         let mut open = 0;
         // A byte counts to 255.
         for part in facing.chunks(128) {
-            open += usize::from(part.iter().fold(0, |open, &facing| open + u8::from(facing == Facing::EdgeOn)));
+            open +=
+                usize::from(part.iter().fold(0, |open, &facing| open + u8::from(facing == Facing::EdgeOn)));
         }
         open
     }

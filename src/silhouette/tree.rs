@@ -88,12 +88,9 @@ pub enum TreeSearch {
 #[derive(Clone, Debug)]
 struct Leaf([[[i16; LEAF]; 4]; 2]);
 
-/// The bounds of eight children, component by component.
+/// The lower bounds of eight children and then the upper ones, component by component.
 #[derive(Clone, Debug, Default)]
-struct Node {
-    low: [[i16; WIDE]; 4],
-    high: [[i16; WIDE]; 4],
-}
+struct Node([[i16; 2 * WIDE]; 4]);
 
 /// An edge on its way into a leaf.
 #[derive(Clone, Copy)]
@@ -170,6 +167,24 @@ impl SilhouetteTree {
     #[must_use]
     pub fn planes(&self) -> &FacePlanes {
         &self.planes
+    }
+
+    /// The planes alone.
+    pub(super) fn into_planes(self) -> FacePlanes {
+        self.planes
+    }
+
+    /// All faces, those whose planes are near each other together.
+    pub(super) fn face_order(&self, topology: &Topology) -> Vec<FaceId> {
+        let mut placed = vec![false; topology.face_count()];
+        let mut order = Vec::with_capacity(topology.face_count());
+        let of_edges = self.edges.iter().flat_map(|&edge| topology.uses(EdgeId(edge))).map(|(face, _)| face);
+        for face in of_edges.chain(topology.faces()) {
+            if !std::mem::replace(&mut placed[face.index()], true) {
+                order.push(face);
+            }
+        }
+        order
     }
 
     /// Whether so many edges lie outside the tree that it never searches.
@@ -257,7 +272,7 @@ impl SilhouetteTree {
                     left &= left - 1;
                     // Beyond the last edge of the last leaf nothing is found.
                     let Some(&edge) = edges.get(eight * 8 + bit as usize / 8) else { break };
-                    match codes >> bit & 3 {
+                    match (codes >> bit) as u8 & 3 {
                         OPEN => work.open.push(edge),
                         code => {
                             work.found.insert(edge);
@@ -340,36 +355,39 @@ const QUIET: u8 = 0;
 /// The face along the edge is in front, the other behind.
 const ALONG: u8 = 1;
 /// The face against the edge is in front, the other behind.
-const AGAINST: u64 = 2;
+const AGAINST: u8 = 2;
 /// A face whose side the numbers leave open.
-const OPEN: u64 = 3;
+const OPEN: u8 = 3;
 
 impl Leaf {
     /// What is known of each edge, in the lowest two bits of a byte.
-    #[inline(never)]
+    #[inline]
     fn codes(&self, light: &Quantised) -> [u8; LEAF] {
-        let [along, against] = &self.0;
-        let (along, against) = (heights(along, light), heights(against, light));
-        let mut codes = [QUIET; LEAF];
-        for place in 0..LEAF {
-            let (a, b) = (along[place], against[place]);
-            let open = (a < FRONT && a > BACK) | (b < FRONT && b > BACK);
-            let code = u8::from(a > b) * ALONG + u8::from(a < b) * AGAINST as u8;
-            let differ = (a >= FRONT) != (b >= FRONT);
-            codes[place] = if open { OPEN as u8 } else if differ { code } else { QUIET };
+        let mut heights = [[0; LEAF]; 2];
+        for (planes, heights) in self.0.iter().zip(&mut heights) {
+            quantised::heights(planes.each_ref().map(|row| &row[..]), light, heights);
         }
+        let mut codes = [QUIET; LEAF];
+        compare(&heights[0], &heights[1], &mut codes);
         codes
     }
 }
 
-/// The heights of a row of planes.
-#[inline(always)]
-fn heights<const N: usize>([x, y, z, w]: &[[i16; N]; 4], light: &Quantised) -> [i16; N] {
-    let mut heights = [0; N];
-    for place in 0..N {
-        heights[place] = quantised::height([x[place], y[place], z[place], w[place]], light);
+/// Codes of edges from the heights of their faces.
+#[inline(never)]
+fn compare(along: &[i16], against: &[i16], codes: &mut [u8]) {
+    for ((&a, &b), known) in along.iter().zip(against).zip(codes) {
+        let open = ((a < FRONT) & (a > BACK)) | ((b < FRONT) & (b > BACK));
+        let differ = (a < FRONT) != (b < FRONT);
+        let side = if a > b { ALONG } else { AGAINST };
+        *known = if open {
+            OPEN
+        } else if differ {
+            side
+        } else {
+            QUIET
+        };
     }
-    heights
 }
 
 impl Node {
@@ -377,7 +395,7 @@ impl Node {
         let mut node = Self::default();
         for (place, bound) in children.iter().enumerate() {
             for i in 0..4 {
-                (node.low[i][place], node.high[i][place]) = (bound.low[i], bound.high[i]);
+                (node.0[i][place], node.0[i][WIDE + place]) = (bound.low[i], bound.high[i]);
             }
         }
         node
@@ -390,16 +408,19 @@ impl Node {
     /// that decide a plane, and another corner the highest: nothing but the bound of [`Quantised`] is needed.
     #[inline(never)]
     fn undecided(&self, light: &Quantised) -> u64 {
-        let (mut lowest, mut highest) = (self.low, self.high);
-        for i in 0..4 {
-            if light[i] < 0 {
-                std::mem::swap(&mut lowest[i], &mut highest[i]);
+        let mut corners = self.0;
+        for (row, &number) in corners.iter_mut().zip(light) {
+            if number < 0 {
+                let (low, high) = row.split_at_mut(WIDE);
+                low.swap_with_slice(high);
             }
         }
-        let (least, most) = (heights(&lowest, light), heights(&highest, light));
+        let mut heights = [0; 2 * WIDE];
+        quantised::heights(corners.each_ref().map(|row| &row[..]), light, &mut heights);
+        let (least, most) = heights.split_at(WIDE);
         let mut undecided = [0_u8; WIDE];
-        for child in 0..WIDE {
-            undecided[child] = u8::from(least[child] < FRONT && most[child] > BACK);
+        for ((undecided, &least), &most) in undecided.iter_mut().zip(least).zip(most) {
+            *undecided = u8::from((least < FRONT) & (most > BACK));
         }
         u64::from_le_bytes(undecided)
     }
@@ -449,9 +470,9 @@ fn arrange(slots: &mut [Slot]) {
         while unit * WIDE < part.len() {
             unit *= WIDE;
         }
-        let bound = part.iter().fold(Bound::NOTHING, |bound, slot| {
-            bound.around(&Bound { low: slot.middle, high: slot.middle })
-        });
+        let bound = part
+            .iter()
+            .fold(Bound::NOTHING, |bound, slot| bound.around(&Bound { low: slot.middle, high: slot.middle }));
         let width = |i: usize| i32::from(bound.high[i]) - i32::from(bound.low[i]);
         let widest = [0, 1, 2, 3].into_iter().max_by_key(|&i| width(i)).expect("four");
         let half = (part.len() / 2).div_ceil(unit) * unit;

@@ -179,7 +179,6 @@ fn cli_refuses_by_name_what_is_not_built() {
     let folder = Folder::with_cubes();
     for (arguments, named) in [
         ("check cube.obj --fast", "--fast"),
-        ("silhouette cube.obj --method tree", "--method tree"),
         ("torture --queries 10", "torture"),
         ("accuracy facing cube.obj", "accuracy"),
     ] {

@@ -459,3 +459,131 @@ pub(super) fn way(from: &Light, to: &Light) -> f64 {
     // Seven roundings at most. Differences are multiples of 2^-149, so that no square underflows.
     square.sqrt() * (1.0 + 8.0 * f64::EPSILON)
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::trial::{crumpled, light, scan};
+    use super::*;
+    use crate::mesh::solid;
+
+    struct Walk {
+        mesh: Mesh,
+        topology: Topology,
+        tree: SilhouetteTree,
+        moving: KineticSilhouette,
+    }
+
+    impl Walk {
+        fn start(mesh: Mesh, light: &Light, casters: Casters) -> Self {
+            let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+            let mut tree = SilhouetteTree::new(&mesh, &topology);
+            let moving = KineticSilhouette::new(&mesh, &topology, &mut tree, light, casters);
+            Self { mesh, topology, tree, moving }
+        }
+
+        fn step(&mut self, light: &Light) -> KineticStep {
+            self.moving.step(&self.mesh, &self.topology, &mut self.tree, light)
+        }
+
+        /// Whether the silhouette is the scan's, and the changes are what became of the one before.
+        fn agrees(&self, before: &Silhouette) -> bool {
+            let now = scan(&self.mesh, &self.topology, &self.moving.light(), self.moving.casters);
+            let of = |silhouette: &Silhouette, edge| {
+                let found = silhouette.edges.binary_search_by_key(&edge, |edge| edge.edge);
+                found.map_or(0, |place| silhouette.edges[place].multiplicity)
+            };
+            let changes = self.topology.edges().filter_map(|edge| {
+                let (before, after) = (of(before, edge), of(&now, edge));
+                (before != after).then_some(EdgeChange { edge, before, after })
+            });
+            self.moving.silhouette() == now
+                && self.moving.len() == now.edges.len()
+                && self.moving.changes().iter().copied().eq(changes)
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(150))]
+
+        #[test]
+        fn silhouette_of_a_walk_from_tie_to_tie_equals_the_scan(
+            mesh in crumpled(),
+            lights in light(6),
+            lengths in prop::collection::vec(prop_oneof![Just(0.0), Just(1.0), Just(1e-4_f32), 0.0_f32..0.1], 40),
+            front in any::<bool>(),
+        ) {
+            let casters = if front { Casters::Front } else { Casters::All };
+            let mut walk = Walk::start(mesh, &lights[0], casters);
+            for (i, length) in lengths.into_iter().enumerate() {
+                // Towards a light of the list, or onto it.
+                let (from, to) = (walk.moving.light(), lights[i / 7 % 6]);
+                let light = if from.is_directional() || to.is_directional() {
+                    to
+                } else {
+                    let (from, to) = (from.xyz(), to.xyz());
+                    Light::point([0, 1, 2].map(|i| from[i] + length * (to[i] - from[i]))).unwrap()
+                };
+                let before = walk.moving.silhouette();
+                let step = walk.step(&light);
+                prop_assert!(walk.agrees(&before), "{step:?} from {from} to {light}");
+            }
+        }
+    }
+
+    /// A light on a circle around a sphere, in steps of a ten-thousandth.
+    fn circling(spoil: impl Fn(&mut KineticSilhouette)) -> (bool, usize) {
+        let at = |i: i32| {
+            let angle = i as f32 * 1e-4;
+            Light::point([3.0 * angle.cos(), 3.0 * angle.sin(), 0.5]).unwrap()
+        };
+        let mut walk = Walk::start(solid::icosphere(4), &at(0), Casters::All);
+        let (mut right, mut followed) = (true, 0);
+        for i in 1..300 {
+            spoil(&mut walk.moving);
+            let before = walk.moving.silhouette();
+            followed += usize::from(matches!(walk.step(&at(i)), KineticStep::Followed { .. }));
+            right &= walk.agrees(&before);
+        }
+        (right, followed)
+    }
+
+    #[test]
+    fn silhouette_of_a_slow_light_is_followed_by_certificates() {
+        let (right, followed) = circling(|_| ());
+        assert!(right);
+        assert_eq!(followed, 299);
+    }
+
+    #[test]
+    fn silhouette_whose_certificates_last_too_long_is_caught() {
+        let (right, _) = circling(|moving| {
+            for end in moving.run_ends.iter_mut().chain(&mut moving.group_ends) {
+                *end += 1e-4;
+            }
+        });
+        assert!(!right);
+    }
+
+    #[test]
+    fn silhouette_of_a_light_that_jumps_is_searched_and_followed_again_when_it_slows_down() {
+        let at = |x: f32| Light::point([x, 3.0, 4.0]).unwrap();
+        let mut walk = Walk::start(solid::icosphere(4), &at(0.0), Casters::Front);
+        let steps = [0.0, 1e-5, 30.0, -30.0, -30.00001, -30.00002].map(|x| {
+            let before = walk.moving.silhouette();
+            let step = walk.step(&at(x));
+            assert!(walk.agrees(&before), "{x}: {step:?}");
+            step
+        });
+        use KineticStep::{Followed, Renewed, Rested, Searched};
+        assert!(
+            matches!(steps, [Rested, Followed { .. }, Searched, Searched, Renewed, Followed { .. }]),
+            "{steps:?}"
+        );
+        let walk = &mut walk;
+        let before = walk.moving.silhouette();
+        walk.step(&Light::directional([1.0, 2.0, 3.0]).unwrap());
+        assert!(walk.agrees(&before));
+    }
+}

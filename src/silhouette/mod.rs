@@ -14,6 +14,8 @@ mod plane;
 mod quantised;
 mod scan;
 mod tree;
+#[cfg(test)]
+mod trial;
 
 pub use auto::{SilhouetteFinder, SilhouetteMethod, SilhouetteReason};
 #[cfg(feature = "gpu")]

@@ -52,6 +52,8 @@ pub struct SilhouetteTree {
     /// Edges with other faces than two in opposite directions, or with a face whose plane is not known well: looked at
     /// one by one for every light.
     apart: Vec<u32>,
+    /// How many edges may be left open or lie apart before a scan is cheaper.
+    most_open: usize,
     work: Work,
 }
 
@@ -160,7 +162,8 @@ impl SilhouetteTree {
             next: Vec::new(),
             facing: Vec::new(),
         };
-        Self { planes, edge_count, leaves, edges, levels, apart, work }
+        let most_open = edge_count / OPEN_SHARE;
+        Self { planes, edge_count, leaves, edges, levels, apart, most_open, work }
     }
 
     /// The planes of the mesh's faces.
@@ -190,7 +193,7 @@ impl SilhouetteTree {
     /// Whether so many edges lie outside the tree that it never searches.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.apart.len() > self.edge_count / OPEN_SHARE
+        self.apart.len() > self.most_open
     }
 
     /// The silhouette for a light: what [`Silhouette::extract`] finds for the signs of the exact sides.
@@ -227,9 +230,8 @@ impl SilhouetteTree {
         assert_eq!(mesh.face_count(), self.planes.offset.len(), "the tree is of another mesh");
         assert_eq!(topology.edge_count(), self.edge_count, "the tree is of another topology");
         let local = self.planes.local(light);
-        let most_open = self.edge_count / OPEN_SHARE;
-        let (nodes, leaves) = if self.is_idle() { (0, 0) } else { self.walk(&local.quantised, most_open) };
-        if self.apart.len() + self.work.open.len() > most_open {
+        let (nodes, leaves) = if self.is_idle() { (0, 0) } else { self.walk(&local.quantised) };
+        if self.apart.len().saturating_add(self.work.open.len()) > self.most_open {
             self.work.found.drain(|_, _| ());
             (self.work.found_count, self.work.open) = (0, Vec::new());
             self.planes.classify_into(mesh, light, &mut self.work.facing);
@@ -240,10 +242,10 @@ impl SilhouetteTree {
         (self.gather(&singles, casters), TreeSearch::Searched { nodes, leaves, exact })
     }
 
-    /// Collects the edges that are surely silhouette and those left open, until those are more than `most_open`. How many
+    /// Collects the edges that are surely silhouette and those left open, until those are too many. How many
     /// nodes and leaves it looked at.
-    fn walk(&mut self, light: &Quantised, most_open: usize) -> (usize, usize) {
-        let Self { leaves, edges, levels, work, .. } = self;
+    fn walk(&mut self, light: &Quantised) -> (usize, usize) {
+        let Self { leaves, edges, levels, most_open, work, .. } = self;
         let mut looked = 0;
         work.nodes.clear();
         work.nodes.extend(levels.last().map(|_| 0));
@@ -284,7 +286,7 @@ impl SilhouetteTree {
                     }
                 }
             }
-            if work.open.len() > most_open {
+            if work.open.len() > *most_open {
                 break;
             }
         }
@@ -479,5 +481,115 @@ fn arrange(slots: &mut [Slot]) {
         part.select_nth_unstable_by_key(half, |slot| (slot.middle[widest], slot.edge));
         let (left, right) = part.split_at_mut(half);
         parts.extend([left, right]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::trial::{self, crumpled, light, scan};
+    use super::*;
+    use crate::mesh::solid;
+
+    /// A tree that searches whatever is left open.
+    fn built(mesh: &Mesh) -> (Topology, SilhouetteTree) {
+        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let mut tree = SilhouetteTree::new(mesh, &topology);
+        tree.most_open = usize::MAX;
+        (topology, tree)
+    }
+
+    fn agrees(mesh: &Mesh, topology: &Topology, tree: &mut SilhouetteTree, light: &Light) -> bool {
+        [Casters::All, Casters::Front].into_iter().all(|casters| {
+            let (silhouette, search) = tree.search(mesh, topology, light, casters);
+            assert!(matches!(search, TreeSearch::Searched { .. }));
+            silhouette == scan(mesh, topology, light, casters)
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(300))]
+
+        #[test]
+        fn silhouette_tree_equals_the_scan_on_meshes_full_of_ties(mesh in crumpled(), lights in light(20)) {
+            let (topology, mut tree) = built(&mesh);
+            for light in lights {
+                prop_assert!(agrees(&mesh, &topology, &mut tree, &light), "{light}");
+            }
+        }
+    }
+
+    #[test]
+    fn silhouette_tree_searched_again_and_again_forgets_what_it_found() {
+        let mesh = solid::torus(40, 30, 2.0, 0.75);
+        let (topology, mut tree) = built(&mesh);
+        for light in trial::lights(&mesh).iter().chain(trial::lights(&mesh).iter().rev()) {
+            assert!(agrees(&mesh, &topology, &mut tree, light), "{light}");
+        }
+        // Also after a search that was given up.
+        tree.most_open = 0;
+        let on_vertex = Light::point(mesh.positions()[7]).unwrap();
+        let (given_up, search) = tree.search(&mesh, &topology, &on_vertex, Casters::All);
+        assert_eq!(search, TreeSearch::Scanned);
+        assert!(given_up == scan(&mesh, &topology, &on_vertex, Casters::All));
+        tree.most_open = usize::MAX;
+        assert!(trial::lights(&mesh).iter().all(|light| agrees(&mesh, &topology, &mut tree, light)));
+    }
+
+    #[test]
+    fn silhouette_tree_leaves_out_most_of_a_sphere() {
+        let mesh = solid::icosphere(5);
+        let (topology, mut tree) = built(&mesh);
+        let light = Light::point([3.0, 4.0, 5.0]).unwrap();
+        let TreeSearch::Searched { leaves, .. } = tree.search(&mesh, &topology, &light, Casters::All).1
+        else {
+            panic!("nothing is left open")
+        };
+        assert!(leaves * 5 < tree.leaves.len(), "{leaves} of {}", tree.leaves.len());
+    }
+
+    /// Whether a faulty tree is found out by the lights of the comparison.
+    fn caught(mesh: &Mesh, spoil: impl FnOnce(&mut SilhouetteTree)) -> bool {
+        let (topology, mut tree) = built(mesh);
+        let lights = trial::lights(mesh);
+        assert!(lights.iter().all(|light| agrees(mesh, &topology, &mut tree, light)));
+        spoil(&mut tree);
+        lights.iter().any(|light| !agrees(mesh, &topology, &mut tree, light))
+    }
+
+    #[test]
+    fn silhouette_tree_whose_edges_lack_their_second_plane_is_caught() {
+        assert!(caught(&solid::icosphere(3), |tree| {
+            for Leaf([along, against]) in &mut tree.leaves {
+                *against = *along;
+            }
+        }));
+    }
+
+    #[test]
+    fn silhouette_tree_with_planes_beyond_their_bound_is_caught() {
+        // For lights one unit in the last place off a plane: 16 of an offset make up to 8 of a height, more than the
+        // bound forgives.
+        assert!(caught(&solid::icosphere(3), |tree| {
+            for offsets in tree.leaves.iter_mut().flat_map(|leaf| &mut leaf.0).map(|planes| &mut planes[3]) {
+                offsets.iter_mut().for_each(|offset| *offset += 16);
+            }
+        }));
+    }
+
+    #[test]
+    fn silhouette_tree_with_boxes_that_are_too_small_is_caught() {
+        assert!(caught(&solid::icosphere(3), |tree| {
+            for row in tree.levels.iter_mut().flatten().flat_map(|node| &mut node.0) {
+                let (low, high) = row.split_at_mut(WIDE);
+                low.copy_from_slice(high);
+            }
+        }));
+    }
+
+    #[test]
+    fn silhouette_tree_without_its_boundary_edges_is_caught() {
+        assert!(caught(&solid::mobius(24), |tree| tree.apart.clear()));
     }
 }

@@ -18,6 +18,7 @@ mod gpu_topology;
 mod oracle;
 mod picture;
 mod read;
+mod silhouette;
 mod stencil;
 mod support;
 mod verify;

@@ -17,7 +17,7 @@ use crate::topology::Topology;
 /// Faces that share a certificate.
 const RUN: usize = 32;
 /// Runs whose earliest certificate is looked up together.
-const GROUP: usize = 32;
+const GROUP: usize = 16;
 /// One run in so many may run out in a step before the tree is cheaper.
 const EXPIRED_SHARE: usize = 16;
 /// Steps by the tree after which certificates are worth another try, at twice the length of step.
@@ -289,7 +289,8 @@ impl KineticSilhouette {
             let mut sides = [Facing::EdgeOn; RUN];
             self.run_ends[run] = self.certify(run, &mut sides, mesh, planes, light);
             let slots = run * RUN..self.faces.len().min((run + 1) * RUN);
-            if self.facing[slots.clone()] == sides[..slots.len()] {
+            let pairs = self.facing[slots.clone()].iter().zip(&sides);
+            if pairs.fold(0, |turned, (before, side)| turned | (before.sign() ^ side.sign())) == 0 {
                 continue; // as nearly always
             }
             for (slot, side) in slots.zip(sides) {

@@ -9,7 +9,7 @@
 
 use super::edge_set::EdgeSet;
 use super::plane::LocalLight;
-use super::{Casters, FacePlanes, Facing, Silhouette, SilhouetteEdge, SilhouetteTree};
+use super::{Casters, FacePlanes, Facing, Silhouette, SilhouetteEdge, SilhouetteTree, TreeSearch};
 use crate::geom::Light;
 use crate::mesh::{EdgeId, FaceId, Mesh};
 use crate::topology::Topology;
@@ -18,7 +18,9 @@ use crate::topology::Topology;
 const RUN: usize = 32;
 /// Runs whose earliest certificate is looked up together.
 const GROUP: usize = 16;
-/// One run in so many may run out in a step before the tree is cheaper.
+/// Looking again at a run and at what changes takes about as long as so many nodes and leaves of the tree.
+const RUN_COST: usize = 3;
+/// Where the tree only scans: one run in so many may run out before that is cheaper.
 const EXPIRED_SHARE: usize = 16;
 /// Steps by the tree after which certificates are worth another try, at twice the length of step.
 const PATIENCE: u32 = 64;
@@ -85,6 +87,8 @@ pub struct KineticSilhouette {
     odometer: f64,
     /// Whether sides and certificates are those of `light`.
     renewed: bool,
+    /// With more runs than these, the last search of the tree was cheaper.
+    most_expired: usize,
     /// The longest step for which certificates are tried.
     longest: f64,
     searches: u32,
@@ -147,6 +151,7 @@ impl KineticSilhouette {
             group_ends: vec![0.0; runs.div_ceil(GROUP)],
             odometer: 0.0,
             renewed: false,
+            most_expired: 0,
             longest: f64::INFINITY,
             searches: 0,
             multiplicity: vec![0; topology.edge_count()],
@@ -155,8 +160,7 @@ impl KineticSilhouette {
             touched: Vec::new(),
             changes: Vec::new(),
         };
-        let silhouette = tree.silhouette(mesh, topology, light, casters);
-        moving.replace(&silhouette);
+        moving.search(mesh, topology, tree);
         moving.renew(mesh, tree.planes());
         moving.changes.clear();
         moving
@@ -165,7 +169,7 @@ impl KineticSilhouette {
     /// Moves the light, and brings the silhouette up to date.
     ///
     /// A step costs a look at each 1024th face, a look at the faces whose certificates run out, and what changes. Where
-    /// more than one run in 16 runs out it costs a search of the tree instead.
+    /// so many run out that the last search of the tree was cheaper, it costs another search.
     ///
     /// # Panics
     ///
@@ -195,8 +199,7 @@ impl KineticSilhouette {
             self.renewed = false;
             self.longest = length / 2.0;
         }
-        let silhouette = tree.silhouette(mesh, topology, light, self.casters);
-        self.replace(&silhouette);
+        self.search(mesh, topology, tree);
         self.wait();
         if length > self.longest {
             return KineticStep::Searched;
@@ -271,7 +274,6 @@ impl KineticSilhouette {
     /// Looks again at the runs whose certificates have run out, and how many those are; `None`, and nothing is done, if
     /// they are too many.
     fn follow(&mut self, mesh: &Mesh, planes: &FacePlanes, light: &LocalLight) -> Option<usize> {
-        let most = self.run_ends.len() / EXPIRED_SHARE + 1;
         let mut expired = Vec::new();
         for (group, end) in self.group_ends.iter().enumerate() {
             if *end <= self.odometer {
@@ -280,7 +282,7 @@ impl KineticSilhouette {
                 expired.extend(
                     (first..).zip(runs).filter(|(_, end)| **end <= self.odometer).map(|(run, _)| run),
                 );
-                if expired.len() > most {
+                if expired.len() > self.most_expired {
                     return None;
                 }
             }
@@ -385,6 +387,16 @@ impl KineticSilhouette {
             self.edges.insert(edge);
             self.len += 1;
         }
+    }
+
+    /// The silhouette by the tree.
+    fn search(&mut self, mesh: &Mesh, topology: &Topology, tree: &mut SilhouetteTree) {
+        let (silhouette, search) = tree.search(mesh, topology, &self.light, self.casters);
+        self.most_expired = 1 + match search {
+            TreeSearch::Searched { nodes, leaves, .. } => (nodes + leaves) / RUN_COST,
+            TreeSearch::Scanned => self.run_ends.len() / EXPIRED_SHARE,
+        };
+        self.replace(&silhouette);
     }
 
     /// Takes over a silhouette from elsewhere, and notes what is different.

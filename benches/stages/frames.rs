@@ -19,7 +19,8 @@ use umbrage::volume::{Caps, GpuExtrusion, GpuVolume, ShadowVolume, VolumeShaders
 
 use crate::canvas::Canvas;
 use crate::chart::Curve;
-use crate::gpu::{head, submit, wait};
+use crate::gpu::{submit, wait};
+use crate::head;
 use crate::measure::{Bench, Contender, Group, Target, timed};
 
 const SIDE: u32 = 512;

@@ -2,8 +2,7 @@
 
 use umbrage::geom::Light;
 use umbrage::gpu::{Gpu, wgpu};
-use umbrage::mesh::{FaceId, Mesh, Weld, solid, weld};
-use umbrage::scene::Scope;
+use umbrage::mesh::{FaceId, Mesh};
 use umbrage::silhouette::{
     Casters, FacePlanes, GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders, classify,
 };
@@ -27,26 +26,10 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
     let volumes = VolumeShaders::new(&gpu).expect("they compile");
     let light = Light::point([3.0, 4.0, 5.0]).expect("finite");
     facing(bench, &gpu, &shaders, &crate::ordered(bench.quick), &light);
-    let mesh = head(bench.quick);
+    let mesh = crate::head(bench.quick);
     silhouette(bench, &gpu, &shaders, &volumes, &mesh, &light, "point light");
     let axis = Light::directional([0.0, 0.0, -1.0]).expect("not zero");
     silhouette(bench, &gpu, &shaders, &volumes, &crate::tied(bench.quick), &axis, "light along an axis");
-}
-
-/// A scanned head of 268,686 triangles if the real meshes are there, else a torus of as many.
-pub(crate) fn head(quick: bool) -> Mesh {
-    let folder = std::env::var("UMBRAGE_MESHES")
-        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes").to_owned());
-    let read = || {
-        let scene = umbrage::read::read(format!("{folder}/igea.glb")).ok()?;
-        let mesh = scene.bake(Scope::Mesh).ok()?.into_iter().next()?;
-        Some(weld(&mesh, Weld::Exact).mesh.with_name("igea"))
-    };
-    if quick {
-        solid::torus(40, 40, 2.0, 0.75)
-    } else {
-        read().unwrap_or_else(|| solid::torus(366, 367, 2.0, 0.75))
-    }
 }
 
 fn facing(bench: &mut Bench<'_>, gpu: &Gpu, shaders: &SilhouetteShaders, mesh: &Mesh, light: &Light) {

@@ -11,6 +11,7 @@ mod frames;
 mod gpu;
 #[cfg(feature = "gpu")]
 mod gpu_topology;
+mod light;
 mod machine;
 mod measure;
 mod report;
@@ -26,7 +27,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use measure::Bench;
-use umbrage::mesh::{Mesh, solid};
+use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::scene::Scope;
 
 const USAGE: &str = "\
 cargo bench --bench stages -- [OPTIONS]
@@ -85,9 +87,17 @@ fn run(options: &Options) -> Result<(), String> {
     let machine = machine::Machine::look(options.quick);
     report::print(&machine.to_string()).map_err(|error| error.to_string())?;
     let mut bench = Bench::new(options.quick, &options.filter, machine.touched_bytes_per_ns);
-    for stage in
-        [screen::run, topology::run, weld::run, facing::run, ties::run, shadow::run, visibility::run]
-    {
+    let stages = [
+        screen::run,
+        topology::run,
+        weld::run,
+        facing::run,
+        ties::run,
+        shadow::run,
+        light::run,
+        visibility::run,
+    ];
+    for stage in stages {
         stage(&mut bench);
     }
     #[cfg(feature = "gpu")]
@@ -122,6 +132,22 @@ fn run(options: &Options) -> Result<(), String> {
 /// 1.3 million triangles in the order in which they were made: neighbours lie near each other.
 fn ordered(quick: bool) -> Mesh {
     solid::icosphere(if quick { 4 } else { 8 })
+}
+
+/// A scanned head of 268,686 triangles if the real meshes are there, else a torus of as many.
+pub(crate) fn head(quick: bool) -> Mesh {
+    let folder = std::env::var("UMBRAGE_MESHES")
+        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes").to_owned());
+    let read = || {
+        let scene = umbrage::read::read(format!("{folder}/igea.glb")).ok()?;
+        let mesh = scene.bake(Scope::Mesh).ok()?.into_iter().next()?;
+        Some(weld(&mesh, Weld::Exact).mesh.with_name("igea"))
+    };
+    if quick {
+        solid::torus(40, 40, 2.0, 0.75)
+    } else {
+        read().unwrap_or_else(|| solid::torus(366, 367, 2.0, 0.75))
+    }
 }
 
 /// 2 million triangles in random order: neighbours lie anywhere.

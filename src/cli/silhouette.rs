@@ -8,7 +8,7 @@ use umbrage::geom::Light;
 use umbrage::gpu::Gpu;
 use umbrage::mesh::{Mesh, VertexId};
 use umbrage::scene::SceneLight;
-use umbrage::silhouette::{Casters, Facing, Silhouette, classify};
+use umbrage::silhouette::{Casters, Facing, Silhouette, SilhouetteMethod, SilhouetteTree, classify};
 #[cfg(feature = "gpu")]
 use umbrage::silhouette::{GpuCaster, GpuSilhouette, SilhouetteShaders};
 #[cfg(feature = "gpu")]
@@ -50,11 +50,11 @@ pub(crate) struct Args {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Method {
-    /// The cheapest that is built
+    /// Scan or tree, whichever is cheaper for so many lights
     Auto,
     /// All faces, then all edges
     Scan,
-    /// A tree of edges, for many lights on one mesh (not built yet)
+    /// A tree of edges, for many lights on one mesh
     Tree,
     /// Compute shaders on a graphics adapter
     Gpu,
@@ -64,6 +64,8 @@ enum Method {
 enum Finder {
     /// The exact predicate for every face, then all edges.
     Scan,
+    /// A tree of edges.
+    Tree(Box<SilhouetteTree>),
     /// The mesh on a graphics adapter.
     #[cfg(feature = "gpu")]
     Device(Box<GpuSilhouette>),
@@ -73,15 +75,23 @@ impl Finder {
     fn name(&self) -> &'static str {
         match self {
             Self::Scan => "scan",
+            Self::Tree(_) => "tree",
             #[cfg(feature = "gpu")]
             Self::Device(_) => "gpu",
         }
     }
 
     /// The silhouettes of all faces and of front faces, the sides, and how many of them took a second look.
-    fn find(&self, mesh: &Mesh, topology: &Topology, light: &Light) -> Result<Looked, Failure> {
+    fn find(&mut self, mesh: &Mesh, topology: &Topology, light: &Light) -> Result<Looked, Failure> {
         match self {
             Self::Scan => Ok(scan(mesh, topology, light)),
+            Self::Tree(tree) => {
+                let mut facing = Vec::new();
+                let unsure_faces = tree.planes().classify_into(mesh, light, &mut facing);
+                let [all, front] = [Casters::All, Casters::Front]
+                    .map(|casters| tree.silhouette(mesh, topology, light, casters));
+                Ok(Looked { facing, all, front, unsure_faces })
+            }
             #[cfg(feature = "gpu")]
             Self::Device(device) => {
                 let unsure_faces = device.classify(mesh, light)?;
@@ -126,21 +136,13 @@ struct Found {
 }
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
-    let (adapter, reason) = match args.method {
-        Method::Auto => {
-            (None, "one look a light: a scan of all edges costs less than building anything first".to_owned())
-        }
-        Method::Scan => (None, "asked for".to_owned()),
-        Method::Tree => return Err(Failure::not_built("--method tree", "use --method scan")),
-        Method::Gpu => {
-            let gpu = args.adapter.open("--method gpu")?;
-            let reason = on_adapter(&gpu);
-            (Some(gpu), reason)
+    let adapter = match args.method {
+        Method::Gpu => Some(args.adapter.open("--method gpu")?),
+        Method::Auto | Method::Scan | Method::Tree => {
+            args.adapter.unused("silhouettes are found on the processor; add --method gpu");
+            None
         }
     };
-    if adapter.is_none() {
-        args.adapter.unused("the scan runs on the processor; add --method gpu");
-    }
     if let Some(path) = &args.output {
         Target::from_path(path)?;
     }
@@ -149,9 +151,17 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
 
     let progress = Progress::spinner("finding silhouettes");
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
-    let finder = match adapter {
-        None => Finder::Scan,
-        Some(adapter) => on_device(&adapter, &mesh, &topology)?,
+    let chosen = SilhouetteMethod::choose(mesh.face_count(), lights.len());
+    let (method, reason) = match (args.method, &adapter) {
+        (Method::Auto, _) => (chosen.0, chosen.1.to_string()),
+        (Method::Tree, _) => (SilhouetteMethod::Tree, "asked for".to_owned()),
+        (_, Some(adapter)) => (SilhouetteMethod::Scan, on_adapter(adapter)),
+        (_, None) => (SilhouetteMethod::Scan, "asked for".to_owned()),
+    };
+    let mut finder = match (adapter, method) {
+        (Some(adapter), _) => on_device(&adapter, &mesh, &topology)?,
+        (None, SilhouetteMethod::Scan) => Finder::Scan,
+        (None, _) => Finder::Tree(Box::new(SilhouetteTree::new(&mesh, &topology))),
     };
     let look = |light: SceneLight| {
         let looked = finder.find(&mesh, &topology, &light.light)?;

@@ -5,14 +5,24 @@
 //! no pairing of faces, so it holds on any mesh: open, non-manifold, not orientable. (Cf. Byungmoon Kim, Kihwan
 //! Kim, Greg Turk, *A Shadow-Volume Algorithm for Opaque and Transparent Nonmanifold Casters*, 2008.)
 
+mod auto;
+mod edge_set;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod kinetic;
 mod plane;
+mod quantised;
 mod scan;
+mod tree;
+#[cfg(test)]
+mod trial;
 
+pub use auto::{SilhouetteFinder, SilhouetteMethod, SilhouetteReason};
 #[cfg(feature = "gpu")]
 pub use gpu::{FoundSilhouette, GpuCaster, GpuSilhouette, SilhouetteShaders};
+pub use kinetic::{EdgeChange, KineticSilhouette, KineticStep};
 pub use plane::FacePlanes;
+pub use tree::{SilhouetteTree, TreeSearch};
 
 use crate::geom::Light;
 use crate::geom::predicate::{self, Sign};
@@ -62,7 +72,8 @@ pub fn facing_of(mesh: &Mesh, face: FaceId, light: &Light) -> Facing {
 
 /// The side of every face that `light` is on, exactly; one entry a face.
 ///
-/// Costs one filtered predicate a face. Memory: 1 byte a face. For many lights on one mesh, [`FacePlanes`] is several times faster.
+/// Costs one filtered predicate a face. Memory: 1 byte a face. For many lights on one mesh, [`FacePlanes`] is many times
+/// faster.
 #[must_use]
 pub fn classify(mesh: &Mesh, light: &Light) -> Vec<Facing> {
     (0..mesh.face_count()).map(|face| facing_of(mesh, FaceId::new(face), light)).collect()
@@ -82,10 +93,14 @@ impl Casters {
     /// The sign that each face casts with: one entry a face, −1, 0 or +1.
     #[must_use]
     pub fn signs(self, facing: &[Facing]) -> Vec<i8> {
-        facing
-            .iter()
-            .map(|facing| if self == Self::All { facing.sign() } else { facing.sign().max(0) })
-            .collect()
+        facing.iter().map(|&facing| self.sign(facing)).collect()
+    }
+
+    /// The sign that a face casts with.
+    #[inline]
+    #[must_use]
+    pub fn sign(self, facing: Facing) -> i8 {
+        if self == Self::All { facing.sign() } else { facing.sign().max(0) }
     }
 
     /// Which sides a face casts on, as bits: [`CASTS_IN_FRONT`], [`CASTS_BEHIND`].

@@ -20,7 +20,7 @@ const BOUNDS: [(&str, usize); 18] = [
     ("items", 100),
     ("tree", 96),
     ("proofs", 700),
-    ("planes", 20),
+    ("planes", 28),
     ("classify", 1),
     ("plan", 20),
     ("silhouette", 72),

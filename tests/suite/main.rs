@@ -22,6 +22,7 @@ mod oracle;
 mod picture;
 mod read;
 mod screen;
+mod silhouette;
 mod stencil;
 mod support;
 mod torture;

@@ -4,9 +4,10 @@ use proptest::prelude::*;
 use umbrage::mesh::{Mesh, Weld, solid, weld};
 use umbrage::read;
 use umbrage::scene::Scope;
+use umbrage::strategy::soup;
 use umbrage::topology::{Screen, Topology};
 
-use super::support::{real_meshes, soup};
+use super::support::real_meshes;
 
 /// What the edge table says.
 fn balanced(mesh: &Mesh) -> bool {

@@ -94,6 +94,43 @@ fn silhouette_of_meshes_that_touch_keeps_them_apart() {
 }
 
 #[test]
+fn silhouette_of_the_tree_is_that_of_the_scan() {
+    let folder = Folder::with_cubes();
+    folder.mesh("sponge.obj", &solid::menger_sponge(2));
+    for file in ["cube.obj", "sponge.obj"] {
+        for light in ["point:2,3,5", "directional:0,-1,0", "directional:-1,-1,-1"] {
+            let of = |method: &str| {
+                let document = folder.json(&format!("silhouette {file} --light {light} --method {method}"));
+                let mut found = document["lights"][0].as_object().unwrap().clone();
+                let [said, reason, _] =
+                    ["method", "reason", "unsure_faces"].map(|key| found.remove(key).unwrap());
+                assert_eq!((said, reason), (method.into(), "asked for".into()));
+                found
+            };
+            assert_eq!(of("tree"), of("scan"), "{file} {light}");
+        }
+    }
+}
+
+#[test]
+fn silhouette_auto_scans_for_few_lights_and_searches_a_tree_for_many() {
+    let folder = Folder::new();
+    folder.mesh("sphere.obj", &solid::icosphere(3));
+    let of = |lights: &str| {
+        let light = &folder.json(&format!("silhouette sphere.obj{lights}"))["lights"][0];
+        (
+            light["method"].clone(),
+            light["reason"].as_str().unwrap().to_owned(),
+            light["silhouette_edges"].clone(),
+        )
+    };
+    let one = of(" --light point:3,4,5");
+    let many = of(&" --light point:3,4,5".repeat(300));
+    assert_eq!((&one.0, &many.0, &one.2), (&"scan".into(), &"tree".into(), &many.2));
+    assert!(one.1.contains("one look a light") && many.1.contains("many lights"), "{} / {}", one.1, many.1);
+}
+
+#[test]
 fn silhouette_adapter_without_the_method_that_uses_it_is_said_to_be_unused() {
     let run = Folder::with_cubes().run("silhouette cube.obj --light point:1,2,3 --adapter llvmpipe");
     assert_eq!(run.code, 0);

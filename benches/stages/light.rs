@@ -1,0 +1,153 @@
+//! The silhouettes of many lights on one mesh: lights anywhere, and a light that moves.
+
+use umbrage::geom::{Aabb, Light};
+use umbrage::mesh::{Mesh, solid};
+use umbrage::silhouette::{
+    Casters, FacePlanes, Facing, KineticSilhouette, Silhouette, SilhouetteFinder, SilhouetteTree, classify,
+};
+use umbrage::topology::Topology;
+
+use crate::measure::{Bench, Contender, Group, Target, timed};
+
+pub(crate) fn run(bench: &mut Bench<'_>) {
+    if bench.wants("silhouette of any light") {
+        any_light(bench, &crate::head(bench.quick), 1.0 / 3.0);
+        any_light(bench, &crate::ordered(bench.quick), 0.1);
+        any_light(bench, &crate::tied(bench.quick), 1.05);
+    }
+    if bench.wants("silhouette of a moving light") {
+        let n = if bench.quick { 40 } else { 224 };
+        moving_light(bench, &solid::torus(n, n, 2.0, 0.75).with_name(format!("torus {n}")), 5_000.0);
+        moving_light(bench, &crate::head(bench.quick), 15_000.0);
+    }
+}
+
+/// Facing and edges, both buffers kept.
+struct Scan {
+    planes: FacePlanes,
+    facing: Vec<Facing>,
+}
+
+impl Scan {
+    fn silhouette(&mut self, mesh: &Mesh, topology: &Topology, light: &Light) -> Silhouette {
+        self.planes.classify_into(mesh, light, &mut self.facing);
+        Silhouette::extract(topology, &Casters::All.signs(&self.facing))
+    }
+}
+
+/// A place in units of the diagonal, from the middle.
+fn place(mesh: &Mesh, at: [f32; 3]) -> Light {
+    let [low, high] = mesh.bounds().expect("it has faces");
+    let bounds = Aabb { low, high };
+    let (centre, diagonal) = (bounds.centre(), bounds.diagonal() as f32);
+    Light::point([0, 1, 2].map(|i| centre[i] + diagonal * at[i])).expect("finite")
+}
+
+/// Point lights near and far, inside, and directional ones, two of them along axes.
+fn lights(mesh: &Mesh) -> [Light; 8] {
+    let directional = |travel| Light::directional(travel).expect("not zero");
+    [
+        place(mesh, [0.5, 0.8, 0.3]),
+        place(mesh, [-0.7, 0.4, 0.6]),
+        place(mesh, [0.2, -2.0, 1.0]),
+        place(mesh, [30.0, 20.0, -10.0]),
+        place(mesh, [0.02, 0.05, -0.03]),
+        directional([1.0, 0.3, -0.2]),
+        directional([0.0, -1.0, 0.0]),
+        directional([0.0, 0.0, -1.0]),
+    ]
+}
+
+fn any_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
+    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let lights = lights(mesh);
+    let expected: Vec<Silhouette> = lights
+        .iter()
+        .map(|light| Silhouette::extract(&topology, &Casters::All.signs(&classify(mesh, light))))
+        .collect();
+    let right = |found: &Vec<Silhouette>| {
+        assert!(*found == expected, "another silhouette");
+        format!("edges={}", found.iter().map(|silhouette| silhouette.edges.len()).sum::<usize>())
+    };
+    let mut scan = Scan { planes: FacePlanes::new(mesh), facing: Vec::new() };
+    let mut tree = SilhouetteTree::new(mesh, &topology);
+    let contenders = vec![
+        Contender::new("facing and scan", || {
+            timed(|| lights.iter().map(|light| scan.silhouette(mesh, &topology, light)).collect(), right)
+        }),
+        Contender::new("SilhouetteTree::silhouette", || {
+            let mut find = |light: &Light| tree.silhouette(mesh, &topology, light, Casters::All);
+            timed(|| lights.iter().map(&mut find).collect(), right)
+        })
+        .aims_at(Target::Ratio(target)),
+    ];
+    let (stage, name) = ("silhouette of any light", mesh.name.clone());
+    let units = mesh.face_count() * lights.len();
+    bench.run(Group { stage, mesh: name.clone(), units, unit: "triangle and light", contenders });
+    let contenders = vec![
+        Contender::new("FacePlanes::new", || timed(|| FacePlanes::new(mesh), |_| String::new())),
+        Contender::new("SilhouetteTree::new", || {
+            timed(|| SilhouetteTree::new(mesh, &topology), |tree| format!("idle={}", tree.is_idle()))
+        }),
+    ];
+    bench.run(Group { stage, mesh: name, units: mesh.face_count(), unit: "triangle", contenders });
+}
+
+/// There and back in steps of a ten-thousandth of the diagonal.
+fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
+    const STEPS: usize = 32;
+    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let at = |i: usize| {
+        let way = 1e-4 * i as f32;
+        place(mesh, [0.5 + 0.6 * way, 0.8 - 0.64 * way, 0.3 + 0.48 * way])
+    };
+    let walk: Vec<Light> = (1..=STEPS).chain((0..STEPS).rev()).map(at).collect();
+    let last = Silhouette::extract(&topology, &Casters::All.signs(&classify(mesh, &at(0))));
+    let right = |(count, found): &(usize, Silhouette)| {
+        assert!(*found == last, "another silhouette");
+        format!("edges={count}")
+    };
+    let mut scan = Scan { planes: FacePlanes::new(mesh), facing: Vec::new() };
+    let mut searched = SilhouetteTree::new(mesh, &topology);
+    let mut tree = searched.clone();
+    let mut moving = KineticSilhouette::new(mesh, &topology, &mut tree, &at(0), Casters::All);
+    let mut finder = SilhouetteFinder::new(mesh, &topology, Casters::All, usize::MAX);
+    let count = |silhouette: Silhouette, (sum, _)| (sum + silhouette.edges.len(), silhouette);
+    let start = || (0, Silhouette::default());
+    let contenders = vec![
+        Contender::new("facing and scan", || {
+            let mut find = |sum, light| count(scan.silhouette(mesh, &topology, light), sum);
+            timed(|| walk.iter().fold(start(), &mut find), right)
+        }),
+        Contender::new("SilhouetteTree::silhouette", || {
+            let mut find = |sum, light| count(searched.silhouette(mesh, &topology, light, Casters::All), sum);
+            timed(|| walk.iter().fold(start(), &mut find), right)
+        }),
+        Contender::new("KineticSilhouette::step", || {
+            let mut sum = 0;
+            let work = || {
+                for light in &walk {
+                    moving.step(mesh, &topology, &mut tree, light);
+                    sum += moving.len();
+                }
+                sum
+            };
+            let sample = timed(work, |sum| format!("edges={sum}"));
+            assert!(moving.silhouette() == last, "another silhouette");
+            sample
+        })
+        .aims_at(Target::Time(target)),
+        Contender::new("SilhouetteFinder::find", || {
+            let work = || {
+                for light in &walk {
+                    finder.find(mesh, &topology, light);
+                }
+            };
+            let sample = timed(work, |()| String::new());
+            assert!(finder.edges().eq(last.edges.iter().copied()), "another silhouette");
+            sample
+        }),
+    ];
+    let (stage, mesh) = ("silhouette of a moving light", mesh.name.clone());
+    bench.run(Group { stage, mesh, units: walk.len(), unit: "step", contenders });
+}

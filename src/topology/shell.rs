@@ -95,7 +95,8 @@ pub struct Shells {
 }
 
 impl Topology {
-    /// Which faces hang together through edges. Memory: 8 bytes a face, 12 at its peak.
+    /// Which faces hang together through edges. Memory: 8 bytes a face, 12 at its peak; the first to ask a table that
+    /// was not built with its survey takes what [`Topology::build_surveyed`] does.
     #[must_use]
     pub fn shells(&self) -> Shells {
         let survey = self.survey();

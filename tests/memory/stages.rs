@@ -11,9 +11,10 @@ use umbrage::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof, WindingIndex}
 use super::{alone, peak, shapes};
 
 /// What the documentation of each stage allows: bytes a face (of the caster; of the volume for what reads one).
-const BOUNDS: [(&str, usize); 18] = [
+const BOUNDS: [(&str, usize); 19] = [
     ("weld", 260),
     ("weld within", 400),
+    ("edge table", 120),
     ("topology", 120),
     ("shells", 12),
     ("crack report", 700),
@@ -40,8 +41,15 @@ fn bound(stage: &str) -> usize {
 }
 
 /// What it promises of an ordinary closed mesh, besides.
-const ORDINARY: [(&str, usize); 6] =
-    [("weld", 33), ("topology", 41), ("shells", 8), ("crack report", 12), ("proofs", 125), ("layers", 125)];
+const ORDINARY: [(&str, usize); 7] = [
+    ("weld", 33),
+    ("edge table", 41),
+    ("topology", 41),
+    ("shells", 8),
+    ("crack report", 12),
+    ("proofs", 125),
+    ("layers", 125),
+];
 
 #[test]
 fn memory_of_every_stage_is_what_its_documentation_says() {
@@ -62,7 +70,9 @@ fn memory_of_every_stage_is_what_its_documentation_says() {
         note("weld", faces, peak(|| weld(&mesh, Weld::Exact)).1);
         note("weld within", faces, peak(|| weld(&mesh, Weld::Within(1e-6))).1);
         let triangles = mesh.triangles().to_vec();
-        let (topology, bytes) = peak(|| Topology::build(mesh.vertex_count(), triangles));
+        let table = peak(|| Topology::build(mesh.vertex_count(), triangles.clone())).1;
+        note("edge table", faces, table - 12 * faces); // the copy
+        let (topology, bytes) = peak(|| Topology::build_surveyed(mesh.vertex_count(), triangles));
         note("topology", faces, bytes);
         let (shells, bytes) = peak(|| topology.shells());
         note("shells", faces, bytes);

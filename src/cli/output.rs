@@ -3,6 +3,7 @@
 use std::fmt::{self, Display};
 use std::io::{self, BufWriter, StdoutLock, Write};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde_json::Value;
 
@@ -55,11 +56,20 @@ pub(super) fn unwritable(error: io::Error) -> Failure {
     Failure::new(format_args!("standard output cannot be written: {error}"), "write to another place")
 }
 
+/// Whether anything was handed to standard output, which may then have reached its reader.
+pub(crate) fn has_begun() -> bool {
+    BEGUN.load(Ordering::Relaxed)
+}
+
+static BEGUN: AtomicBool = AtomicBool::new(false);
+
 /// Takes a closed pipe as a reader who has seen enough.
 struct UntilClosed<W>(W);
 
 impl<W: Write> Write for UntilClosed<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // Before the bytes go: a pipe that is full keeps the call here with half of them read.
+        BEGUN.store(true, Ordering::Relaxed);
         match self.0.write(bytes) {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(bytes.len()),
             result => result,

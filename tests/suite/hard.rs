@@ -1,8 +1,8 @@
 //! What is hard about shadow volumes, case by case, each with its expected numbers on a generated mesh.
 //!
 //! A test is named `hard_`, the number of its case, and what must hold. Its comment says which failure it guards
-//! against; each has a sabotage, mostly that very failure, which the same comparison is seen to reject. Expected
-//! numbers are closed forms: counts of the generators, crossings that can be told by hand, pixels of a picture whose
+//! against. Most have a sabotage, often that very failure, which the same comparison is seen to reject; the others
+//! compare numbers that differ from row to row, so that no one answer suits them all. Expected numbers are closed forms: counts of the generators, crossings that can be told by hand, pixels of a picture whose
 //! middles are half-integers (`screen.rs`).
 //!
 //!  1. One sheet, lit from its front and from its back (`sheet.rs`, `camera.rs`).

@@ -3,7 +3,8 @@
 //! Every relation is asked of four families of meshes (soups, closed solids, solids with defects, axis-aligned solids
 //! full of ties), with lights and points that are hard for the very mesh, about facing, silhouettes, certificate,
 //! ray cast and winding number. Each run counts what it has seen, so that no relation holds for want of a case, and
-//! each relation is then given a fault that the same judgement has to reject.
+//! each relation is then given a fault that the same judgement has to reject, and each comparison in it a wrong answer
+//! that it alone can see.
 //!
 //! `PROPTEST_CASES=1000 cargo test --test suite metamorphic` is the long form: so many cases a family, and four times
 //! as many soups, which are small.
@@ -26,7 +27,7 @@ use proptest::test_runner::{Config, TestRunner};
 use umbrage::mesh::Mesh;
 use umbrage::strategy::{Case, cad, case, closed, damaged, soup, soup_at};
 
-use answers::Tally;
+use answers::{Fault, Slip, Tally};
 
 /// What a relation draws beside the case.
 #[derive(Clone, Debug)]
@@ -93,7 +94,7 @@ impl Twist {
 }
 
 /// Judges one case, with a deliberate fault where that is asked for. `None`: the relation says nothing about it.
-type Relation = fn(&Case, &Twist, fault: bool) -> Option<Result<Tally, String>>;
+type Relation = fn(&Case, &Twist, fault: Fault) -> Option<Result<Tally, String>>;
 
 /// Names, how many times as many cases as of solids, and meshes.
 fn families() -> [(&'static str, u32, BoxedStrategy<Mesh>); 4] {
@@ -109,8 +110,9 @@ fn families() -> [(&'static str, u32, BoxedStrategy<Mesh>); 4] {
 /// The cases of each family, where `PROPTEST_CASES` does not say: so many that each outcome occurs dozens of times.
 const CASES: u32 = 60;
 
-/// The relation holds on every case of each family, every outcome occurs, and its fault is found.
-fn hold(name: &'static str, relation: Relation) {
+/// The relation holds on every case of each family, every outcome occurs, its fault is found, and each of its
+/// `comparisons` finds the wrong answer that is there for it.
+fn hold(name: &'static str, relation: Relation, comparisons: &[(Slip, &str)]) {
     let asked = std::env::var_os("PROPTEST_CASES").map_or(CASES, |_| Config::default().cases);
     for (family, times, meshes) in families() {
         let cases = (case(meshes, 6), twist());
@@ -119,7 +121,7 @@ fn hold(name: &'static str, relation: Relation) {
             Config { cases: run, source_file: Some(file!()), test_name: Some(name), ..Config::default() };
         let (tally, skipped) = (RefCell::new(Tally::default()), Cell::new(0_u32));
         let result = TestRunner::new(config).run(&cases, |(case, twist)| {
-            match relation(&case, &twist, false) {
+            match relation(&case, &twist, Fault::None) {
                 Some(Ok(seen)) => tally.borrow_mut().add(&seen),
                 Some(Err(broken)) => return Err(TestCaseError::fail(broken)),
                 None => skipped.set(skipped.get() + 1),
@@ -137,40 +139,46 @@ fn hold(name: &'static str, relation: Relation) {
         }
 
         // The same judgement with a fault: found within some hundred cases, and in more than one.
-        let mut runner = TestRunner::deterministic();
-        let found = (0..400).filter(|_| {
-            let (case, twist) = cases.new_tree(&mut runner).expect("nothing is rejected").current();
-            matches!(relation(&case, &twist, true), Some(Err(_)))
-        });
-        assert!(found.take(2).count() == 2, "{name} of {family}: the fault was not found");
+        let found = |fault, said: &str| {
+            let mut runner = TestRunner::deterministic();
+            let found = (0..400).filter(|_| {
+                let (case, twist) = cases.new_tree(&mut runner).expect("nothing is rejected").current();
+                matches!(relation(&case, &twist, fault), Some(Err(broken)) if broken.starts_with(said))
+            });
+            assert!(found.take(2).count() == 2, "{name} of {family}: {fault:?} was not found: {said}");
+        };
+        found(Fault::Image, "");
+        for &(slip, said) in comparisons {
+            found(Fault::Answer(slip), said);
+        }
     }
 }
 
 macro_rules! relations {
-    ($($name:ident: $relation:path,)*) => {
+    ($($name:ident: $relation:path, $comparisons:path;)*) => {
         $(
             #[test]
             fn $name() {
-                hold(stringify!($name), $relation);
+                hold(stringify!($name), $relation, $comparisons);
             }
         )*
     };
 }
 
 relations! {
-    metamorphic_scaling_by_a_power_of_two_changes_nothing: same::scaled,
-    metamorphic_an_exact_translation_changes_nothing: same::translated,
-    metamorphic_permuted_axes_change_nothing: same::permuted,
-    metamorphic_a_reflection_changes_nothing: same::mirrored,
-    metamorphic_relabelled_vertices_change_nothing: same::relabelled,
-    metamorphic_faces_in_another_order_change_nothing: same::reordered,
-    metamorphic_rotated_corners_change_nothing: same::rotated,
-    metamorphic_unreferenced_vertices_change_nothing: same::unreferenced,
-    metamorphic_a_second_copy_counts_everything_twice: same::duplicated,
-    metamorphic_flipped_windings_throw_the_same_shadow: shadow::turned,
-    metamorphic_an_edge_split_at_its_middle_throws_the_same_shadow: shadow::split,
-    metamorphic_a_quad_cut_along_its_other_diagonal_throws_the_same_shadow: shadow::recut,
-    metamorphic_faces_cut_in_four_throw_the_same_shadow: shadow::quartered,
-    metamorphic_another_caster_lights_no_point: union::adding,
-    metamorphic_casters_together_throw_all_their_shadows: union::parting,
+    metamorphic_scaling_by_a_power_of_two_changes_nothing: same::scaled, same::COMPARISONS;
+    metamorphic_an_exact_translation_changes_nothing: same::translated, same::COMPARISONS;
+    metamorphic_permuted_axes_change_nothing: same::permuted, same::COMPARISONS;
+    metamorphic_a_reflection_changes_nothing: same::mirrored, same::COMPARISONS;
+    metamorphic_relabelled_vertices_change_nothing: same::relabelled, same::COMPARISONS;
+    metamorphic_faces_in_another_order_change_nothing: same::reordered, same::COMPARISONS;
+    metamorphic_rotated_corners_change_nothing: same::rotated, same::COMPARISONS;
+    metamorphic_unreferenced_vertices_change_nothing: same::unreferenced, same::COMPARISONS;
+    metamorphic_a_second_copy_counts_everything_twice: same::duplicated, same::COMPARISONS;
+    metamorphic_flipped_windings_throw_the_same_shadow: shadow::turned, shadow::TURNED;
+    metamorphic_an_edge_split_at_its_middle_throws_the_same_shadow: shadow::split, shadow::RECUT;
+    metamorphic_a_quad_cut_along_its_other_diagonal_throws_the_same_shadow: shadow::recut, shadow::RECUT;
+    metamorphic_faces_cut_in_four_throw_the_same_shadow: shadow::quartered, shadow::QUARTERED;
+    metamorphic_another_caster_lights_no_point: union::adding, union::ADDING;
+    metamorphic_casters_together_throw_all_their_shadows: union::parting, union::PARTING;
 }

@@ -58,15 +58,22 @@ pub(super) fn sign_of_scaled_det(rows: [Row; 3]) -> Option<Sign> {
     if !exact {
         return None;
     }
+    scale_lines(&mut entries, |line, scale, entries| line.iter().for_each(|&i| entries[i] *= scale));
+    sign_of_entries(&entries, SPARE)
+}
+
+/// Has `apply` scale every row, then every column, by the power of two that brings its largest entry to 1 ..< 2.
+#[inline(always)]
+fn scale_lines(entries: &mut [f64; 9], apply: impl Fn([usize; 3], f64, &mut [f64; 9])) {
     for (start, step) in [(0, 1), (3, 1), (6, 1), (0, 3), (1, 3), (2, 3)] {
         let line = [start, start + step, start + 2 * step];
-        // 0 (where there would be no tie to settle) or in 2^-149 ..= 2^278.
+        // 0 (where there would be no tie to settle), or of a row in 2^-149 ..= 2^129, and of a column, whose rows are
+        // scaled by then, in 2^-278 ..< 2: the scale and the products are normal numbers, so nothing is rounded.
         let largest = line.iter().map(|&i| entries[i].abs()).fold(0.0, f64::max);
         let exponent = largest.to_bits() >> 52;
         let scale = f64::from_bits((2 * 1023 - exponent.max(1)) << 52);
-        line.iter().for_each(|&i| entries[i] *= scale);
+        apply(line, scale, entries);
     }
-    sign_of_entries(&entries, SPARE)
 }
 
 /// The sign of a determinant of exact differences; `spare` of their 51 bits must be 0 for `i64`.
@@ -131,4 +138,18 @@ pub(super) fn is_small(rows: [Row; 3]) -> bool {
 #[cfg(test)]
 pub(super) fn sign_without_checks(rows: [Row; 3], spare: u32) -> Option<Sign> {
     sign_of_entries(&entries(rows).0, spare)
+}
+
+/// As [`sign_of_scaled_det`] with a fault in how one line is scaled: what a test must notice.
+#[cfg(test)]
+pub(super) fn sign_of_scaled_badly(
+    rows: [Row; 3],
+    apply: impl Fn([usize; 3], f64, &mut [f64; 9]),
+) -> Option<Sign> {
+    let (mut entries, exact) = entries(rows);
+    if !exact {
+        return None;
+    }
+    scale_lines(&mut entries, apply);
+    sign_of_entries(&entries, SPARE)
 }

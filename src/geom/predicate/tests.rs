@@ -170,7 +170,7 @@ fn predicate_every_step_is_reached_and_right_near_ties() {
 #[test]
 fn predicate_steps_that_forget_something_are_caught() {
     let mut random = SplitMix64(1);
-    let mut wrong = [0; 4];
+    let mut wrong = [0; 6];
     for _ in 0..60_000 {
         let rows = near_zero(&mut random);
         let expected = reference(rows);
@@ -183,6 +183,19 @@ fn predicate_steps_that_forget_something_are_caught() {
                 |spare| integer::sign_without_checks(rows, spare).is_some_and(|s| s.value() != expected);
             wrong[1] += usize::from(integer::sign_of_det(rows).is_some() && unchecked(0));
             wrong[2] += usize::from(unchecked(integer::SPARE));
+            if integer::sign_of_det(rows).is_none() && integer::sign_of_scaled_det(rows).is_some() {
+                let scaled = |apply: fn([usize; 3], f64, &mut [f64; 9])| {
+                    integer::sign_of_scaled_badly(rows, apply).is_some_and(|s| s.value() != expected)
+                };
+                // One entry of each line left as it was; the entry in the middle scaled by 1.25 times too much.
+                wrong[4] += usize::from(scaled(|[_, i, j], scale, entries| {
+                    entries[i] *= scale;
+                    entries[j] *= scale;
+                }));
+                wrong[5] += usize::from(scaled(|line, scale, entries| {
+                    line.iter().for_each(|&i| entries[i] *= if i == 4 { 1.25 * scale } else { scale });
+                }));
+            }
         }
         // A register that is not given the second half of an entry.
         let half = Accumulator::of_det_of(&rows, |u, v| {

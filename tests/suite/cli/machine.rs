@@ -186,29 +186,51 @@ fn signal(child: &Child, name: &str) {
     assert!(status.unwrap().success());
 }
 
-/// Starts the command, sends `name` once `ready` holds; exit code and what was said. `None` if it was over before.
+/// Which of the hang-up, interrupt and terminate signals the command catches, and which it ignores; `None` until it is
+/// the command (a shell starts it) and has settled each of them.
 #[cfg(target_os = "linux")]
-fn interrupted(mut command: Command, name: &str, ready: impl Fn() -> bool) -> Option<(i32, String)> {
-    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+fn listens(pid: u32) -> Option<[u64; 2]> {
+    const ALL: u64 = 1 | 1 << 1 | 1 << 14;
+    let status = fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
+    let mask = |name| {
+        let mask = status.lines().find_map(|line| line.strip_prefix(name))?.trim();
+        u64::from_str_radix(mask, 16).ok().map(|mask| mask & ALL)
+    };
+    let (caught, ignored) = (mask("SigCgt:")?, mask("SigIgn:")?);
+    (status.starts_with("Name:\tumbrage\n") && caught | ignored == ALL).then_some([caught, ignored])
+}
+
+/// Waits until `ready` holds; `false` if the command was over before.
+#[cfg(target_os = "linux")]
+fn wait_for(child: &mut Child, ready: impl Fn(u32) -> bool) -> bool {
     let start = Instant::now();
-    while !ready() {
+    while !ready(child.id()) {
         if child.try_wait().unwrap().is_some() {
-            return None;
+            return false;
         }
         assert!(start.elapsed() < Duration::from_secs(100), "never ready");
         sleep(Duration::from_millis(1));
     }
-    signal(&child, name);
-    let output = child.wait_with_output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    Some((output.status.code().unwrap_or_else(|| panic!("{}: {said}", output.status)), said))
+    true
 }
 
-/// Ready after so many milliseconds.
+/// Starts the command, sends `name` once `ready` holds; exit code and what was said. `None` if it was over before.
 #[cfg(target_os = "linux")]
-fn after(milliseconds: u64) -> impl Fn() -> bool {
-    let start = Instant::now();
-    move || start.elapsed() > Duration::from_millis(milliseconds)
+fn interrupted(mut command: Command, name: &str, ready: impl Fn(u32) -> bool) -> Option<(i32, String)> {
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    if !wait_for(&mut child, ready) {
+        return None;
+    }
+    signal(&child, name);
+    Some(ended(child))
+}
+
+/// Exit code and what was said, once the command has ended by itself.
+#[cfg(target_os = "linux")]
+fn ended(child: Child) -> (i32, String) {
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code().unwrap_or_else(|| panic!("{}: {said}", output.status)), said)
 }
 
 #[cfg(target_os = "linux")]
@@ -228,7 +250,8 @@ fn machine_interrupted_work_writes_nothing() {
             format!("verify ball.ply {LIGHT} --points 5000000 --threads 2"),
         ] {
             let (code, said) =
-                interrupted(shell(&folder, ":", &arguments), name, after(1000)).expect("it is long");
+                interrupted(shell(&folder, ":", &arguments), name, |pid| listens(pid).is_some())
+                    .expect("it is long");
             assert_eq!(
                 (code, said.as_str()),
                 (130, "umbrage: interrupted; nothing was written\n"),
@@ -250,52 +273,110 @@ fn machine_interrupted_writing_leaves_the_old_file_and_no_other() {
     folder.mesh("ball.ply", &solid::icosphere(6));
     fs::write(folder.path("out.obj"), "old").unwrap();
     let before = folder.names();
-    let half_written = || folder.names().iter().any(|name| name.ends_with(".tmp"));
-    let mut caught = 0;
-    for attempt in 0..20 {
-        let lights =
-            LIGHT.to_owned() + " --light point:-9,1,1 --light point:1,-9,2 --light directional:1,2,3";
-        let arguments = format!("volume ball.ply {lights} --faces all -o out.obj");
-        let name = if attempt % 2 == 0 { "INT" } else { "TERM" };
-        match interrupted(shell(&folder, ":", &arguments), name, half_written) {
-            Some((130, said)) if said.contains("nothing was written") => {
-                assert_eq!((said.lines().count(), folder.names()), (1, before.clone()), "{said}");
-                assert_eq!(fs::read(folder.path("out.obj")).unwrap(), b"old");
-                caught += 1;
-            }
-            // Too late: then it is there whole.
-            found => {
-                if let Some((code, said)) = found {
-                    assert!(code == 0 || said.contains("1 file was written before"), "{code}: {said}");
+    let lights = LIGHT.to_owned() + " --light point:-9,1,1 --light point:1,-9,2 --light directional:1,2,3";
+    let arguments = format!("volume ball.ply {lights} --faces all -o out.obj");
+    let half_written = |_| folder.names().iter().any(|name| name.ends_with(".tmp"));
+    // One signal that is ignored takes nothing from the others.
+    for (setup, name) in [(":", "INT"), (":", "TERM"), ("trap '' HUP", "TERM"), ("trap '' INT", "HUP")] {
+        let caught =
+            (0..20).any(|_| match interrupted(shell(&folder, setup, &arguments), name, half_written) {
+                Some((130, said)) if said.contains("nothing was written") => {
+                    assert_eq!((said.lines().count(), folder.names()), (1, before.clone()), "{said}");
+                    assert_eq!(fs::read(folder.path("out.obj")).unwrap(), b"old");
+                    true
                 }
-                umbrage::read::read(folder.path("out.obj")).unwrap();
-                assert_eq!(folder.names(), before);
-                fs::write(folder.path("out.obj"), "old").unwrap();
-            }
-        }
-        if caught == 2 {
-            return;
-        }
+                // Too late: then it is there whole.
+                found => {
+                    if let Some((code, said)) = found {
+                        assert!(code == 0 || said.contains("1 file was written before"), "{code}: {said}");
+                    }
+                    umbrage::read::read(folder.path("out.obj")).unwrap();
+                    assert_eq!(folder.names(), before);
+                    fs::write(folder.path("out.obj"), "old").unwrap();
+                    false
+                }
+            });
+        assert!(caught, "{setup}: never caught by {name} while writing");
     }
-    panic!("never caught while writing");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn machine_hangup_that_is_ignored_stays_ignored() {
+    if signals_are_ignored() {
+        return;
+    }
     let folder = folder();
     let arguments = format!("verify ball.ply {LIGHT} --points 20000000 --threads 2");
     let mut child = shell(&folder, "trap '' HUP", &arguments)
         .stdout(Stdio::null())
-        .stderr(Stdio::null())
+        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    sleep(Duration::from_millis(300));
-    signal(&child, "HUP");
-    sleep(Duration::from_millis(300));
-    assert!(child.try_wait().unwrap().is_none(), "the hang-up ended it");
-    child.kill().unwrap();
-    child.wait().unwrap();
+    assert!(wait_for(&mut child, |pid| listens(pid).is_some()));
+    let (interrupt_and_terminate, hangup) = (1 << 1 | 1 << 14, 1);
+    assert_eq!(listens(child.id()), Some([interrupt_and_terminate, hangup]));
+    signal(&child, "TERM");
+    assert_eq!(ended(child).0, 130);
+}
+
+/// A full pipe holds whoever writes to standard error, and with it the lock: first the thread that says that the
+/// command was interrupted, then the one that says what was written.
+#[cfg(target_os = "linux")]
+#[test]
+fn machine_second_signal_ends_it_though_nobody_reads_standard_error() {
+    if signals_are_ignored() {
+        return;
+    }
+    let folder = folder();
+    for (arguments, out) in [
+        (format!("verify ball.ply {LIGHT} --points 20000000 --threads 2"), None),
+        (format!("volume ball.ply {LIGHT} -o out.obj"), Some(folder.path("out.obj"))),
+    ] {
+        let mut child = shell(&folder, "timeout 0.5 cat /dev/zero >&2", &arguments)
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let ready = |pid| listens(pid).is_some() && out.as_ref().is_none_or(|out| out.exists());
+        assert!(wait_for(&mut child, ready));
+        let mut sent = 0;
+        let status = loop {
+            if let Some(status) = child.try_wait().unwrap() {
+                break status;
+            }
+            if sent == 100 {
+                child.kill().unwrap();
+                child.wait().unwrap();
+                panic!("{arguments}: still there after {sent} signals");
+            }
+            signal(&child, "TERM");
+            sent += 1;
+            sleep(Duration::from_millis(200));
+        };
+        assert_eq!(status.code(), Some(130), "{arguments}");
+        assert!(sent > 1, "{arguments}: nothing was in the way of the first signal");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn machine_interrupted_while_it_prints_does_not_say_that_nothing_was_written() {
+    if signals_are_ignored() {
+        return;
+    }
+    let folder = folder();
+    folder.mesh("soup.ply", &solid::soup(&solid::icosphere(4)));
+    // More than a pipe holds: with its first byte read, the rest is still under way.
+    let mut child = shell(&folder, ":", "check soup.ply --weld none --limit 100000 --json")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdout = child.stdout.take().unwrap();
+    std::io::Read::read_exact(&mut stdout, &mut [0]).unwrap();
+    signal(&child, "TERM");
+    assert_eq!(ended(child), (130, "umbrage: interrupted\n".to_owned()));
 }
 
 /// Small files that claim to be large, and a mesh that all stages take.

@@ -103,9 +103,13 @@ fn hard_03_edge_of_two_cubes_is_no_outline_where_their_shadows_meet() {
 #[test]
 fn hard_03_edge_less_contact_in_a_vertex_keeps_two_shells() {
     let cubes = solid::cubes_sharing_vertex();
-    let c = counts(&cubes);
-    assert_eq!((c.shells, c.closed_shells, c.non_manifold_vertices, c.non_manifold_edges), (2, 2, 1, 0));
-    assert_eq!((c.watertight, c.sound(), c.signed_volume), (true, true, 2.0));
+    let contact = |mesh: &Mesh| {
+        let c = counts(mesh);
+        assert_eq!(c.signed_volume, 2.0);
+        ([c.shells, c.closed_shells, c.non_manifold_vertices, c.non_manifold_edges], c.watertight, c.sound())
+    };
+    let expected = ([2, 2, 1, 0], true, true);
+    assert_eq!(contact(&cubes), expected);
     let light = sun(-1.0, -1.0, -1.0);
     // Along the diagonal near the common vertex through both cubes; behind one of them.
     expect_crossings(
@@ -115,6 +119,8 @@ fn hard_03_edge_less_contact_in_a_vertex_keeps_two_shells() {
     );
     expect_figures(&[(&cubes, sun(-3.0, 5.0, -7.0), ([12, 12, 0], 12, 24))]);
     expect_agreement(&cubes, &point(1.0, 1.0, 1.0));
-    // The sabotage: one cube alone is one shell with no such vertex.
-    assert_ne!(counts(&solid::cube()).non_manifold_vertices, c.non_manifold_vertices);
+    // The sabotages: the same cubes each with a vertex of its own there, and cubes that connect.
+    let apart = [solid::cuboid([0.0; 3], [1.0; 3]), solid::cuboid([1.0; 3], [2.0; 3])];
+    assert_ne!(contact(&Mesh::concat(&apart).unwrap()), expected);
+    assert_ne!(contact(&solid::cubes_sharing_edge()), expected);
 }

@@ -29,6 +29,80 @@ pub(super) struct PointAnswer {
     pub(super) winding: Option<i32>,
 }
 
+/// What a judgement is to find.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Fault {
+    None,
+    /// The relation's own: what it makes of the case.
+    Image,
+    /// In one answer about it, so that one comparison alone can see it.
+    Answer(Slip),
+}
+
+/// A wrong answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Slip {
+    /// The last face is not spoken of.
+    Faces,
+    Facing,
+    /// An edge more or less in the silhouette of all faces, or of front faces.
+    Outline(usize),
+    /// The last point is not spoken of.
+    Points,
+    /// A lit point is said to be in shadow.
+    Darker,
+    /// A point in shadow is said to be lit.
+    Lighter,
+    Crossings,
+    Winding,
+}
+
+impl Fault {
+    pub(super) fn in_image(self) -> bool {
+        self == Self::Image
+    }
+
+    /// Makes one of the answers wrong, if that is asked for and there is one of its kind.
+    pub(super) fn spoil(self, answers: &mut Answers) {
+        let Self::Answer(slip) = self else { return };
+        let Answers { facing, outlines, points } = answers;
+        let mut say = |from, to| {
+            if let Some(point) = points.iter_mut().find(|point| point.verdict == from) {
+                point.verdict = to;
+            }
+        };
+        match slip {
+            Slip::Faces => drop(facing.pop()),
+            Slip::Facing => {
+                if let Some(last) = facing.last_mut() {
+                    *last = if *last == Facing::Front { Facing::Back } else { Facing::Front };
+                }
+            }
+            Slip::Outline(which) => {
+                let m = directed(&outlines[which], 0, 1);
+                set_directed(&mut outlines[which], 0, 1, m + 1);
+            }
+            Slip::Points => drop(points.pop()),
+            Slip::Darker => say(Verdict::Lit, Verdict::Shadowed),
+            Slip::Lighter => say(Verdict::Shadowed, Verdict::Lit),
+            Slip::Crossings => points.iter_mut().for_each(|point| point.crossings.front += 1),
+            Slip::Winding => {
+                points.iter_mut().for_each(|point| point.winding = point.winding.map(|winding| winding + 1));
+            }
+        }
+    }
+}
+
+/// Which of two ways to the same answer goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Way {
+    Planes,
+    Certificate,
+    Verdict,
+    Index,
+    Volume,
+}
+
 impl Answers {
     /// Asks. What has two implementations is asked twice.
     ///
@@ -36,15 +110,27 @@ impl Answers {
     ///
     /// If a volume is open, or two answers that must be one are two.
     pub(super) fn of(case: &Case) -> Result<Self, String> {
+        Self::with(case, None)
+    }
+
+    fn with(case: &Case, wrong: Option<Way>) -> Result<Self, String> {
+        let wrong = |way| wrong == Some(way);
         let Case { mesh, light, points } = case;
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let facing = classify(mesh, light);
-        equal("facing by planes", &FacePlanes::new(mesh).classify(mesh, light), &facing)?;
+        let mut by_planes = FacePlanes::new(mesh).classify(mesh, light);
+        if wrong(Way::Planes) {
+            by_planes.reverse();
+        }
+        equal("facing by planes", &by_planes, &facing)?;
         let mut outlines = [Outline::new(), Outline::new()];
         let mut all = None;
         for (casters, outline) in [Casters::All, Casters::Front].into_iter().zip(&mut outlines) {
             let signs = casters.signs(&facing);
-            let silhouette = Silhouette::extract(&topology, &signs);
+            let mut silhouette = Silhouette::extract(&topology, &signs);
+            if wrong(Way::Certificate) {
+                silhouette.edges.pop();
+            }
             let volume = ShadowVolume::extrude(mesh, &topology, light, &signs, &silhouette, Caps::Both);
             equal("the certificate", &volume.boundary_sum().is_closed(), &true)?;
             let ends = |edge| topology.vertices(edge).map(|vertex| vertex.0);
@@ -56,10 +142,12 @@ impl Answers {
         let (oracle, index) = (Oracle::build(mesh), WindingIndex::build(&volume, around));
         let ask = |&p| {
             let crossings = oracle.crossings(p, light);
-            let verdict = oracle.verdict(p, light);
+            let verdict = if wrong(Way::Verdict) { Verdict::Grazing } else { oracle.verdict(p, light) };
             equal("the verdict of the crossings", &crossings.verdict(), &verdict)?;
-            let winding = winding_number(&volume, p);
-            equal("the winding number by the index", &index.number(p), &winding)?;
+            let off = |way| move |winding: i32| winding + i32::from(wrong(way));
+            let winding = winding_number(&volume, p).map(off(Way::Volume));
+            let by_index = index.number(p).map(off(Way::Index)).map(off(Way::Volume));
+            equal("the winding number by the index", &by_index, &winding)?;
             let crossed = (crossings.front + crossings.back) as i32;
             if winding.is_some_and(|w| !(crossed..=crossed + crossings.touching as i32).contains(&w)) {
                 return Err(format!("{crossings:?}, but the winding number is {winding:?}"));
@@ -153,4 +241,26 @@ pub(super) fn on_grid(case: &Case) -> Case {
     };
     let mesh = rebuilt(positions.into_iter().map(round).collect(), triangles);
     Case { mesh, light, points: case.points.iter().map(|&p| round(p)).collect() }
+}
+
+/// Each comparison of two ways to one answer can fail.
+#[test]
+fn metamorphic_answers_that_differ_by_the_way_are_found() {
+    use proptest::strategy::{Strategy, ValueTree};
+    let cases = umbrage::strategy::case(umbrage::strategy::soup(24), 6);
+    for (way, said) in [
+        (Way::Planes, "facing by planes: "),
+        (Way::Certificate, "the certificate: "),
+        (Way::Verdict, "the verdict of the crossings: "),
+        (Way::Index, "the winding number by the index: "),
+        (Way::Volume, "Crossings {"),
+    ] {
+        let mut runner = proptest::test_runner::TestRunner::deterministic();
+        let found = (0..400).any(|_| {
+            let case = cases.new_tree(&mut runner).expect("nothing is rejected").current();
+            Answers::of(&case).expect("nothing is wrong");
+            Answers::with(&case, Some(way)).is_err_and(|error| error.starts_with(said))
+        });
+        assert!(found, "{way:?}");
+    }
 }

@@ -6,7 +6,9 @@ use umbrage::oracle::Crossings;
 use umbrage::strategy::Case;
 
 use super::Twist;
-use super::answers::{Answers, Outline, PointAnswer, Tally, directed, equal, on_grid, rebuilt, set_directed};
+use super::answers::{
+    Answers, Fault, Outline, PointAnswer, Slip, Tally, directed, equal, on_grid, rebuilt, set_directed,
+};
 
 type Judgement = Option<Result<Tally, String>>;
 
@@ -25,10 +27,24 @@ impl Copy {
     }
 }
 
+/// What each comparison of [`judge`] says of a wrong answer.
+pub(super) const COMPARISONS: &[(Slip, &str)] = &[
+    (Slip::Faces, "faces: "),
+    (Slip::Facing, "facing: "),
+    (Slip::Outline(0), "silhouettes: "),
+    (Slip::Outline(1), "silhouettes: "),
+    (Slip::Points, "points: "),
+    (Slip::Darker, "point "),
+    (Slip::Lighter, "point "),
+    (Slip::Crossings, "point "),
+    (Slip::Winding, "point "),
+];
+
 /// Each copy has the original's facing and silhouette, there is nothing beside, and every count is as often there
 /// as there are copies.
-fn judge(original: &Case, image: &Case, copies: &[Copy]) -> Result<Tally, String> {
-    let (before, after) = (Answers::of(original)?, Answers::of(image)?);
+fn judge(original: &Case, image: &Case, copies: &[Copy], fault: Fault) -> Result<Tally, String> {
+    let (before, mut after) = (Answers::of(original)?, Answers::of(image)?);
+    fault.spoil(&mut after);
     let n = copies.len();
     equal("faces", &after.facing.len(), &(n * before.facing.len()))?;
     let mut expected = [Outline::new(), Outline::new()];
@@ -83,7 +99,7 @@ fn each(p: [f32; 3], map: impl Fn(f32) -> Option<f32>) -> Option<[f32; 3]> {
 }
 
 /// Every length times 2ᵏ, wherever that is exact. Fault: the light stays.
-pub(super) fn scaled(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn scaled(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     // What is small enough to fall out at one end is not at the other.
     let (original, mut image) = [twist.exponent, -twist.exponent].into_iter().find_map(|exponent| {
         let factor = 2.0_f32.powi(exponent);
@@ -91,14 +107,14 @@ pub(super) fn scaled(case: &Case, twist: &Twist, fault: bool) -> Judgement {
             |p| each(p, |x| (x * factor / factor == x && (x * factor).is_finite()).then_some(x * factor));
         moved(case, scale, scale)
     })?;
-    if fault {
+    if fault.in_image() {
         image.light = original.light;
     }
-    Some(judge(&original, &image, &[Copy::identity(&case.mesh)]))
+    Some(judge(&original, &image, &[Copy::identity(&case.mesh)], fault))
 }
 
 /// Every place moved by the same way, wherever that is exact. Fault: one so far that the places are rounded.
-pub(super) fn translated(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn translated(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let case = on_grid(case);
     let keep = |p| Some(p);
     let (steps, exponent) = twist.shift;
@@ -117,10 +133,10 @@ pub(super) fn translated(case: &Case, twist: &Twist, fault: bool) -> Judgement {
         },
         keep,
     )?;
-    if fault {
+    if fault.in_image() {
         (_, image) = moved(&original, |p| Some(p.map(|x| x + 4_194_304.0)), keep)?;
     }
-    Some(judge(&original, &image, &[Copy::identity(&case.mesh)]))
+    Some(judge(&original, &image, &[Copy::identity(&case.mesh)], fault))
 }
 
 /// The same faces, wound the other way.
@@ -129,7 +145,7 @@ fn turned(mesh: &Mesh) -> Mesh {
 }
 
 /// The axes in another order; an odd one turns space inside out, and so the windings. Fault: they stay.
-pub(super) fn permuted(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn permuted(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let (order, odd) = [
         ([0, 1, 2], false),
         ([1, 2, 0], false),
@@ -142,17 +158,17 @@ pub(super) fn permuted(case: &Case, twist: &Twist, fault: bool) -> Judgement {
 }
 
 /// Some axes turned round; an odd number of them turns space inside out, and so the windings. Fault: they stay.
-pub(super) fn mirrored(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn mirrored(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let map = |p: [f32; 3]| std::array::from_fn(|i| if twist.mirrored >> i & 1 == 1 { -p[i] } else { p[i] });
     rigid(case, map, twist.mirrored.count_ones() % 2 == 1, fault)
 }
 
-fn rigid(case: &Case, map: impl Fn([f32; 3]) -> [f32; 3], odd: bool, fault: bool) -> Judgement {
+fn rigid(case: &Case, map: impl Fn([f32; 3]) -> [f32; 3], odd: bool, fault: Fault) -> Judgement {
     let (original, mut image) = moved(case, |p| Some(map(p)), |l| Some(map(l)))?;
-    if odd && !fault {
+    if odd && !fault.in_image() {
         image.mesh = turned(&image.mesh);
     }
-    Some(judge(&original, &image, &[Copy { turned: odd, ..Copy::identity(&case.mesh) }]))
+    Some(judge(&original, &image, &[Copy { turned: odd, ..Copy::identity(&case.mesh) }], fault))
 }
 
 /// The case with another mesh of the same shape.
@@ -161,45 +177,45 @@ fn stored(case: &Case, positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Ca
 }
 
 /// Other numbers for the vertices. Fault: the first two positions stay behind.
-pub(super) fn relabelled(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn relabelled(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let to = twist.permutation(case.mesh.vertex_count());
     let mut positions = vec![[0.0; 3]; to.len()];
     case.mesh.positions().iter().zip(&to).for_each(|(&p, &new)| positions[new as usize] = p);
-    if fault {
+    if fault.in_image() {
         positions.swap(0, 1);
     }
     let triangles = case.mesh.triangles().iter().map(|face| face.map(|vertex| to[vertex as usize])).collect();
     let copy = Copy { vertices: to, ..Copy::identity(&case.mesh) };
-    Some(judge(case, &stored(case, positions, triangles), &[copy]))
+    Some(judge(case, &stored(case, positions, triangles), &[copy], fault))
 }
 
 /// Other numbers for the faces. Fault: one of them is lost, and another is there twice.
-pub(super) fn reordered(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn reordered(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let to = twist.permutation(case.mesh.face_count());
     let mut triangles = vec![[0; 3]; to.len()];
     case.mesh.triangles().iter().zip(&to).for_each(|(&face, &new)| triangles[new as usize] = face);
-    if let (true, [first, .., last]) = (fault, &mut triangles[..]) {
+    if let (true, [first, .., last]) = (fault.in_image(), &mut triangles[..]) {
         *first = *last;
     }
     let copy = Copy { faces: to, ..Copy::identity(&case.mesh) };
-    Some(judge(case, &stored(case, case.mesh.positions().to_vec(), triangles), &[copy]))
+    Some(judge(case, &stored(case, case.mesh.positions().to_vec(), triangles), &[copy], fault))
 }
 
 /// Each face from another corner on. Fault: one of them the other way round.
-pub(super) fn rotated(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn rotated(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let mut triangles = case.mesh.triangles().to_vec();
     for (face, corners) in triangles.iter_mut().enumerate() {
         corners.rotate_left((twist.scattered(face) % 3) as usize);
     }
-    if let (true, Some(first)) = (fault, triangles.first_mut()) {
+    if let (true, Some(first)) = (fault.in_image(), triangles.first_mut()) {
         first.swap(0, 1);
     }
     let copy = Copy::identity(&case.mesh);
-    Some(judge(case, &stored(case, case.mesh.positions().to_vec(), triangles), &[copy]))
+    Some(judge(case, &stored(case, case.mesh.positions().to_vec(), triangles), &[copy], fault))
 }
 
 /// Vertices between the others that no face uses, near and far. Fault: the first face uses one.
-pub(super) fn unreferenced(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn unreferenced(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let (mut positions, mut vertices) = (Vec::new(), Vec::new());
     let stray = |i: usize| [(twist.scattered(i) as f32) * 2.0_f32.powi(-60), 3.0e38, -1.0];
     for (i, &position) in case.mesh.positions().iter().enumerate() {
@@ -211,23 +227,23 @@ pub(super) fn unreferenced(case: &Case, twist: &Twist, fault: bool) -> Judgement
     }
     let renamed = |face: &[u32; 3]| face.map(|vertex| vertices[vertex as usize]);
     let mut triangles: Vec<_> = case.mesh.triangles().iter().map(renamed).collect();
-    if let (true, Some(first)) = (fault, triangles.first_mut()) {
+    if let (true, Some(first)) = (fault.in_image(), triangles.first_mut()) {
         first[0] = 0;
     }
     let copy = Copy { vertices, ..Copy::identity(&case.mesh) };
-    Some(judge(case, &stored(case, positions, triangles), &[copy]))
+    Some(judge(case, &stored(case, positions, triangles), &[copy], fault))
 }
 
 /// The whole mesh a second time at the same place, with vertices of its own. Fault: a face of the copy has collapsed.
-pub(super) fn duplicated(case: &Case, _: &Twist, fault: bool) -> Judgement {
+pub(super) fn duplicated(case: &Case, _: &Twist, fault: Fault) -> Judgement {
     let (v, f) = (case.mesh.vertex_count() as u32, case.mesh.face_count() as u32);
     let (mut positions, mut triangles, ..) = case.mesh.clone().into_parts();
     positions.extend_from_within(..);
     triangles.extend_from_within(..);
     triangles[f as usize..].iter_mut().for_each(|face| *face = face.map(|vertex| vertex + v));
-    if let (true, Some(last)) = (fault, triangles.last_mut()) {
+    if let (true, Some(last)) = (fault.in_image(), triangles.last_mut()) {
         last[2] = last[1];
     }
     let second = Copy { vertices: (v..2 * v).collect(), faces: (f..2 * f).collect(), turned: false };
-    Some(judge(case, &stored(case, positions, triangles), &[Copy::identity(&case.mesh), second]))
+    Some(judge(case, &stored(case, positions, triangles), &[Copy::identity(&case.mesh), second], fault))
 }

@@ -10,7 +10,7 @@ use umbrage::strategy::Case;
 use umbrage::topology::Topology;
 
 use super::Twist;
-use super::answers::{Answers, Outline, Tally, directed, equal, on_grid, rebuilt, set_directed};
+use super::answers::{Answers, Fault, Outline, Slip, Tally, directed, equal, on_grid, rebuilt, set_directed};
 
 type Judgement = Option<Result<Tally, String>>;
 
@@ -19,17 +19,28 @@ fn with_mesh(case: &Case, mesh: Mesh) -> Case {
 }
 
 /// All windings flipped: front is back, and nothing else changes. Fault: one face keeps its winding.
-pub(super) fn turned(case: &Case, _: &Twist, fault: bool) -> Judgement {
+pub(super) fn turned(case: &Case, _: &Twist, fault: Fault) -> Judgement {
     let mut triangles: Vec<_> = case.mesh.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
-    if let (true, Some(first)) = (fault, triangles.first_mut()) {
+    if let (true, Some(first)) = (fault.in_image(), triangles.first_mut()) {
         first.swap(1, 2);
     }
     let image = with_mesh(case, rebuilt(case.mesh.positions().to_vec(), triangles));
-    Some(judge_turned(case, &image))
+    Some(judge_turned(case, &image, fault))
 }
 
-fn judge_turned(original: &Case, image: &Case) -> Result<Tally, String> {
-    let (before, after) = (Answers::of(original)?, Answers::of(image)?);
+/// What each comparison of [`judge_turned`] says of a wrong answer.
+pub(super) const TURNED: &[(Slip, &str)] = &[
+    (Slip::Facing, "facing: "),
+    (Slip::Outline(0), "the silhouette: "),
+    (Slip::Crossings, "crossings at point "),
+    (Slip::Darker, "verdict at point "),
+    (Slip::Lighter, "verdict at point "),
+    (Slip::Winding, "winding number at point "),
+];
+
+fn judge_turned(original: &Case, image: &Case, fault: Fault) -> Result<Tally, String> {
+    let (before, mut after) = (Answers::of(original)?, Answers::of(image)?);
+    fault.spoil(&mut after);
     let opposite = |facing: &Facing| match facing {
         Facing::Front => Facing::Back,
         Facing::EdgeOn => Facing::EdgeOn,
@@ -55,6 +66,21 @@ struct Recut {
     parents: Vec<u32>,
 }
 
+/// What each comparison of [`judge`] says of a wrong answer, the silhouettes' first.
+pub(super) const RECUT: &[(Slip, &str)] = &[
+    (Slip::Outline(0), "silhouettes: "),
+    (Slip::Outline(1), "silhouettes: "),
+    (Slip::Faces, "faces: "),
+    (Slip::Facing, "facing: "),
+    (Slip::Darker, "verdict at point "),
+    (Slip::Lighter, "verdict at point "),
+    (Slip::Crossings, "crossings at point "),
+    (Slip::Winding, "winding number at point "),
+];
+
+/// Those where the silhouettes cannot be said.
+pub(super) const QUARTERED: &[(Slip, &str)] = RECUT.split_at(2).1;
+
 /// Pieces face as their parents, and the shadow is the same wherever neither mesh is touched.
 ///
 /// `outlines` gives the silhouettes that are expected, where they can be said; then the volumes are the same sets
@@ -63,9 +89,11 @@ fn judge(
     original: &Case,
     recut: Recut,
     outlines: Option<impl Fn(&Outline) -> Outline>,
+    fault: Fault,
 ) -> Result<Tally, String> {
     let image = with_mesh(original, recut.mesh);
-    let (before, after) = (Answers::of(original)?, Answers::of(&image)?);
+    let (before, mut after) = (Answers::of(original)?, Answers::of(&image)?);
+    fault.spoil(&mut after);
     equal("faces", &after.facing.len(), &recut.parents.len())?;
     let expected = recut.parents.iter().map(|&face| before.facing[face as usize]).collect();
     equal("facing", &after.facing, &expected)?;
@@ -106,7 +134,7 @@ fn has_edges([a, b, c]: [u32; 3]) -> bool {
 }
 
 /// An edge cut at its middle, and with it all faces at that edge. Fault: the middle lies elsewhere.
-pub(super) fn split(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn split(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let case = &on_grid(case);
     let (mut positions, mut triangles, ..) = case.mesh.clone().into_parts();
     let edges: Vec<([u32; 2], [f32; 3])> = triangles
@@ -116,7 +144,7 @@ pub(super) fn split(case: &Case, twist: &Twist, fault: bool) -> Judgement {
         .filter_map(|[a, b]| Some(([a, b], exact_middle(positions[a as usize], positions[b as usize])?)))
         .collect();
     let &([a, b], mut middle) = edges.get(twist.pick.index(edges.len().max(1)))?;
-    if fault {
+    if fault.in_image() {
         middle[twist.order % 3] += 0.5;
     }
     let new = positions.len() as u32;
@@ -143,12 +171,12 @@ pub(super) fn split(case: &Case, twist: &Twist, fault: bool) -> Judgement {
         set_directed(&mut outline, new, b, m);
         outline
     };
-    Some(judge(case, recut, Some(outlines)))
+    Some(judge(case, recut, Some(outlines), fault))
 }
 
 /// Flat convex quads cut along the other diagonal, among them a parallelogram that is added for the purpose.
 /// Fault: one half of it is lost.
-pub(super) fn recut(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn recut(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let (mut positions, mut triangles, ..) = case.mesh.clone().into_parts();
     let [origin, u, v] = twist.quad.map(|place| place.map(f32::from));
     let added = triangles.len();
@@ -177,14 +205,19 @@ pub(super) fn recut(case: &Case, twist: &Twist, fault: bool) -> Judgement {
             continue;
         }
         triangles[faces[0]] = [p, s, r];
-        triangles[faces[1]] = if fault && faces[0] >= added { [p, s, r] } else { [s, q, r] };
+        triangles[faces[1]] = if fault.in_image() && faces[0] >= added { [p, s, r] } else { [s, q, r] };
         faces.iter().for_each(|&face| taken[face] = true);
     }
     if !taken[added] {
         return None; // its sides are parallel
     }
     let parents = (0..triangles.len() as u32).collect();
-    Some(judge(&original, Recut { mesh: rebuilt(positions, triangles), parents }, Some(Outline::clone)))
+    Some(judge(
+        &original,
+        Recut { mesh: rebuilt(positions, triangles), parents },
+        Some(Outline::clone),
+        fault,
+    ))
 }
 
 /// Whether four corners lie exactly in one plane and turn strictly the same way.
@@ -200,7 +233,7 @@ fn is_convex([a, b, c, d]: [[f32; 3]; 4]) -> bool {
 
 /// Three in four faces cut in four at the middles of their edges, while their neighbours stay: T-junctions that are exact.
 /// Fault: the inner quarter is another.
-pub(super) fn quartered(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn quartered(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let case = &on_grid(case);
     let (mut positions, mut triangles, ..) = case.mesh.clone().into_parts();
     let mut parents: Vec<u32> = (0..triangles.len() as u32).collect();
@@ -224,11 +257,11 @@ pub(super) fn quartered(case: &Case, twist: &Twist, fault: bool) -> Judgement {
                 positions.len() as u32 - 1
             })
         });
-        triangles[face] = if fault { [a, ab, ca] } else { [ab, bc, ca] };
+        triangles[face] = if fault.in_image() { [a, ab, ca] } else { [ab, bc, ca] };
         triangles.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c]]);
         parents.extend([face as u32; 3]);
         cut = true;
     }
     let recut = Recut { mesh: rebuilt(positions, triangles), parents };
-    cut.then(|| judge(case, recut, None::<fn(&Outline) -> Outline>))
+    cut.then(|| judge(case, recut, None::<fn(&Outline) -> Outline>, fault))
 }

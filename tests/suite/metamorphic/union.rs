@@ -5,9 +5,26 @@ use umbrage::oracle::{Crossings, Verdict};
 use umbrage::strategy::Case;
 
 use super::Twist;
-use super::answers::{Answers, Tally, equal, rebuilt};
+use super::answers::{Answers, Fault, Slip, Tally, equal, rebuilt};
 
 type Judgement = Option<Result<Tally, String>>;
+
+/// What each comparison of [`adding`] says of a wrong answer.
+pub(super) const ADDING: &[(Slip, &str)] = &[
+    (Slip::Lighter, "point "),
+    (Slip::Facing, "facing: "),
+    (Slip::Darker, "verdict at point "),
+    (Slip::Crossings, "crossings at point "),
+    (Slip::Winding, "winding number at point "),
+];
+
+/// What each comparison of [`parting`] says of one.
+pub(super) const PARTING: &[(Slip, &str)] = &[
+    (Slip::Lighter, "verdict at point "),
+    (Slip::Darker, "verdict at point "),
+    (Slip::Crossings, "crossings at point "),
+    (Slip::Winding, "winding number at point "),
+];
 
 /// Two casters and both together.
 struct Three {
@@ -17,9 +34,11 @@ struct Three {
 }
 
 impl Three {
-    fn of(case: &Case, [one, other, both]: [Mesh; 3]) -> Result<Self, String> {
+    fn of(case: &Case, [one, other, both]: [Mesh; 3], fault: Fault) -> Result<Self, String> {
         let ask = |mesh| Answers::of(&Case { mesh, ..case.clone() });
-        Ok(Self { one: ask(one)?, other: ask(other)?, both: ask(both)? })
+        let mut three = Self { one: ask(one)?, other: ask(other)?, both: ask(both)? };
+        fault.spoil(&mut three.both);
+        Ok(three)
     }
 
     /// In shadow if one of them throws it, grazing if one of them is touched; and the counts add up.
@@ -50,9 +69,9 @@ impl Three {
 }
 
 /// Another caster, with vertices of its own or joined to the mesh. Fault: it stands in for half of the mesh.
-pub(super) fn adding(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn adding(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let mut whole = case.mesh.clone();
-    if fault {
+    if fault.in_image() {
         let (positions, triangles, ..) = whole.into_parts();
         let half = triangles.len() / 2;
         whole = rebuilt(positions, triangles[..half].to_vec());
@@ -60,7 +79,7 @@ pub(super) fn adding(case: &Case, twist: &Twist, fault: bool) -> Judgement {
     let both = Mesh::concat(&[whole, twist.extra.clone()]).expect("few faces");
     let both = if twist.weld { weld(&both, Weld::Exact).mesh } else { both };
     let judge = || {
-        let three = Three::of(case, [case.mesh.clone(), twist.extra.clone(), both])?;
+        let three = Three::of(case, [case.mesh.clone(), twist.extra.clone(), both], fault)?;
         for (point, (before, after)) in three.one.points.iter().zip(&three.both.points).enumerate() {
             let lighter = match before.verdict {
                 Verdict::Lit => false,
@@ -80,18 +99,18 @@ pub(super) fn adding(case: &Case, twist: &Twist, fault: bool) -> Judgement {
 }
 
 /// The faces of the mesh dealt out to two casters. Fault: the second loses half of its faces.
-pub(super) fn parting(case: &Case, twist: &Twist, fault: bool) -> Judgement {
+pub(super) fn parting(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let mut hands = [Vec::new(), Vec::new()];
     for (face, &corners) in case.mesh.triangles().iter().enumerate() {
         hands[(twist.scattered(face) & 1) as usize].push(corners);
     }
-    if fault {
+    if fault.in_image() {
         let half = hands[1].len() / 2;
         hands[1].truncate(half);
     }
     let [one, other] = hands.map(|faces| rebuilt(case.mesh.positions().to_vec(), faces));
     let judge = || {
-        let three = Three::of(case, [one, other, case.mesh.clone()])?;
+        let three = Three::of(case, [one, other, case.mesh.clone()], fault)?;
         three.add_up()?;
         Ok(three.both.tally())
     };

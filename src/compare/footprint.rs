@@ -18,8 +18,8 @@
 //!   `h` is the same for both. So the bound is `32u·D/h` of the depth.
 //!
 //!   That takes a side's depth for one of a place of the side, at most a step from the ray. A pixel may be covered just
-//!   beyond the line below a vertex where two sides meet, and there the plane of one that is seen nearly edge-on is
-//!   anywhere: the shader moves such a pixel back to the line.
+//!   beyond the side's silhouette edge, or beyond the line below a vertex where two sides meet, and there the plane of one
+//!   that is seen nearly edge-on is anywhere: the shader moves such a pixel back to the line.
 //!
 //!   Not in the bound: the side of an edge nearly in line with the light, whose plane is less exact. Such a mismatch is
 //!   called real.

@@ -46,10 +46,12 @@ struct Side {
     @invariant @builtin(position) clip: vec4f,
     // As a receiver's.
     @location(0) @interpolate(flat) depth: vec3f,
-    // Where the side ends: the lines on which its edge's two ends are extruded, as functions of x, y, 1 in normalised
-    // device coordinates, which are 0 there and rise by 1 a unit towards the side; zero for one that is seen end-on.
-    @location(1) @interpolate(flat) end_a: vec3f,
-    @location(2) @interpolate(flat) end_b: vec3f,
+    // Where the side ends: its edge, and the lines on which the edge's two ends are extruded, as functions of x, y, 1 in
+    // normalised device coordinates, which are 0 there and rise by 1 a unit towards the side; zero for one that is seen
+    // end-on.
+    @location(1) @interpolate(flat) edge: vec3f,
+    @location(2) @interpolate(flat) end_a: vec3f,
+    @location(3) @interpolate(flat) end_b: vec3f,
 }
 
 fn vertex(id: u32) -> vec3f {
@@ -138,21 +140,26 @@ fn volume_clip(id: u32) -> vec4f {
     return project(v * frame.scale - frame.eye, 1.0);
 }
 
-// The line on which `v` is extruded, as seen, rising towards `inside`.
-fn end_line(v: vec3f, inside: vec3f) -> vec3f {
+// The line from `v` along a direction, as seen, rising towards `inside`, a direction too.
+//
+// A side is the sums of `a`, `b` and, at infinity, away(a) and away(b), with positive weights. away(b) is away(a) plus a
+// multiple, not negative, of b - a: so of those four, two are on the line and two are not, and these are both on the side
+// of `inside`. What of the side is before the eye is seen there then, even if `a` and `b` are behind the eye.
+fn line(v: vec3f, along: vec3f, inside: vec3f) -> vec3f {
     // The plane of the line and the eye.
-    let normal = cross(direction(v * frame.scale - frame.eye), direction(away(v)));
-    let line = vec3f(dot(normal, frame.ray_right), dot(normal, frame.ray_up), dot(normal, frame.ray_forward));
-    let steepness = length(line.xy);
+    let normal = cross(direction(v * frame.scale - frame.eye), direction(along));
+    let seen = vec3f(dot(normal, frame.ray_right), dot(normal, frame.ray_up), dot(normal, frame.ray_forward));
+    let steepness = length(seen.xy);
     if steepness == 0.0 { return vec3f(0.0); }
-    return line * (sign(dot(normal, (inside - v) * frame.scale)) / steepness);
+    return seen * (sign(dot(normal, direction(inside))) / steepness);
 }
 
 // A corner of a volume. Its depth is that of the plane through the light and the silhouette edge, from the edge itself:
 // interpolating from a clipped corner to infinity would lose digits.
 @vertex
 fn volume(@builtin(vertex_index) index: u32) -> Side {
-    if index % 3u != 0u { return Side(volume_clip(triangles[index]), vec3f(0.0), vec3f(0.0), vec3f(0.0)); }
+    let none = vec3f(0.0);
+    if index % 3u != 0u { return Side(volume_clip(triangles[index]), none, none, none, none); }
     let ids = vec3u(triangles[index], triangles[index + 1u], triangles[index + 2u]);
     // The ends of the edge: the two vertices that the triangle is made of, as they are or extruded. A directional
     // light's one point at infinity is of neither.
@@ -167,9 +174,12 @@ fn volume(@builtin(vertex_index) index: u32) -> Side {
         a = b;
         b = swapped;
     }
-    let normal = direction(cross(direction((b - a) * frame.scale), direction(away(a))));
+    let edge = (b - a) * frame.scale;
+    let normal = direction(cross(direction(edge), direction(away(a))));
     let depth = plane_depth(normal, a * frame.scale - frame.eye);
-    return Side(volume_clip(ids.x), depth, end_line(a, b), end_line(b, a));
+    let end_a = line(a, away(a), edge);
+    let end_b = line(b, away(b), -edge);
+    return Side(volume_clip(ids.x), depth, line(a, edge, away(a)), end_a, end_b);
 }
 
 // A vertex of a volume, finite or not, for triangles that share it: no depth is asked of it but its own.
@@ -183,14 +193,15 @@ fn plane(corner: Corner) -> @builtin(frag_depth) f32 {
     return depth_at(corner.clip.xy, corner.depth);
 }
 
-// A rasteriser rounds corners to 1/256 pixel, and so may cover a pixel that is just beyond an end of the side. There the
-// plane of a side that is seen nearly edge-on is far in front of the side, or behind it: so the depth is that of the
-// nearest place of the side. No farther than 1/128 pixel: a line that is seen nearly end-on is not well known.
+// A rasteriser rounds corners to 1/256 pixel, and so may cover a pixel that is just beyond a line where the side ends.
+// There the plane of a side that is seen nearly edge-on is far in front of the side, or behind it: so the depth is that
+// of the nearest place of the side. No farther than 1/128 pixel: a line that is seen nearly end-on is not well known.
 fn side_depth(side: Side) -> f32 {
     let most = 1.0 / (64.0 * max(frame.width, frame.height));
     var p = normalised(side.clip.xy);
     p -= side.end_a.xy * clamp(dot(side.end_a, vec3f(p, 1.0)), -most, 0.0);
     p -= side.end_b.xy * clamp(dot(side.end_b, vec3f(p, 1.0)), -most, 0.0);
+    p -= side.edge.xy * clamp(dot(side.edge, vec3f(p, 1.0)), -most, 0.0);
     return clamp(dot(side.depth, vec3f(p, 1.0)), 0.0, 1.0);
 }
 

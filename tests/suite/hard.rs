@@ -18,7 +18,7 @@
 //! 11. An eye in the volume; a near plane that cuts a side, a cap, the caster; a wide view (`camera.rs`).
 //! 12. Volumes through w = 0, and geometry behind the eye (`camera.rs`).
 //! 13. More nested shells than eight bits count (`layers.rs`).
-//! 14. Coincident edges of two meshes, and sides that share the line below a vertex (`layers.rs`).
+//! 14. Coincident edges of two meshes (`layers.rs`); sides that meet, or end, where the eye sees them edge-on (`fins.rs`).
 //! 15. Transforms that mirror, scale unevenly, flatten (`winding.rs`).
 //! 16. More vertices than 16 bits number, more than f32 counts exactly (`large.rs`).
 //! 17. Coordinates at both ends of f32, and far from the origin (`extreme.rs`).
@@ -36,6 +36,8 @@ mod degenerate;
 mod extreme;
 mod fan;
 mod figures;
+#[cfg(feature = "gpu")]
+mod fins;
 mod frame;
 mod inside;
 mod large;

@@ -29,9 +29,10 @@ use crate::volume::{GpuVolume, Part};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Depth {
     /// From the plane of its face or side, in the fragment: off by some units in the last place, even where a side
-    /// runs from near the eye to infinity, and never of a place beyond the side's ends, which a rasteriser may cover.
-    /// Only the side of an edge nearly in line with the light has a plane that is itself inexact, by the inverse of the
-    /// sine of that angle; it is as thin as the angle is small.
+    /// runs from near the eye to infinity, and never of a place beyond the lines where the side ends, its silhouette
+    /// edge and the two on which that edge's ends are extruded: a rasteriser may cover a pixel there. Only the side of
+    /// an edge nearly in line with the light has a plane that is itself inexact, by the inverse of the sine of that
+    /// angle; it is as thin as the angle is small.
     #[default]
     Plane,
     /// Interpolated from the corners by the rasteriser: fewer instructions, and an error that scales with the

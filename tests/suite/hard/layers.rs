@@ -123,50 +123,6 @@ fn hard_14_coincident_edges_through_pixel_middles_leave_no_crack() {
     assert!(shot.is_none_or(|shot| !shot.wrong(8.0, must).is_empty()));
 }
 
-/// A fin over each pixel: a small triangle with one side that the eye sees nearly edge-on. Below its tip that side meets
-/// another one, just beneath the wall, within some 256ths of a pixel of the middle.
-fn fins(seed: u32) -> Mesh {
-    let mut state = seed;
-    let mut next = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as f32 / 8_388_608.0 - 1.0
-    };
-    let (eye, travel) = (Vec3::new(0.0, 0.0, 8.0), Vec3::new(1.0, 0.0, -1.0));
-    let mut positions = Vec::new();
-    for pixel in 0..256_u16 {
-        let ray = (Vec3::new(f32::from(pixel % 16) - 7.5, f32::from(pixel / 16) - 7.5, 0.0) - eye) / 8.0;
-        let beside = Vec3::new(next(), next(), 0.0) * (1.5 / 256.0);
-        let tip = eye + ray * 8.01 + beside - travel * 0.6;
-        let gentle = tip + Vec3::new(0.0, 0.2 * next().signum(), 0.0);
-        let steep = tip + 0.2 * ray + Vec3::new(0.0, 0.03 * next(), 0.0);
-        positions.extend([tip, gentle, steep].map(|p| p.to_array()));
-    }
-    Mesh::new(positions, (0..256).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap()
-}
-
-/// Guards against the depth of a plane beyond its side: a rasteriser may cover a pixel there, and the plane of a steep
-/// side is before the wall where the side itself is behind it.
-#[test]
-fn hard_14_coincident_lines_of_a_steep_side_and_another_are_of_one_depth() {
-    let light = sun(1.0, 0.0, -1.0);
-    for seed in 1..=8 {
-        let scene = walled(&[fins(seed)]);
-        let caster = Caster::new(&scene, Faces::All);
-        for counting in [Counting::Stencil, Counting::Integer] {
-            let shot = shoot_as(&caster, &light, &plain(), Asked::ZFail, Some(counting));
-            let Some(Shot { comparison, mask, casting }) = shot else { return };
-            assert!(comparison.agrees(), "{counting:?} {seed}: {:?}", comparison.mismatches);
-            // Few pixels need to be forgiven: their middles are beside the shadows, not on their rims.
-            assert!(comparison.count(PixelVerdict::Grazing) < 8);
-            // The sabotage: one more everywhere.
-            let raw = mask.raw().iter().map(|count| count + 1).collect();
-            let altered = ShadowMask::new(mask.size(), Counting::Integer, raw, vec![true; 256]);
-            let found = judge(&scene, &casting.signs, &light, &plain(), &altered);
-            assert!(found.count(PixelVerdict::Real) > 200);
-        }
-    }
-}
-
 /// Guards against a slit that light shines through: what joins there is not the same vertices.
 #[test]
 fn hard_08_t_junction_throws_a_shadow_without_a_crack() {

@@ -38,8 +38,8 @@ const BOX: Aabb = Aabb { low: [-4.0; 3], high: [4.0; 3] };
 /// Crossings are called touches.
 const TOUCHES: Seam = Seam { cast: Cast::touch_all, ..Seam::SOUND };
 
-/// Winding judges abstain wherever the number is 2.
-const SHY: Seam = Seam { winding: |winding| winding.filter(|&winding| winding != 2), ..Seam::SOUND };
+/// Winding judges abstain in all shadows.
+const SHY: Seam = Seam { winding: |winding| winding.filter(|&winding| winding == 0), ..Seam::SOUND };
 
 const LOST_FACE: Seam = Seam { oracle: without_the_last_face, ..Seam::SOUND };
 

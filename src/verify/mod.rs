@@ -128,7 +128,8 @@ impl Stratum {
     }
 
     /// With no disagreement among n points that were no ties, the rate of disagreement is below 3/n with 95 %
-    /// confidence (the rule of three). `None` after a disagreement, or without such points.
+    /// confidence (the rule of three), if the points were independent draws; those of one mesh share its surface and its
+    /// lights. `None` after a disagreement, or without such points.
     #[must_use]
     pub fn bound_95(&self) -> Option<f64> {
         let trials = self.agree + self.disagree;

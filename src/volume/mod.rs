@@ -17,6 +17,8 @@ mod gpu;
 mod plan;
 #[cfg(feature = "reference")]
 mod table;
+#[cfg(test)]
+mod trial;
 mod winding;
 
 use std::ops::Range;
@@ -27,6 +29,8 @@ pub use gpu::{Demand, GpuExtrusion, GpuVolume, Part, VolumeShaders};
 pub use plan::{Faces, LightPlace, Plan, ShellChoice, ShellProof, Variant};
 #[cfg(feature = "reference")]
 pub(crate) use table::WindingTable;
+#[cfg(feature = "reference")]
+pub(crate) use winding::stands_on;
 pub use winding::{WindingIndex, winding_number};
 
 use crate::geom::predicate::Homogeneous;

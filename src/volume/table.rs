@@ -1,7 +1,9 @@
 //! Winding numbers of a small volume at many points: every triangle is looked at, and no tree is built.
 
 use super::ShadowVolume;
-use super::winding::{Crossing, TRIES, crossing_to, scattered_in, side_of, weighted, winding_number};
+use super::winding::{
+    Crossing, TRIES, crossing_to, scattered_in, side_of, thickened, weighted, winding_number,
+};
 use crate::geom::Aabb;
 use crate::geom::predicate::{Homogeneous, Sign};
 
@@ -31,12 +33,17 @@ impl<'volume> WindingTable<'volume> {
         let corners =
             weighted(volume).into_iter().map(|(triangle, copies)| (volume.corners(triangle), copies));
         let triangles = corners.filter(|(corners, _)| corners.iter().any(Homogeneous::is_finite)).collect();
-        Self { volume, triangles, within, anchors: Vec::new() }
+        Self { volume, triangles, within: thickened(within), anchors: Vec::new() }
     }
 
-    /// The winding number at `p`; `None` if `p` lies on a triangle of the volume (or, hardly ever, if all anchors
-    /// are hidden behind edges).
+    /// The winding number at `p`; `None` if `p` lies on a triangle of the volume (or, hardly ever, where
+    /// [`winding_number`] abstains).
     pub(crate) fn number(&mut self, p: [f32; 3]) -> Option<i32> {
+        self.by_anchors(p).unwrap_or_else(|| winding_number(self.volume, p))
+    }
+
+    /// `None` if every anchor is hidden behind edges or stands on the volume.
+    fn by_anchors(&mut self, p: [f32; 3]) -> Option<Option<i32>> {
         let p = Homogeneous::point(p);
         'anchors: for i in 0..TRIES {
             if self.anchors.len() == i as usize {
@@ -48,14 +55,14 @@ impl<'volume> WindingTable<'volume> {
                 match crossing_to(*corners, p, anchor.place, side) {
                     Crossing::Miss => {}
                     Crossing::Through(sign) => sum += copies * sign,
-                    Crossing::Starts => return None,
+                    Crossing::Starts => return Some(None),
                     Crossing::Tie => tie = true,
                 }
             }
             if tie {
                 continue 'anchors;
             }
-            return Some(sum);
+            return Some(Some(sum));
         }
         None
     }
@@ -66,5 +73,27 @@ impl<'volume> WindingTable<'volume> {
         let place = Homogeneous::point(place);
         let sides = self.triangles.iter().map(|(corners, _)| side_of(*corners, place)).collect();
         Some(Anchor { place, winding, sides })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::volume::trial::under;
+
+    #[test]
+    fn winding_table_does_not_abstain_beside_a_sheet_in_whose_plane_the_box_lies() {
+        let volume = under([0.3, 0.2, 5.0], 0.0);
+        for p in [[3.0, 3.0, 0.0], [-2.0, 0.125, 0.0]] {
+            for within in [Aabb::around([p]), Aabb::around([p, [0.0; 3]])] {
+                let mut table = WindingTable::new(&volume, within);
+                assert_eq!(table.by_anchors(p), Some(Some(0)), "{p:?}");
+                // Without thickness no anchor is of use, and every triangle is looked at.
+                table = WindingTable { within, ..WindingTable::new(&volume, within) };
+                assert_eq!((table.by_anchors(p), table.number(p)), (None, Some(0)), "{p:?}");
+            }
+        }
+        let mut table = WindingTable::new(&volume, Aabb { low: [-1.0; 3], high: [1.0; 3] });
+        assert_eq!((table.number([0.25, 0.25, 0.0]), table.number([0.25, 0.25, -1.0])), (None, Some(1)));
     }
 }

@@ -94,9 +94,12 @@ impl<'volume> WindingIndex<'volume> {
     /// A point outside the box is answered too, slowly, and so is one from which every anchor is hidden behind edges.
     #[must_use]
     pub fn number(&self, p: [f32; 3]) -> Option<i32> {
-        if !self.within.contains(p) {
-            return winding_number(self.volume, p);
-        }
+        let settled = if self.within.contains(p) { self.by_anchors(p) } else { None };
+        settled.unwrap_or_else(|| winding_number(self.volume, p))
+    }
+
+    /// `None` if every anchor is hidden behind edges or stands on the volume.
+    fn by_anchors(&self, p: [f32; 3]) -> Option<Option<i32>> {
         // The nearest anchor first: what lies on a short way is soon looked at.
         let distance = |anchor: [f32; 3]| -> f64 {
             (0..3).map(|i| (f64::from(anchor[i]) - f64::from(p[i])).powi(2)).sum()
@@ -104,7 +107,7 @@ impl<'volume> WindingIndex<'volume> {
         let mut nearest: Vec<&([f32; 3], OnceLock<Option<i32>>)> = self.anchors.iter().collect();
         nearest.sort_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
         let mut near = Vec::new();
-        let settled = nearest.into_iter().find_map(|(anchor, known)| {
+        nearest.into_iter().find_map(|(anchor, known)| {
             let known = *known.get_or_init(|| winding_number(self.volume, *anchor));
             let known = known?;
             near.clear();
@@ -116,8 +119,7 @@ impl<'volume> WindingIndex<'volume> {
             let candidates = near.iter().map(|&index| self.triangles[index as usize]);
             let path = walk(self.volume, candidates, p, Homogeneous::point(*anchor));
             path.settled().map(|sum| sum.map(|sum| sum + known))
-        });
-        settled.unwrap_or_else(|| winding_number(self.volume, p))
+        })
     }
 }
 
@@ -140,12 +142,7 @@ pub(super) fn weighted(volume: &ShadowVolume) -> Vec<([u32; 3], i32)> {
 fn is_flat(corners: [Homogeneous; 3]) -> bool {
     let Some(k) = corners.iter().position(Homogeneous::is_finite) else { return false };
     let [a, b, c] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
-    (0..3).all(|axis| {
-        let mut unit = [0.0; 3];
-        unit[axis] = 1.0;
-        let axis = Light::directional(unit).expect("a unit vector is a direction");
-        orient3d_homogeneous([a, b, c, Homogeneous::light(&axis)]).is_zero()
-    })
+    axes().into_iter().all(|axis| orient3d_homogeneous([a, b, c, axis]).is_zero())
 }
 
 /// The sum over `triangles` of the crossings of the way from `p` to `q`.
@@ -341,15 +338,43 @@ pub(super) fn scattered(i: u32) -> [f32; 3] {
     [(); 3].map(|()| (2.0 * random.unit() - 1.0) as f32)
 }
 
+/// Whether `p` lies on a triangle of the volume that is not flat, its edges and corners included: in the plane of the
+/// triangle, and seen along an axis that leaves the plane on no two different hands of its edges.
+///
+/// The rule by which a judge's "I stand on it" is checked: no way, no anchor, every triangle.
+#[cfg(feature = "reference")]
+pub(crate) fn stands_on(volume: &ShadowVolume, p: [f32; 3]) -> bool {
+    let p = Homogeneous::point(p);
+    volume.triangles.iter().any(|&triangle| {
+        let [a, b, c] = volume.corners(triangle);
+        let is_finite = [a, b, c].iter().any(Homogeneous::is_finite);
+        if !is_finite || !orient3d_homogeneous([a, b, c, p]).is_zero() {
+            return false;
+        }
+        let leaves = |axis: &Homogeneous| !orient3d_homogeneous([a, b, c, *axis]).is_zero();
+        axes().into_iter().find(leaves).is_some_and(|axis| {
+            let hands = [(a, b), (b, c), (c, a)].map(|(a, b)| orient3d_homogeneous([p, axis, a, b]));
+            !(hands.contains(&Sign::Positive) && hands.contains(&Sign::Negative))
+        })
+    })
+}
+
+/// The three axes, as points at infinity.
+fn axes() -> [Homogeneous; 3] {
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        .map(|unit| Homogeneous::light(&Light::directional(unit).expect("a unit vector is a direction")))
+}
+
 /// A flat box gets some thickness: where all points lie in the plane of a cap, anchors in it would be of no use.
-fn thickened(within: Aabb) -> Aabb {
+/// A sixteenth of the diagonal on either side, and an ulp at least.
+pub(super) fn thickened(within: Aabb) -> Aabb {
     let least = within.diagonal() / 16.0;
     let mut thick = within;
     for i in (0..3).filter(|_| !within.is_empty()) {
         let (low, high) = (f64::from(within.low[i]), f64::from(within.high[i]));
-        if high - low < least {
-            thick.low[i] = ((low - least) as f32).max(f32::MIN);
-            thick.high[i] = ((high + least) as f32).min(f32::MAX);
+        if high - low <= least {
+            thick.low[i] = ((low - least) as f32).min(within.low[i].next_down()).max(f32::MIN);
+            thick.high[i] = ((high + least) as f32).max(within.high[i].next_up()).min(f32::MAX);
         }
     }
     thick
@@ -367,6 +392,39 @@ pub(super) fn scattered_in(within: &Aabb, i: u32) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::volume::trial::under;
+
+    #[test]
+    fn winding_index_of_a_flat_box_is_settled_by_its_anchors_without_the_fallback() {
+        // The box lies in the plane of the light cap, and all but its rim on it; far from 0 a sixteenth of its diagonal
+        // is less than an ulp.
+        for away in [0.0, 1e7] {
+            let volume = under([0.3, 0.2, away + 5.0], away);
+            for p in [[1.000_976_6, 0.5, away], [-0.001, 0.25, away]] {
+                let within = Aabb::around([p, [0.5, 0.75, away]]);
+                let index = WindingIndex::build(&volume, within);
+                assert_eq!(index.by_anchors(p), Some(Some(0)), "{away} {p:?}");
+                // Without thickness no anchor is of use.
+                let anchors = (0..TRIES).map(|i| (scattered_in(&within, i), OnceLock::new())).collect();
+                assert_eq!(WindingIndex { anchors, ..index }.by_anchors(p), None, "{away} {p:?}");
+                let point = WindingIndex::build(&volume, Aabb::around([p]));
+                assert_eq!(point.by_anchors(p), Some(Some(0)), "a box of one point: {away} {p:?}");
+            }
+        }
+    }
+
+    #[cfg(feature = "reference")]
+    #[test]
+    fn winding_number_abstains_exactly_where_a_triangle_is_stood_on() {
+        let volume = under([0.3, 0.2, 5.0], 0.0);
+        let (mut on, mut off) = (0, 0);
+        for i in 0..1000 {
+            let p = [i % 10, i / 10 % 10, i / 100].map(|n| (n - 4) as f32 * 0.25);
+            assert_eq!(stands_on(&volume, p), winding_number(&volume, p).is_none(), "{p:?}");
+            *(if stands_on(&volume, p) { &mut on } else { &mut off }) += 1;
+        }
+        assert!(on > 20 && off > 500, "{on} {off}");
+    }
 
     #[test]
     fn winding_boxes_of_pieces_hold_their_corners_and_without_slack_do_not() {

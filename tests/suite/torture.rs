@@ -17,8 +17,14 @@ fn torture_all_judges_agree_and_plain_f32_does_not() {
     let [generic, adversarial @ ..] = found.strata.as_slice() else { panic!("no strata") };
     assert_eq!(generic.name, "generic");
     for row in adversarial {
-        // From three ties in four queries to none, and plain f32 wrong in a percent of the others and more.
-        assert!(4.0 * tries(row) > row.queries as f64, "{row:?}");
+        // Ties are mostly where everything is aligned, and plain f32 is wrong in a percent of the others and more.
+        let most = match row.name {
+            "cad_ties" => 0.5,
+            "points_on_surface" => 0.5,
+            _ => 0.25,
+        };
+        assert!((row.ties as f64) < most * row.queries as f64, "{row:?}");
+        assert!(row.ties >= row.grazing.max(row.abstained) && row.ties <= row.grazing + row.abstained);
         assert!(row.plain_f32_wrong as f64 > 0.01 * tries(row), "{row:?}");
         assert!(row.plain_f32_faces_wrong > 0 && row.judged_by_whole_numbers > 0, "{row:?}");
         assert!(row.abstained > 0, "no point stands on a volume: {row:?}");

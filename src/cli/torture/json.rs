@@ -28,6 +28,8 @@ pub(super) fn document(found: &Torture, seed: u64, seconds: f64, case: Option<&P
         "seconds": number(seconds),
         "strata": found.strata.iter().map(row).collect::<Vec<_>>(),
         "seed": seed,
+        "rounds": total.rounds,
+        "bound_95_rounds": found.bound_95_rounds().map(number),
         "queries_per_second": number(total.queries as f64 / seconds),
         "plain_f32_wrong": total.plain_f32_wrong,
         "faces": total.faces,
@@ -36,6 +38,7 @@ pub(super) fn document(found: &Torture, seed: u64, seconds: f64, case: Option<&P
         "volumes": total.volumes,
         "open_volumes": total.open_volumes,
         "judged_by_whole_numbers": total.judged_by_whole_numbers,
+        "grazing": total.grazing,
         "abstained": total.abstained,
         "disagreements": disagreements.collect::<Vec<_>>(),
         "case": case.map(|path| path.to_string_lossy()),
@@ -55,6 +58,8 @@ fn row(row: &Stratum) -> Value {
         "volumes": row.volumes,
         "open_volumes": row.open_volumes,
         "judged_by_whole_numbers": row.judged_by_whole_numbers,
+        "grazing": row.grazing,
         "abstained": row.abstained,
+        "rounds": row.rounds,
     })
 }

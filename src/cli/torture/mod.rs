@@ -18,9 +18,12 @@ use super::{Failure, Outcome};
 ///
 /// Small meshes, sound and damaged, tiny and huge, full of slivers and exact ties; lights on vertices, in planes, an
 /// ulp beside them; points on the surface and on the shadow's boundary. The ray cast and the winding number of the
-/// emitted volume have to agree on each, and a sample is judged in whole numbers. Beside them the same queries are
+/// emitted volume have to agree on each, and a sample is judged in whole numbers, as are the first ties of every round. Beside them the same queries are
 /// answered in plain f32, as most programs do. A disagreement is a bug in umbrage: it is minimised and written to a
 /// file.
+///
+/// The bound 3/n takes queries for independent draws, but the up to 256 of a round share mesh, light and volume; the
+/// bound by rounds does without that.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     /// How many queries, spread evenly over the strata; 1000000, 1_000_000 and 1e6 are the same

@@ -7,9 +7,11 @@ use umbrage::verify::torture::{Case, Ruling, Stratum, Torture};
 use crate::cli::output::{Table, counted, plain, significant};
 
 /// What the columns mean.
-const LEGEND: &str = "ties: the way to the light only touches a face, or the point stands on the volume, and either \
-                      answer is right; plain f32: the same queries by an f32 triangle test without a bias (rate: of \
-                      those that are no ties), and sides of faces by an f32 cross product";
+const LEGEND: &str = "ties: grazing (the way to the light only touches a face, and either answer is right) or abstained \
+                      (the point stands on the volume, and the ray cast has no second judge); plain f32: the same \
+                      queries by an f32 triangle test without a bias (rate: of those that do not graze), and sides \
+                      of faces by an f32 cross product; 3/n takes queries for independent draws, but those of a \
+                      round share mesh and light, so the strict bound is that of rounds";
 
 /// The table of strata, what was checked beside the queries, each disagreement, the verdict, and a legend.
 pub(super) fn report(found: &Torture, seed: u64, seconds: f64, case: Option<&Path>) -> String {
@@ -18,6 +20,8 @@ pub(super) fn report(found: &Torture, seed: u64, seconds: f64, case: Option<&Pat
         "queries",
         "judged",
         "ties",
+        "grazing",
+        "abstained",
         "wrong",
         "plain f32 wrong",
         "rate",
@@ -40,21 +44,16 @@ pub(super) fn report(found: &Torture, seed: u64, seconds: f64, case: Option<&Pat
         places += &format!("the first one, minimised: {}\n", plain(&path.to_string_lossy()));
     }
     let beside = format!(
-        "{} of {} sides of faces wrong; {} of {} volumes open; {} queries judged in whole numbers too; a winding \
-         judge abstained {} times",
-        total.faces_wrong,
-        total.faces,
-        total.open_volumes,
-        total.volumes,
-        total.judged_by_whole_numbers,
-        total.abstained
+        "{} of {} sides of faces wrong; {} of {} volumes open; {} queries judged in whole numbers too",
+        total.faces_wrong, total.faces, total.open_volumes, total.volumes, total.judged_by_whole_numbers
     );
-    let verdict = match found.bound_95() {
-        Some(bound) => format!(
-            "all judges agree: with 95 % confidence less than {bound:.1e} of such queries are judged wrong"
+    let verdict = match (found.bound_95(), found.bound_95_rounds()) {
+        (Some(queries), Some(rounds)) => format!(
+            "all judges agree: with 95 % confidence they disagree on less than {queries:.1e} of such queries, if \
+             these were independent, and in less than {rounds:.1e} of such rounds"
         ),
-        None if found.agrees() => "all judges agree; every query was a tie".to_owned(),
-        None => format!(
+        _ if found.agrees() => "all judges agree; every query was a tie".to_owned(),
+        _ => format!(
             "{}, {}, {}",
             counted(total.wrong as usize, "disagreement", "disagreements"),
             counted(total.faces_wrong as usize, "wrong side", "wrong sides"),
@@ -70,14 +69,14 @@ pub(super) fn report(found: &Torture, seed: u64, seconds: f64, case: Option<&Pat
 }
 
 fn cells(row: &Stratum) -> Vec<String> {
-    let rate = match row.queries - row.ties {
+    let rate = match row.queries - row.grazing {
         0 => "-".to_owned(),
         trials => format!("{:.2} %", 100.0 * row.plain_f32_wrong as f64 / trials as f64),
     };
     let faces = format!("{} of {}", row.plain_f32_faces_wrong, row.faces);
-    let [queries, ties, wrong, plain] =
-        [row.queries, row.ties, row.wrong, row.plain_f32_wrong].map(|count| count.to_string());
-    vec![row.name.to_owned(), queries, ties, wrong, plain, rate, faces]
+    let counts = [row.queries, row.ties, row.grazing, row.abstained, row.wrong, row.plain_f32_wrong];
+    let counts = counts.map(|count| count.to_string());
+    [row.name.to_owned()].into_iter().chain(counts).chain([rate, faces]).collect()
 }
 
 /// What each judge says of one case.

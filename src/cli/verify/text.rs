@@ -13,7 +13,8 @@ use crate::cli::output::{Table, counted, plain};
 
 /// What two columns mean.
 const LEGEND: &str = "grazing: the ray to the light only touches a face, and either answer is right; rate below: \
-                      with 95 % confidence, at most this part of such points is judged wrong";
+                      with 95 % confidence, judges disagree on at most this part of such points, if the points \
+                      were independent";
 
 /// What the columns of pixels mean.
 const PIXEL_LEGEND: &str = "grazing pixel: the counts differ, and the exact one changes within the step that a \

@@ -8,7 +8,7 @@ use crate::random::SplitMix64;
 use crate::silhouette::{Casters, FacePlanes, Facing, Silhouette, classify};
 use crate::topology::Topology;
 use crate::verify::judge::Cast;
-use crate::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof, WindingIndex, WindingTable};
+use crate::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof, WindingIndex, WindingTable, stands_on};
 
 /// Where tests spoil what a judge works with, to show that the fault is seen.
 #[derive(Clone, Copy)]
@@ -18,18 +18,34 @@ pub(super) struct Seam {
     pub(super) signs: fn(&mut [i8]),
     pub(super) volume: fn(&mut ShadowVolume),
     pub(super) oracle: fn(&Mesh) -> Oracle,
+    pub(super) cast: fn(&mut Cast),
+    /// What a winding judge answers.
+    pub(super) winding: fn(Option<i32>) -> Option<i32>,
+    /// How many queries of a round that touch or stand on something are judged in whole numbers.
+    pub(super) audits: usize,
 }
+
+/// See [`Seam::audits`].
+const AUDITS: usize = 8;
 
 impl Seam {
     /// Nothing is spoiled.
-    pub(super) const SOUND: Self =
-        Self { facing: |_| {}, signs: |_| {}, volume: |_| {}, oracle: Oracle::build };
+    pub(super) const SOUND: Self = Self {
+        facing: |_| {},
+        signs: |_| {},
+        volume: |_| {},
+        oracle: Oracle::build,
+        cast: |_| {},
+        winding: |winding| winding,
+        audits: AUDITS,
+    };
 }
 
 /// A mesh under a light, ready to be judged.
 pub(super) struct Prepared<'a> {
     mesh: &'a Mesh,
     light: &'a Light,
+    seam: Seam,
     pub(super) topology: Topology,
     pub(super) silhouette: Silhouette,
     oracle: Oracle,
@@ -102,13 +118,14 @@ impl<'a> Prepared<'a> {
                 .sum(),
         };
         let oracle = (seam.oracle)(mesh);
-        Self { mesh, light, topology, silhouette, oracle, all, half, chosen, plain, found }
+        Self { mesh, light, seam, topology, silhouette, oracle, all, half, chosen, plain, found }
     }
 
     /// Ready for points in a box that is not empty.
     pub(super) fn bench(&'a self, within: Aabb) -> Bench<'a> {
         Bench {
             prepared: self,
+            audits: self.seam.audits,
             all: WindingTable::new(&self.all, within),
             half: self.half.as_ref().map(|half| WindingIndex::build(half, within)),
         }
@@ -118,6 +135,8 @@ impl<'a> Prepared<'a> {
 /// The judges of one mesh and light.
 pub(super) struct Bench<'a> {
     prepared: &'a Prepared<'a>,
+    /// How many more ties are judged in whole numbers.
+    audits: usize,
     all: WindingTable<'a>,
     half: Option<WindingIndex<'a>>,
 }
@@ -129,6 +148,10 @@ pub(super) struct Judged {
     all: Option<i32>,
     /// Of the halved volume, where there is one.
     half: Option<Option<i32>>,
+    /// The judges that abstain without standing on their volume.
+    shy: Vec<&'static str>,
+    /// Whether whole numbers were asked.
+    pub(super) audited: bool,
     /// What whole numbers found instead, where they were asked and differ.
     whole: Option<String>,
     /// The verdict that stops at the first face, where it is another one.
@@ -137,19 +160,37 @@ pub(super) struct Judged {
 }
 
 impl Bench<'_> {
-    /// Judges a point; with `whole` in whole numbers too.
+    /// Judges a point; with `whole` in whole numbers too, and so are the first points that touch or stand on something:
+    /// there other judges allow more than one answer.
     pub(super) fn judge(&mut self, p: [f32; 3], whole: bool) -> Judged {
-        let Prepared { mesh, light, oracle, chosen, plain, .. } = self.prepared;
-        let cast = Cast::of(oracle, p, light, chosen);
+        let Prepared { mesh, light, oracle, chosen, plain, seam, .. } = self.prepared;
+        let mut cast = Cast::of(oracle, p, light, chosen);
+        (seam.cast)(&mut cast);
+        let all = (seam.winding)(self.all.number(p));
+        let half = self.half.as_ref().map(|half| (seam.winding)(half.number(p)));
+        let mut shy = Vec::new();
+        if all.is_none() && !stands_on(&self.prepared.all, p) {
+            shy.push("all faces");
+        }
+        if let (Some(None), Some(volume)) = (half, &self.prepared.half)
+            && !stands_on(volume, p)
+        {
+            shy.push("chosen faces");
+        }
+        let is_loose = cast.crossings.touching > 0 || all.is_none() || half == Some(None);
+        let audit = is_loose && self.audits > 0;
+        self.audits -= usize::from(audit);
         let (mut hasty, mut differs) = (None, None);
-        if whole {
+        if whole || audit {
             differs = cast.in_whole_numbers(mesh, p, light).err();
             hasty = Some(oracle.verdict(p, light)).filter(|&verdict| verdict != cast.verdict());
         }
         Judged {
             cast,
-            all: self.all.number(p),
-            half: self.half.as_ref().map(|half| half.number(p)),
+            all,
+            half,
+            shy,
+            audited: whole || audit,
             whole: differs,
             hasty,
             plain: plain.shadowed(p),
@@ -171,25 +212,35 @@ impl Judged {
     /// Whether any judge contradicts another.
     #[inline]
     pub(super) fn is_wrong(&self) -> bool {
-        self.all_wrong() || self.half_wrong() || self.whole.is_some() || self.hasty.is_some()
+        self.all_wrong()
+            || self.half_wrong()
+            || !self.shy.is_empty()
+            || self.whole.is_some()
+            || self.hasty.is_some()
     }
 
-    /// How many winding judges abstain.
+    /// Whether every winding judge stands on its volume.
     #[inline]
-    pub(super) fn abstained(&self) -> u64 {
-        u64::from(self.all.is_none()) + u64::from(self.half == Some(None))
+    pub(super) fn abstained(&self) -> bool {
+        self.all.is_none() && self.half.flatten().is_none()
     }
 
-    /// Whether both answers are right: the way only touches, or every winding judge stands on its volume.
+    /// Whether the way only touches.
+    #[inline]
+    pub(super) fn grazes(&self) -> bool {
+        self.cast.verdict() == Verdict::Grazing
+    }
+
+    /// Whether the ray cast has no second judge: either answer is right, or every winding judge abstains.
     #[inline]
     pub(super) fn is_tie(&self) -> bool {
-        self.cast.verdict() == Verdict::Grazing || (self.all.is_none() && self.half.flatten().is_none())
+        self.grazes() || self.abstained()
     }
 
     /// Whether plain `f32` says in for out.
     #[inline]
     pub(super) fn plain_wrong(&self) -> bool {
-        !self.is_tie() && self.plain != (self.cast.verdict() == Verdict::Shadowed)
+        !self.grazes() && self.plain != (self.cast.verdict() == Verdict::Shadowed)
     }
 
     /// What each judge said, one line each.
@@ -218,6 +269,9 @@ impl Judged {
                 self.cast.chosen(),
                 mark(self.half_wrong())
             ));
+        }
+        for volume in &self.shy {
+            said.push(format!("winding number, {volume}: stands on no triangle of its volume{}", mark(true)));
         }
         if let Some(whole) = &self.whole {
             said.push(format!("whole numbers: {whole}{}", mark(true)));

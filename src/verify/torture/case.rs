@@ -22,6 +22,9 @@ pub struct Case {
     pub point: [f32; 3],
     /// What random signs are drawn from, whose volume has to be closed as well.
     pub signs: u64,
+    /// The box of the points that were asked about together, which holds the point: the ways of winding numbers lead
+    /// through it.
+    pub within: Aabb,
 }
 
 /// What the judges said of a case.
@@ -95,9 +98,7 @@ impl Case {
 
     pub(super) fn judge_with(&self, seam: Seam) -> Ruling {
         let prepared = Prepared::new(&self.mesh, &self.light, self.signs, true, seam);
-        // The ways of winding numbers lead through the mesh.
-        let within = Aabb::around(self.mesh.bounds().into_iter().flatten().chain([self.point]));
-        let judged = prepared.bench(within).judge(self.point, true);
+        let judged = prepared.bench(self.within).judge(self.point, true);
         let found = prepared.found;
         let agrees = !judged.is_wrong() && found.faces_wrong == 0 && found.open_volumes == 0;
         Ruling { agrees, said: [found.say(), judged.say()].concat() }
@@ -106,7 +107,8 @@ impl Case {
     /// Reads a case.
     ///
     /// Of its comments only `# light point:X,Y,Z` (or `directional:`, with the way the light travels) and
-    /// `# point X,Y,Z` need to be there; `# signs N` may be.
+    /// `# point X,Y,Z` need to be there; `# signs N` may be, and `# within X,Y,Z X,Y,Z` (low and high corner; else
+    /// the box of mesh and point).
     ///
     /// # Errors
     ///
@@ -124,12 +126,22 @@ impl Case {
         })?;
         let text = String::from_utf8_lossy(&bytes);
         let comments = Comments { file, text: &text };
+        let asked = comments.of("point", "# point 1,2,3", point)?;
+        let within = match comments.line("within") {
+            None => Aabb::around(mesh.bounds().into_iter().flatten().chain([asked])),
+            Some(_) => comments.of("within", "# within 0,0,0 1,2,3", |text| {
+                let corners: Vec<&str> = text.split_whitespace().collect();
+                let [low, high] = corners[..] else { return Err(format!("`{text}` is no box")) };
+                Ok(Aabb::around([point(low)?, point(high)?]))
+            })?,
+        };
         Ok(Self {
             mesh,
+            within,
             light: comments.of("light", "# light point:1,2,3", |text| {
                 text.parse().map_err(|error: LightError| error.to_string())
             })?,
-            point: comments.of("point", "# point 1,2,3", point)?,
+            point: asked,
             signs: match comments.line("signs") {
                 None => 0,
                 Some(_) => comments.of("signs", "# signs 1", |text| {
@@ -200,7 +212,7 @@ fn write_case(
     seed: u64,
     writer: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    let Case { mesh, light, point: [x, y, z], signs } = case;
+    let Case { mesh, light, point: [x, y, z], signs, within } = case;
     let name = RECIPES[*stratum].name;
     writeln!(
         writer,
@@ -210,6 +222,8 @@ fn write_case(
     writeln!(writer, "# light {light}")?;
     writeln!(writer, "# point {x},{y},{z}")?;
     writeln!(writer, "# signs {signs}")?;
+    let [low, high] = [within.low, within.high].map(|[x, y, z]| format!("{x},{y},{z}"));
+    writeln!(writer, "# within {low} {high}")?;
     for line in case.judge().said {
         writeln!(writer, "# said: {line}")?;
     }

@@ -8,8 +8,12 @@
 //! the emitted volume, as counts and as "in or out". On a sample of them whole numbers, which share no code with the
 //! predicates, and the ray cast that stops at the first face. In every eighth round the volume that is halved where
 //! that is proven to be right. Once a round: the sides of all faces by the filter and one by one; and that the volume
-//! is closed, as must be one of random signs. Where something is only touched, or every winding judge stands on its
-//! volume, both answers are right: that is a tie.
+//! is closed, as must be one of random signs.
+//!
+//! Where the way only touches something, both answers are right, and where every winding judge stands on its volume,
+//! the ray cast has no second judge: these are ties. They are no way out for a judge: the first of each round where
+//! something is touched or stood on are judged in whole numbers, and whenever a winding judge abstains, the point
+//! has to lie on a triangle of its volume.
 //!
 //! Beside it, on every query, runs what most programs do: facing by a cross product in `f32`, and visibility by an
 //! `f32` triangle test.
@@ -71,11 +75,15 @@ pub struct Stratum {
     pub name: &'static str,
     /// How many.
     pub queries: u64,
-    /// Those where both answers are right, and declared so.
+    /// Those that graze or abstain: declared to have no second judge.
     pub ties: u64,
+    /// Those where the way to the light only touches: either answer is right.
+    pub grazing: u64,
+    /// Those where every winding judge abstains, because it stands on its volume.
+    pub abstained: u64,
     /// Those where judges contradict each other.
     pub wrong: u64,
-    /// Those that are no ties and where plain `f32` says in for out.
+    /// Those that do not graze and where plain `f32` says in for out.
     pub plain_f32_wrong: u64,
     /// Faces of all rounds.
     pub faces: u64,
@@ -89,8 +97,8 @@ pub struct Stratum {
     pub open_volumes: u64,
     /// Queries that were judged in whole numbers too.
     pub judged_by_whole_numbers: u64,
-    /// How often a winding judge declined, because it stands on its volume.
-    pub abstained: u64,
+    /// Rounds in which some query was no tie.
+    pub rounds: u64,
 }
 
 /// A query where judges contradict each other.
@@ -123,12 +131,21 @@ impl Torture {
     }
 
     /// With no disagreement among n queries that were no ties, the rate of disagreement is below 3/n with 95 %
-    /// confidence (the rule of three). `None` after a disagreement, or without such queries.
+    /// confidence (the rule of three), if these queries were independent draws. They are not: up to 256 of them share a
+    /// mesh, a light and a volume; [`Torture::bound_95_rounds`] claims no more than is drawn independently. `None` after
+    /// a disagreement, or without such queries.
     #[must_use]
     pub fn bound_95(&self) -> Option<f64> {
         let total = self.total();
         let trials = total.queries - total.ties;
         (self.agrees() && trials > 0).then(|| (3.0 / trials as f64).min(1.0))
+    }
+
+    /// The same by rounds, which are drawn independently: less than this part of such rounds holds a disagreement.
+    #[must_use]
+    pub fn bound_95_rounds(&self) -> Option<f64> {
+        let rounds = self.total().rounds;
+        (self.agrees() && rounds > 0).then(|| (3.0 / rounds as f64).min(1.0))
     }
 }
 
@@ -140,6 +157,8 @@ impl Stratum {
             name: self.name,
             queries: self.queries + other.queries,
             ties: self.ties + other.ties,
+            grazing: self.grazing + other.grazing,
+            abstained: self.abstained + other.abstained,
             wrong: self.wrong + other.wrong,
             plain_f32_wrong: self.plain_f32_wrong + other.plain_f32_wrong,
             faces: self.faces + other.faces,
@@ -148,7 +167,7 @@ impl Stratum {
             volumes: self.volumes + other.volumes,
             open_volumes: self.open_volumes + other.open_volumes,
             judged_by_whole_numbers: self.judged_by_whole_numbers + other.judged_by_whole_numbers,
-            abstained: self.abstained + other.abstained,
+            rounds: self.rounds + other.rounds,
         }
     }
 }
@@ -257,7 +276,8 @@ impl Tally {
         let asked = asked.then(|| random.below(points.len()));
 
         // 3. Judge them.
-        let mut bench = prepared.bench(Aabb::around(points.iter().copied()));
+        let within = Aabb::around(points.iter().copied());
+        let mut bench = prepared.bench(within);
         let found = prepared.found;
         let mut row = Stratum {
             faces: found.faces,
@@ -265,7 +285,6 @@ impl Tally {
             plain_f32_faces_wrong: found.plain_f32_faces_wrong,
             volumes: found.volumes,
             open_volumes: found.open_volumes,
-            judged_by_whole_numbers: u64::from(asked.is_some()),
             queries: points.len() as u64,
             ..Stratum::default()
         };
@@ -276,14 +295,17 @@ impl Tally {
             let wrong = judged.is_wrong();
             row.wrong += u64::from(wrong);
             row.ties += u64::from(!wrong && judged.is_tie());
+            row.grazing += u64::from(!wrong && judged.grazes());
+            row.abstained += u64::from(!wrong && judged.abstained());
+            row.judged_by_whole_numbers += u64::from(judged.audited);
             row.plain_f32_wrong += u64::from(judged.plain_wrong());
-            row.abstained += judged.abstained();
             if (wrong || (fault && query == 0)) && disagreements.len() < self.keep {
-                let case = Case { mesh: mesh.clone(), light, point, signs };
+                let case = Case { mesh: mesh.clone(), light, point, signs, within };
                 let said = [found.say(), judged.say()].concat();
                 disagreements.push(Disagreement { stratum, round, query: query as u64, case, said });
             }
         }
+        row.rounds = u64::from(row.queries > row.ties);
         let sum = &mut self.strata[stratum];
         *sum = sum.plus(&row);
         self.keep_first(disagreements);

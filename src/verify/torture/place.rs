@@ -4,7 +4,7 @@ use super::shape::bits;
 use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
-use crate::verify::point::{nudged, rounded};
+use crate::verify::point::rounded;
 
 /// A kind of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,9 +17,9 @@ pub(super) enum Place {
     Edge,
     /// In the plane of a face, inside or outside it.
     Plane,
-    /// Off one of these three by an ulp in one or more coordinates.
+    /// Off one of these three by exactly one ulp in at least one coordinate, and at most one in each.
     UlpOff,
-    /// 2⁴⁰ diagonals away, as far as `f32` goes.
+    /// 2³⁰ to 2⁴⁰ diagonals away from the centre, as far as `f32` goes.
     Far,
     /// Between vertices: inside most solids.
     Inside,
@@ -45,15 +45,19 @@ impl Place {
                 rounded(centre.map(|x| f64::from(x) + (2.0 * random.unit() - 1.0) * size))
             }
             Self::Far => {
-                let size = bounds.diagonal() * 2_f64.powi(40);
-                rounded([(); 3].map(|()| (2.0 * random.unit() - 1.0) * size))
+                let [x, y, z] = [(); 3].map(|()| 2.0 * random.unit() - 1.0);
+                let length = (x * x + y * y + z * z).sqrt();
+                let way = if length > 0.0 { [x, y, z].map(|x| x / length) } else { [1.0, 0.0, 0.0] };
+                let distance = bounds.diagonal() * 2_f64.powf(30.0 + 10.0 * random.unit());
+                let centre = bounds.centre();
+                rounded([0, 1, 2].map(|i| f64::from(centre[i]) + distance * way[i]))
             }
             Self::Vertex => corners(mesh, random)[0],
             Self::Edge => edge(mesh, random),
             Self::Plane => plane(mesh, random),
             Self::UlpOff => {
                 let place = [Self::Vertex, Self::Edge, Self::Plane][random.below(3)];
-                nudged(place.draw(mesh, random).xyz().map(f64::from), random)
+                one_ulp_off(place.draw(mesh, random).xyz(), random)
             }
             Self::Inside => {
                 let face = corners(mesh, random);
@@ -92,6 +96,22 @@ fn corners(mesh: &Mesh, random: &mut SplitMix64) -> [[f32; 3]; 3] {
     let mut face = mesh.triangles()[random.below(mesh.face_count())];
     face.rotate_left(random.below(3));
     face.map(|vertex| mesh.positions()[vertex as usize])
+}
+
+/// Each coordinate one ulp up, one down, or as it is; not all three as they are.
+pub(super) fn one_ulp_off(p: [f32; 3], random: &mut SplitMix64) -> [f32; 3] {
+    // Three digits of base 3 without 111, which is no step.
+    let mut digits = random.below(26);
+    digits += usize::from(digits >= 13);
+    [0, 1, 2].map(|i| {
+        let x = match digits / 3_usize.pow(i) % 3 {
+            0 if p[i as usize] > f32::MIN => p[i as usize].next_down(),
+            2 if p[i as usize] == f32::MAX => f32::MAX.next_down(),
+            0 | 2 => p[i as usize].next_up(),
+            _ => p[i as usize],
+        };
+        x + 0.0 // not −0
+    })
 }
 
 /// At an eighth of the edge, or beyond it.

@@ -12,9 +12,11 @@ pub(super) enum Scale {
     Tiny,
     /// Times 1e30, or up to the end of `f32`.
     Huge,
-    /// Every vertex, axis or half times a factor of its own.
+    /// Axes, halves or vertices times factors of their own, of which at least two differ.
+    ///
+    /// 1e-30, 1e-15, 1, 1e12 and 1e30.
     Mixed,
-    /// Moved away by 2²⁰ times its size.
+    /// Moved away by up to 2²⁰ times its size along each axis.
     Away,
 }
 
@@ -22,7 +24,6 @@ impl Scale {
     pub(super) fn apply(self, positions: &mut [[f32; 3]], random: &mut SplitMix64) {
         let largest = f64::from(positions.iter().flatten().fold(f32::MIN_POSITIVE, |m, x| m.max(x.abs())));
         let factors = [1e-30, 1e-15, 1.0, 1e12, 1e30];
-        let mut any = || factors[random.below(factors.len())];
         match self {
             Self::One => {}
             Self::Tiny => {
@@ -35,14 +36,20 @@ impl Scale {
                 times(positions, |_, _| factor);
             }
             Self::Mixed => {
-                let (axes, halves) = ([any(), any(), any()], [any(), any()]);
+                let first = random.below(factors.len());
+                let second = (first + 1 + random.below(factors.len() - 1)) % factors.len();
+                let [first, second] = [first, second].map(|i| factors[i]);
+                let (mut axes, halves) =
+                    ([first, second, factors[random.below(factors.len())]], [first, second]);
+                axes.rotate_left(random.below(3));
                 let half = positions.len() / 2;
                 match random.below(3) {
                     0 => times(positions, |_, axis| axes[axis]),
                     1 => times(positions, |vertex, _| halves[usize::from(vertex < half)]),
                     _ => {
-                        let each: Vec<f64> =
+                        let mut each: Vec<f64> =
                             positions.iter().map(|_| factors[random.below(factors.len())]).collect();
+                        each.iter_mut().zip(halves).for_each(|(factor, other)| *factor = other);
                         times(positions, |vertex, _| each[vertex]);
                     }
                 }

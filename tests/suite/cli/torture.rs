@@ -11,9 +11,9 @@ fn torture_json_has_the_agreed_keys_in_order() {
     assert_shape("torture", &document);
     assert_eq!(
         keys(&document),
-        "queries disagree ties bound_95 seconds strata seed queries_per_second plain_f32_wrong faces \
-         faces_wrong plain_f32_faces_wrong volumes open_volumes judged_by_whole_numbers abstained disagreements \
-         case"
+        "queries disagree ties bound_95 seconds strata seed rounds bound_95_rounds queries_per_second \
+         plain_f32_wrong faces faces_wrong plain_f32_faces_wrong volumes open_volumes judged_by_whole_numbers grazing \
+         abstained disagreements case"
     );
     assert!(keys(&document["strata"][0]).starts_with("name queries wrong plain_f32_wrong "));
     assert_eq!((document["queries"].as_u64(), document["disagree"].as_u64()), (Some(5000), Some(0)));
@@ -46,7 +46,9 @@ fn torture_prints_a_table_and_exits_with_zero() {
     {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }
-    assert!(run.stdout.contains("\nverdict: all judges agree: with 95 % confidence less than "));
+    assert!(
+        run.stdout.contains("\nverdict: all judges agree: with 95 % confidence they disagree on less than ")
+    );
     assert!(run.stdout.lines().last().is_some_and(|line| line.starts_with("ties: ")), "{}", run.stdout);
 }
 

@@ -95,12 +95,17 @@ pub enum ShellProof {
 
 impl ShellProof {
     /// Looks at every shell: one proof a shell, in their order. Searches for self-intersections, which costs some
-    /// microseconds a face, unless no shell gets that far. Of a shell whose faces nearly all reach into one place the
-    /// search gives up after some seconds: [`ShellProof::Unsettled`].
+    /// microseconds a face, unless no shell gets that far. Where the faces of shells nearly all reach into one place
+    /// the search gives up after some seconds for all shells together: [`ShellProof::Unsettled`].
     ///
     /// Memory: at its peak 125 bytes a face, or what [`CrackReport::of`] takes.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology, shells: &Shells) -> Vec<Self> {
+        Self::within(mesh, topology, shells, MOST_TESTS)
+    }
+
+    /// The same with `spare` tests for all shells together, beside those that go with the faces.
+    fn within(mesh: &Mesh, topology: &Topology, shells: &Shells, mut spare: u64) -> Vec<Self> {
         let report = CrackReport::of(mesh, topology);
         let mut proofs: Vec<Self> = report
             .shell_list

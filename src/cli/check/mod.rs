@@ -59,8 +59,8 @@ pub(crate) struct Args {
 
     /// Print one JSON document instead of text
     ///
-    /// A number that was not computed is null, and so is the verdict if a file could not be read and no other is
-    /// cracked. At most 1000 shells a mesh and 64 faces a place are listed.
+    /// A number that was not computed is null, and so is the verdict if a file could not be read, or it was not
+    /// decided which shell lies in which, and no other is cracked. At most 1000 shells a mesh and 64 faces a place are listed.
     #[arg(long)]
     json: bool,
 
@@ -122,7 +122,38 @@ struct MeshReport {
     shell_list: Vec<ShellReport>,
     near_miss: Vec<NearMiss>,
     defects: Vec<Found>,
-    sound: bool,
+    nesting_complete: bool,
+    t_junctions_complete: bool,
+    verdict: Verdict,
+}
+
+/// What is said of a mesh or of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Verdict {
+    Sound,
+    /// Nothing is wrong, but which shell lies in which was not decided within the limit.
+    NotProven,
+    Cracked,
+}
+
+impl Verdict {
+    fn of(require: Option<Require>, counts: &Counts) -> Self {
+        if holds(require, counts) {
+            Self::Sound
+        } else if require.is_none() && counts.may_be_sound() {
+            Self::NotProven
+        } else {
+            Self::Cracked
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Sound => "sound",
+            Self::NotProven => "not proven sound",
+            Self::Cracked => "cracked",
+        }
+    }
 }
 
 /// All defects of one kind.
@@ -281,7 +312,9 @@ fn examine(
             sketch.add(&report, &mesh, &topology);
         }
         let defects = defects(&report, &mesh, &topology, args.limit);
-        let CrackReport { counts, mut shell_list, near_miss, .. } = report;
+        let CrackReport {
+            counts, mut shell_list, near_miss, nesting_complete, t_junctions_complete, ..
+        } = report;
         shell_list.truncate(SHELLS_LISTED);
         meshes.push(MeshReport {
             name: mesh.name.clone(),
@@ -292,7 +325,9 @@ fn examine(
             shell_list,
             near_miss,
             defects,
-            sound: holds(args.require, &counts),
+            nesting_complete,
+            t_junctions_complete,
+            verdict: Verdict::of(args.require, &counts),
         });
     }
     let total = |of: fn(&Counts) -> usize| meshes.iter().map(|mesh| of(&mesh.counts)).sum();
@@ -313,6 +348,12 @@ fn defects(report: &CrackReport, mesh: &Mesh, topology: &Topology, limit: usize)
     DefectKind::ALL.into_iter().filter_map(found).collect()
 }
 
+impl MeshReport {
+    fn sound(&self) -> bool {
+        self.verdict == Verdict::Sound
+    }
+}
+
 impl Place {
     fn of(defect: Defect, mesh: &Mesh) -> Self {
         let face_count = defect.faces.len();
@@ -330,7 +371,12 @@ impl Place {
 
 impl FileReport {
     fn sound(&self) -> bool {
-        self.meshes.iter().all(|mesh| mesh.sound)
+        self.verdict() == Verdict::Sound
+    }
+
+    /// The worst of any mesh.
+    fn verdict(&self) -> Verdict {
+        self.meshes.iter().map(|mesh| mesh.verdict).max().unwrap_or(Verdict::Sound)
     }
 
     /// `None` if there is no mesh.

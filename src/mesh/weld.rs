@@ -264,7 +264,8 @@ fn within(frames: &[&[[f32; 3]]], referenced: &[bool], distance: f64) -> (Vec<u3
         })
     };
     // Cell numbers stay f64: where they pass 2^53 the f32 grid itself is coarser than the cells.
-    let cell_in = |frame: &[[f32; 3]], vertex: usize| frame[vertex].map(|x| (f64::from(x) / distance).floor());
+    let cell_in =
+        |frame: &[[f32; 3]], vertex: usize| frame[vertex].map(|x| (f64::from(x) / distance).floor());
     // By any one frame, as those in reach are so in all; where vertices lie in one place in some frame, another
     // parts them. The first of those that part them best.
     let spread = |frame: &[[f32; 3]]| {

@@ -312,9 +312,8 @@ fn examine(
             sketch.add(&report, &mesh, &topology);
         }
         let defects = defects(&report, &mesh, &topology, args.limit);
-        let CrackReport {
-            counts, mut shell_list, near_miss, nesting_complete, t_junctions_complete, ..
-        } = report;
+        let CrackReport { counts, mut shell_list, near_miss, nesting_complete, t_junctions_complete, .. } =
+            report;
         shell_list.truncate(SHELLS_LISTED);
         meshes.push(MeshReport {
             name: mesh.name.clone(),
@@ -386,5 +385,55 @@ impl FileReport {
 
     fn sum(&self, of: impl Fn(&MeshReport) -> usize) -> usize {
         self.meshes.iter().map(of).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn check_that_did_not_decide_the_nesting_proves_nothing_and_says_so() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/nested/hollow_cube.obj");
+        let args = Args {
+            files: vec![file.clone()],
+            mesh: MeshArgs::default(),
+            require: None,
+            fast: false,
+            self_intersections: false,
+            limit: 5,
+            json: false,
+            picture: None,
+            mark: None,
+        };
+        // As the report is where the search gave up before the cavity, and before all T-junctions were found.
+        let mut report = examine(&file, &args, None, None).ok().unwrap();
+        assert_eq!(report.verdict(), Verdict::Sound);
+        let mesh = &mut report.meshes[0];
+        let cavity = mesh.shell_list.iter_mut().find(|shell| shell.depth == 1).unwrap();
+        (cavity.depth, cavity.parent, cavity.depth_known) = (0, None, false);
+        mesh.counts.undecided_shells = 1;
+        (mesh.nesting_complete, mesh.t_junctions_complete) = (false, false);
+        mesh.verdict = Verdict::of(None, &mesh.counts);
+        assert_eq!(mesh.verdict, Verdict::NotProven);
+        assert_eq!(Verdict::of(Some(Require::Watertight), &mesh.counts), Verdict::Sound);
+        let text = text::Report { report: &report, limit: 5 }.to_string();
+        let line = "not proven sound: the mesh is watertight, but nesting not decided within the limit: 1 shell \
+                    may be inside out";
+        assert!(text.lines().any(|text| text.trim() == line), "{text}");
+        assert!(!text.contains("cracked") && !report.sound(), "{text}");
+
+        let document = json::document(&args.files, &[Ok(report)], 5);
+        let mesh = &document["files"][0]["meshes"][0];
+        for of in [mesh, &document["files"][0]["total"]] {
+            for key in ["nesting_complete", "t_junctions_complete"] {
+                assert_eq!(of[key], false, "{key}");
+            }
+            assert_eq!((&of["inside_out_shells"], &of["t_junctions"]), (&Value::Null, &Value::Null));
+        }
+        let unknown =
+            |shell: &&Value| ["inside_out", "depth", "parent"].iter().all(|&key| shell[key].is_null());
+        assert_eq!(mesh["shell_list"].as_array().unwrap().iter().filter(unknown).count(), 1);
+        assert_eq!(document["verdict"], Value::Null, "neither cracked nor sound");
     }
 }

@@ -94,6 +94,9 @@ impl<'a> Boundary<'a> {
                 tests > 0
             };
             bvh.walk(|aabb| aabb.overlaps(&query), visit);
+            if tests == 0 {
+                break;
+            }
             if let Some((near, edge)) = best {
                 let (vertex, edge) = (self.vertices[vertex], self.edges[edge as usize]);
                 found.push(TJunction { vertex, edge, exact: !near });

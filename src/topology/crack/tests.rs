@@ -53,7 +53,10 @@ fn crack_nesting_that_gave_up_condemns_and_acquits_no_shell() {
         for tests in 0..3000 {
             let report = CrackReport::within(&mesh, &topology, tests, 0);
             let undecided = report.shell_list.iter().filter(|shell| shell.undecided()).count();
-            assert_eq!((report.counts.undecided_shells, report.nesting_complete), (undecided, undecided == 0));
+            assert_eq!(
+                (report.counts.undecided_shells, report.nesting_complete),
+                (undecided, undecided == 0)
+            );
             assert_eq!(report.counts.sound(), undecided == 0 && whole.counts.sound());
             for (shell, expected) in report.shell_list.iter().zip(&whole.shell_list) {
                 if shell.depth_known {
@@ -77,5 +80,5 @@ fn crack_t_junctions_that_were_not_all_looked_for_are_said_to_be() {
     assert!(whole.t_junctions_complete && whole.counts.t_junctions > 0);
     let report = CrackReport::within(&mesh, &topology, 1000, 1);
     assert!(!report.t_junctions_complete && report.nesting_complete);
-    assert!(report.counts.t_junctions <= whole.counts.t_junctions);
+    assert!(report.counts.t_junctions < whole.counts.t_junctions);
 }

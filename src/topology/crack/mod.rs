@@ -252,7 +252,7 @@ impl CrackReport {
     /// defects, with 12 bytes a triangle at most beside the topology; a boundary of k edges is searched in
     /// k·log k with about 220 bytes an edge, and shells whose boxes lie in another's through a tree over that
     /// one's faces. Where thousands of shells or of boundary edges lie in one place, which would take quadratic time,
-    /// the search gives up after some seconds (at about 3000 shells in one another) and says so ([`CrackReport::nesting_complete`],
+    /// the search gives up after some seconds and says so ([`CrackReport::nesting_complete`],
     /// [`CrackReport::t_junctions_complete`]).
     ///
     /// Memory: at its peak 12 bytes a face without defects, at most 700 whatever they are.

@@ -1,6 +1,6 @@
 //! Vertices at one place become one vertex, so that faces which touch in space are neighbours in topology.
 
-use hashbrown::{DefaultHashBuilder, HashMap};
+use hashbrown::{DefaultHashBuilder, HashMap, HashSet};
 use std::hash::BuildHasher;
 
 use super::{Mesh, VertexId};
@@ -264,7 +264,19 @@ fn within(frames: &[&[[f32; 3]]], referenced: &[bool], distance: f64) -> (Vec<u3
         })
     };
     // Cell numbers stay f64: where they pass 2^53 the f32 grid itself is coarser than the cells.
-    let cell = |vertex: u32| frames[0][vertex as usize].map(|x| (f64::from(x) / distance).floor());
+    let cell_in =
+        |frame: &[[f32; 3]], vertex: usize| frame[vertex].map(|x| (f64::from(x) / distance).floor());
+    // By any one frame, as those in reach are so in all; where vertices lie in one place in some frame, another
+    // parts them. The first of those that part them best.
+    let spread = |frame: &[[f32; 3]]| {
+        let used = (0..referenced.len()).filter(|&vertex| referenced[vertex]);
+        used.map(|vertex| cell_in(frame, vertex).map(cell_bits)).collect::<HashSet<_>>().len()
+    };
+    let key = match frames {
+        [only] => only,
+        _ => frames.iter().rev().max_by_key(|frame| spread(frame)).expect("the positions are there"),
+    };
+    let cell = |vertex: u32| cell_in(key, vertex as usize);
     let mut cells: HashMap<[u64; 3], Vec<(u32, u32)>> = HashMap::new();
     merge(referenced, |vertex, new| {
         let home = cell(vertex);
@@ -363,6 +375,28 @@ mod tests {
             let near = |p: [f32; 3], q: [f32; 3]| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f32>() <= 2.25;
             prop_assert_eq!(found(&mesh, Weld::Within(1.5)), naive(&mesh, |a, b| all(&near, a, b)));
             prop_assert_eq!(found(&mesh, Weld::None), naive(&mesh, |_, _| false));
+        }
+    }
+
+    #[test]
+    fn weld_within_where_the_positions_all_coincide_is_not_quadratic() {
+        // One vertex a cell in the second frame; looking at all kept ones would take minutes for the larger.
+        for (count, compared) in [(900_u32, true), (600_000, false)] {
+            let apart = |v: u32| [(v / 3 % 1000) as f32, (v / 3000) as f32, (v % 3) as f32 * 0.4];
+            let triangles = (0..count / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+            let frames = vec![vec![[0.0; 3]; count as usize], (0..count).map(apart).collect()];
+            let still = Mesh::new(vec![[0.0; 3]; count as usize], triangles).unwrap();
+            let mesh = still.with_frames(frames).unwrap();
+            let found = found(&mesh, Weld::Within(0.5));
+            assert_eq!(weld(&mesh, Weld::Within(0.5)).mesh.vertex_count(), 2 * count as usize / 3);
+            if compared {
+                let moved = &mesh.frames()[1];
+                let near = |a: usize, b: usize| {
+                    let square = |i: usize| (moved[a][i] - moved[b][i]).powi(2);
+                    square(0) + square(1) + square(2) <= 0.25
+                };
+                assert_eq!(found, naive(&mesh, near));
+            }
         }
     }
 

@@ -37,7 +37,7 @@ pub fn for_each_self_intersection(
     topology: &Topology,
     visit: impl FnMut([FaceId; 2]) -> ControlFlow<()>,
 ) {
-    let _ = for_each_intersection_among(mesh, &faces_with_area(mesh, topology), u64::MAX, visit);
+    let _ = for_each_intersection_among(mesh, &faces_with_area(mesh, topology), &mut { u64::MAX }, visit);
 }
 
 /// The faces that can intersect others, ascending.
@@ -50,12 +50,13 @@ pub(crate) fn faces_with_area(mesh: &Mesh, topology: &Topology) -> Vec<FaceId> {
     topology.faces().filter(has_area).collect()
 }
 
-/// The same among some faces, ascending, that all have area; it breaks as `visit` does, or after so many tests.
+/// The same among some faces, ascending, that all have area; it breaks as `visit` does, or when no tests are
+/// left.
 /// Of faces that all reach one place (those around one vertex, say) each is tested against all others.
 pub(crate) fn for_each_intersection_among(
     mesh: &Mesh,
     faces: &[FaceId],
-    mut tests: u64,
+    tests: &mut u64,
     mut visit: impl FnMut([FaceId; 2]) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let aabb = |face: FaceId| Aabb::around(mesh.corners(face));
@@ -72,15 +73,15 @@ pub(crate) fn for_each_intersection_among(
                     partners.push(other);
                 }
             }
-            tests = tests.saturating_sub(1);
-            tests > 0
+            *tests = tests.saturating_sub(1);
+            *tests > 0
         };
         bvh.walk(|node| node.overlaps(&query), test);
         partners.sort_unstable();
         for &other in &partners {
             visit([face, other])?;
         }
-        if tests == 0 {
+        if *tests == 0 {
             return ControlFlow::Break(());
         }
     }

@@ -95,12 +95,17 @@ pub enum ShellProof {
 
 impl ShellProof {
     /// Looks at every shell: one proof a shell, in their order. Searches for self-intersections, which costs some
-    /// microseconds a face, unless no shell gets that far. Of a shell whose faces nearly all reach into one place the
-    /// search gives up after some seconds: [`ShellProof::Unsettled`].
+    /// microseconds a face, unless no shell gets that far. Where the faces of shells nearly all reach into one place
+    /// the search gives up after some seconds for all shells together: [`ShellProof::Unsettled`].
     ///
     /// Memory: at its peak 125 bytes a face, or what [`CrackReport::of`] takes.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology, shells: &Shells) -> Vec<Self> {
+        Self::within(mesh, topology, shells, MOST_TESTS)
+    }
+
+    /// The same with `spare` tests for all shells together, beside those that go with the faces.
+    fn within(mesh: &Mesh, topology: &Topology, shells: &Shells, mut spare: u64) -> Vec<Self> {
         let report = CrackReport::of(mesh, topology);
         let mut proofs: Vec<Self> = report
             .shell_list
@@ -126,12 +131,14 @@ impl ShellProof {
         for faces in faces_by_shell(shells).iter() {
             let Some(shell) = faces.first().and_then(|&face| of_face(face)) else { continue };
             if proofs[shell].is_sound() {
-                let tests = MOST_TESTS + 256 * faces.len() as u64;
+                let own = 256 * faces.len() as u64;
+                let mut tests = spare + own;
                 let (mut meets, stop) = (false, ControlFlow::Break(()));
-                let end = for_each_intersection_among(mesh, faces, tests, |_| {
+                let end = for_each_intersection_among(mesh, faces, &mut tests, |_| {
                     meets = true;
                     stop
                 });
+                spare = spare.min(tests); // its own go first
                 if end == stop {
                     proofs[shell] = if meets { Self::MeetsItself } else { Self::Unsettled };
                 }
@@ -145,7 +152,8 @@ impl ShellProof {
     }
 }
 
-/// After so many tests of two faces of one shell, and 256 more a face, its proof is given up: some seconds.
+/// After so many tests of two faces of one shell, in all shells together, and 256 more a face, proofs are given up:
+/// some seconds.
 const MOST_TESTS: u64 = 1 << 24;
 
 /// The faces of each shell, ascending: one list, and where it ends for each shell.
@@ -333,4 +341,46 @@ fn light_places(
         places[shell] = Some(LightPlace::OnShell);
     }
     places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two cones of so many faces each, base to base: all of a cone reach its apex.
+    fn double_cone(sides: u32) -> Mesh {
+        let rim = (0..sides).map(|i| {
+            let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / f64::from(sides)).sin_cos();
+            [cos as f32, sin as f32, 0.0]
+        });
+        let positions = rim.chain([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).collect();
+        let faces = (0..sides).flat_map(|i| {
+            let next = (i + 1) % sides;
+            [[i, next, sides], [next, i, sides + 1]]
+        });
+        Mesh::new(positions, faces.collect()).unwrap()
+    }
+
+    #[test]
+    fn plan_shells_that_would_each_take_seconds_share_one_allowance() {
+        let one = double_cone(1500);
+        let two = Mesh::concat(&[one.clone(), one.clone()]).unwrap();
+        let built = |mesh: &Mesh| Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topologies = [&one, &two].map(built);
+        let shells = [0, 1].map(|i| topologies[i].shells());
+        let proofs_of_one = |spare| ShellProof::within(&one, &topologies[0], &shells[0], spare);
+        assert_eq!(proofs_of_one(0), [ShellProof::Unsettled]);
+        let step = 1 << 20;
+        let spare = (1..16).map(|k| k * step).find(|&spare| proofs_of_one(spare) == [ShellProof::Outward]);
+        let spare = spare.expect("the default is enough");
+        assert!(spare > 2 * step, "so that it is not enough for two");
+
+        let proofs = ShellProof::within(&two, &topologies[1], &shells[1], spare);
+        assert_eq!(proofs, [ShellProof::Outward, ShellProof::Unsettled]);
+        let light = Light::directional([1.0, 2.0, 3.0]).unwrap();
+        let plan = Plan::choose(&two, &shells[1], &proofs, &light, Faces::Auto);
+        assert_eq!(plan.choices[0].variant, Variant::FrontOnly);
+        assert_eq!(plan.choices[1].variant, Variant::General);
+        assert_eq!(plan.choices[1].to_string(), "too many faces reach into one place for a proof");
+    }
 }

@@ -7,7 +7,7 @@ use umbrage::read::Format;
 use umbrage::topology::{Counts, CrackReport, DefectKind, ShellReport, Topology};
 
 use super::fast::Screened;
-use super::{FileReport, Found, MeshReport, Place};
+use super::{FileReport, Found, MeshReport, Place, Verdict};
 use crate::cli::error::Failure;
 use crate::cli::output::{number, number32};
 
@@ -17,7 +17,7 @@ use crate::cli::output::{number, number32};
 pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>], limit: usize) -> Value {
     let entry = |report: &FileReport| Entry {
         format: report.format,
-        sound: report.sound(),
+        verdict: report.verdict(),
         meshes: report.meshes.iter().map(mesh).collect(),
         total: total(report, limit),
     };
@@ -28,7 +28,7 @@ pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>
 pub(super) fn screened(files: &[PathBuf], reports: &[Result<Screened, Failure>]) -> Value {
     let entry = |report: &Screened| Entry {
         format: report.format,
-        sound: report.balanced(),
+        verdict: if report.balanced() { Verdict::Sound } else { Verdict::Cracked },
         meshes: report
             .meshes
             .iter()
@@ -47,19 +47,19 @@ pub(super) fn screened(files: &[PathBuf], reports: &[Result<Screened, Failure>])
 /// What is said of a file.
 struct Entry {
     format: Option<Format>,
-    sound: bool,
+    verdict: Verdict,
     meshes: Vec<Value>,
     total: Value,
 }
 
 fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry, &'a Failure>>) -> Value {
-    let (mut cracked, mut unread) = (false, false);
+    let (mut cracked, mut unknown) = (false, false);
     let entries: Vec<Value> = files
         .iter()
         .zip(reports)
         .map(|(file, report)| {
-            cracked |= report.as_ref().is_ok_and(|entry| !entry.sound);
-            unread |= report.is_err();
+            cracked |= report.as_ref().is_ok_and(|entry| entry.verdict == Verdict::Cracked);
+            unknown |= report.as_ref().map_or(true, |entry| entry.verdict == Verdict::NotProven);
             let (format, error) = match &report {
                 Ok(entry) => (entry.format, None),
                 Err(failure) => (failure.format, Some(failure.to_string())),
@@ -74,7 +74,7 @@ fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry,
             })
         })
         .collect();
-    let verdict = match (cracked, unread) {
+    let verdict = match (cracked, unknown) {
         (true, _) => Some("cracked"),
         (false, false) => Some("sound"),
         (false, true) => None,
@@ -93,8 +93,9 @@ fn balance(name: Option<&str>, vertices: usize, faces: usize, balanced: bool) ->
             *value = Value::Null;
         }
     }
-    object.insert("shell_list".into(), Value::Null);
-    object.insert("defects".into(), Value::Null);
+    for key in ["shell_list", "defects", "nesting_complete", "t_junctions_complete"] {
+        object.insert(key.into(), Value::Null);
+    }
     Value::Object(object)
 }
 
@@ -103,6 +104,7 @@ fn mesh(mesh: &MeshReport) -> Value {
     let mut object = counts(Some(&mesh.name), vertices, &mesh.counts);
     object.insert("shell_list".into(), mesh.shell_list.iter().map(shell).collect());
     object.insert("defects".into(), mesh.defects.iter().map(defect).collect());
+    completeness(&mut object, &mesh.counts, mesh.nesting_complete, mesh.t_junctions_complete);
     Value::Object(object)
 }
 
@@ -119,7 +121,21 @@ fn total(report: &FileReport, limit: usize) -> Value {
     object.insert("shell_list".into(), Value::Null);
     let defects = DefectKind::ALL.into_iter().filter_map(|kind| defect_of_all(report, kind, limit));
     object.insert("defects".into(), defects.collect());
+    let all = |of: fn(&MeshReport) -> bool| report.meshes.iter().all(of);
+    completeness(&mut object, &sum, all(|mesh| mesh.nesting_complete), all(|mesh| mesh.t_junctions_complete));
     Value::Object(object)
+}
+
+/// Which searches came to their ends; what was counted in the others is less than there may be, hence null.
+fn completeness(object: &mut Map<String, Value>, counts: &Counts, nesting: bool, t_junctions: bool) {
+    if counts.undecided_shells > 0 {
+        object["inside_out_shells"] = Value::Null;
+    }
+    if !t_junctions {
+        object["t_junctions"] = Value::Null;
+    }
+    object.insert("nesting_complete".into(), nesting.into());
+    object.insert("t_junctions_complete".into(), t_junctions.into());
 }
 
 fn counts(
@@ -171,8 +187,8 @@ fn shell(shell: &ShellReport) -> Value {
         "signed_volume": number(shell.signed_volume),
         "watertight": shell.watertight,
         "balanced": shell.balanced,
-        "inside_out": shell.inside_out,
-        "depth": shell.depth,
+        "inside_out": (!shell.undecided()).then_some(shell.inside_out),
+        "depth": shell.depth_known.then_some(shell.depth),
         "parent": shell.parent,
         "bounds": [shell.bounds.low.map(number32), shell.bounds.high.map(number32)],
     })

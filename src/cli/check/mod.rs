@@ -59,8 +59,8 @@ pub(crate) struct Args {
 
     /// Print one JSON document instead of text
     ///
-    /// A number that was not computed is null, and so is the verdict if a file could not be read and no other is
-    /// cracked. At most 1000 shells a mesh and 64 faces a place are listed.
+    /// A number that was not computed is null, and so is the verdict if a file could not be read, or it was not
+    /// decided which shell lies in which, and no other is cracked. At most 1000 shells a mesh and 64 faces a place are listed.
     #[arg(long)]
     json: bool,
 
@@ -122,7 +122,38 @@ struct MeshReport {
     shell_list: Vec<ShellReport>,
     near_miss: Vec<NearMiss>,
     defects: Vec<Found>,
-    sound: bool,
+    nesting_complete: bool,
+    t_junctions_complete: bool,
+    verdict: Verdict,
+}
+
+/// What is said of a mesh or of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Verdict {
+    Sound,
+    /// Nothing is wrong, but which shell lies in which was not decided within the limit.
+    NotProven,
+    Cracked,
+}
+
+impl Verdict {
+    fn of(require: Option<Require>, counts: &Counts) -> Self {
+        if holds(require, counts) {
+            Self::Sound
+        } else if require.is_none() && counts.may_be_sound() {
+            Self::NotProven
+        } else {
+            Self::Cracked
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Sound => "sound",
+            Self::NotProven => "not proven sound",
+            Self::Cracked => "cracked",
+        }
+    }
 }
 
 /// All defects of one kind.
@@ -281,7 +312,8 @@ fn examine(
             sketch.add(&report, &mesh, &topology);
         }
         let defects = defects(&report, &mesh, &topology, args.limit);
-        let CrackReport { counts, mut shell_list, near_miss, .. } = report;
+        let CrackReport { counts, mut shell_list, near_miss, nesting_complete, t_junctions_complete, .. } =
+            report;
         shell_list.truncate(SHELLS_LISTED);
         meshes.push(MeshReport {
             name: mesh.name.clone(),
@@ -292,7 +324,9 @@ fn examine(
             shell_list,
             near_miss,
             defects,
-            sound: holds(args.require, &counts),
+            nesting_complete,
+            t_junctions_complete,
+            verdict: Verdict::of(args.require, &counts),
         });
     }
     let total = |of: fn(&Counts) -> usize| meshes.iter().map(|mesh| of(&mesh.counts)).sum();
@@ -313,6 +347,12 @@ fn defects(report: &CrackReport, mesh: &Mesh, topology: &Topology, limit: usize)
     DefectKind::ALL.into_iter().filter_map(found).collect()
 }
 
+impl MeshReport {
+    fn sound(&self) -> bool {
+        self.verdict == Verdict::Sound
+    }
+}
+
 impl Place {
     fn of(defect: Defect, mesh: &Mesh) -> Self {
         let face_count = defect.faces.len();
@@ -330,7 +370,12 @@ impl Place {
 
 impl FileReport {
     fn sound(&self) -> bool {
-        self.meshes.iter().all(|mesh| mesh.sound)
+        self.verdict() == Verdict::Sound
+    }
+
+    /// The worst of any mesh.
+    fn verdict(&self) -> Verdict {
+        self.meshes.iter().map(|mesh| mesh.verdict).max().unwrap_or(Verdict::Sound)
     }
 
     /// `None` if there is no mesh.
@@ -340,5 +385,55 @@ impl FileReport {
 
     fn sum(&self, of: impl Fn(&MeshReport) -> usize) -> usize {
         self.meshes.iter().map(of).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn check_that_did_not_decide_the_nesting_proves_nothing_and_says_so() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/nested/hollow_cube.obj");
+        let args = Args {
+            files: vec![file.clone()],
+            mesh: MeshArgs::default(),
+            require: None,
+            fast: false,
+            self_intersections: false,
+            limit: 5,
+            json: false,
+            picture: None,
+            mark: None,
+        };
+        // As the report is where the search gave up before the cavity, and before all T-junctions were found.
+        let mut report = examine(&file, &args, None, None).ok().unwrap();
+        assert_eq!(report.verdict(), Verdict::Sound);
+        let mesh = &mut report.meshes[0];
+        let cavity = mesh.shell_list.iter_mut().find(|shell| shell.depth == 1).unwrap();
+        (cavity.depth, cavity.parent, cavity.depth_known) = (0, None, false);
+        mesh.counts.undecided_shells = 1;
+        (mesh.nesting_complete, mesh.t_junctions_complete) = (false, false);
+        mesh.verdict = Verdict::of(None, &mesh.counts);
+        assert_eq!(mesh.verdict, Verdict::NotProven);
+        assert_eq!(Verdict::of(Some(Require::Watertight), &mesh.counts), Verdict::Sound);
+        let text = text::Report { report: &report, limit: 5 }.to_string();
+        let line = "not proven sound: the mesh is watertight, but nesting not decided within the limit: 1 shell \
+                    may be inside out";
+        assert!(text.lines().any(|text| text.trim() == line), "{text}");
+        assert!(!text.contains("cracked") && !report.sound(), "{text}");
+
+        let document = json::document(&args.files, &[Ok(report)], 5);
+        let mesh = &document["files"][0]["meshes"][0];
+        for of in [mesh, &document["files"][0]["total"]] {
+            for key in ["nesting_complete", "t_junctions_complete"] {
+                assert_eq!(of[key], false, "{key}");
+            }
+            assert_eq!((&of["inside_out_shells"], &of["t_junctions"]), (&Value::Null, &Value::Null));
+        }
+        let unknown =
+            |shell: &&Value| ["inside_out", "depth", "parent"].iter().all(|&key| shell[key].is_null());
+        assert_eq!(mesh["shell_list"].as_array().unwrap().iter().filter(unknown).count(), 1);
+        assert_eq!(document["verdict"], Value::Null, "neither cracked nor sound");
     }
 }

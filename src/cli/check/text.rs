@@ -5,7 +5,7 @@ use std::path::Path;
 
 use umbrage::topology::{Counts, DefectKind, NearMiss};
 
-use super::{FileReport, MeshReport, Place, Require};
+use super::{FileReport, MeshReport, Place, Require, Verdict};
 use crate::cli::error::Failure;
 use crate::cli::load::all_collapse;
 use crate::cli::output::{Table, counted, plain, short, significant};
@@ -57,22 +57,25 @@ impl Report<'_> {
         for &index in &listed {
             let mesh = &meshes[index];
             let vertices = [mesh.vertices, mesh.welded_vertices];
-            table.row(row(label(index, mesh), vertices, &mesh.counts, mesh.sound));
+            table.row(row(label(index, mesh), vertices, &mesh.counts, mesh.verdict));
         }
         if meshes.len() > 1 {
             let vertices =
                 [self.report.sum(|mesh| mesh.vertices), self.report.sum(|mesh| mesh.welded_vertices)];
             let name = format!("all {} meshes", meshes.len());
-            table.row(row(name, vertices, &total, self.report.sound()));
+            table.row(row(name, vertices, &total, self.report.verdict()));
         }
         writeln!(f, "{table}")?;
         let hidden = meshes.len() - listed.len();
         if hidden > 0 {
-            let all = meshes.iter().filter(|mesh| !mesh.sound).count();
-            let shown = listed.iter().filter(|&&index| !meshes[index].sound).count();
+            let all = meshes.iter().filter(|mesh| !mesh.sound()).count();
+            let shown = listed.iter().filter(|&&index| !meshes[index].sound()).count();
             let hidden = counted(hidden, "mesh", "meshes");
             match all - shown {
                 0 => writeln!(f, "  {hidden} not listed, all sound")?,
+                bad if total.undecided_shells > 0 => {
+                    writeln!(f, "  {hidden} not listed, {bad} of them not proven sound")?
+                }
                 cracked => writeln!(f, "  {hidden} not listed, {cracked} of them cracked")?,
             }
         }
@@ -103,7 +106,7 @@ impl Report<'_> {
                 + counts.misoriented_edges
                 + counts.inside_out_shells
         };
-        let mut bad: Vec<usize> = (0..meshes.len()).filter(|&index| !meshes[index].sound).collect();
+        let mut bad: Vec<usize> = (0..meshes.len()).filter(|&index| !meshes[index].sound()).collect();
         bad.sort_by_key(|index| std::cmp::Reverse(badness(index)));
         bad.truncate(self.limit);
         bad.sort_unstable();
@@ -115,7 +118,7 @@ impl Report<'_> {
         let Some(total) = self.report.total() else {
             return writeln!(f, "  sound, but there are no faces to check");
         };
-        let bad = self.report.meshes.iter().filter(|mesh| !mesh.sound).count();
+        let bad = self.report.meshes.iter().filter(|mesh| !mesh.sound()).count();
         if bad == 0 && total.faces == total.collapsed_faces {
             write!(f, "  sound, but there are no faces to check")?;
             return match total.faces {
@@ -133,6 +136,14 @@ impl Report<'_> {
             None if bad == 0 => {
                 return writeln!(f, "  sound: {who} is watertight, and no shell is inside out");
             }
+            None if self.report.verdict() == Verdict::NotProven => {
+                let shells = counted(total.undecided_shells, "shell", "shells");
+                return writeln!(
+                    f,
+                    "  not proven sound: {who} {is} watertight, but nesting not decided within the limit: \
+                     {shells} may be inside out"
+                );
+            }
             None => {
                 return writeln!(f, "  cracked: {who} {is_not} sound{}", self.reasons());
             }
@@ -149,7 +160,7 @@ impl Report<'_> {
 
     /// What keeps the cracked meshes from what is asked of them.
     fn reasons(&self) -> String {
-        let cracked = self.report.meshes.iter().filter(|mesh| !mesh.sound);
+        let cracked = self.report.meshes.iter().filter(|mesh| !mesh.sound());
         let Some(total) = Counts::total(cracked.map(|mesh| mesh.counts)) else { return String::new() };
         let require = self.report.require;
         let mut reasons = vec![
@@ -162,6 +173,11 @@ impl Report<'_> {
         }
         if require.is_none() {
             reasons.push((total.inside_out_shells, "shell inside out", "shells inside out"));
+            reasons.push((
+                total.undecided_shells,
+                "shell whose nesting was not decided within the limit",
+                "shells whose nesting was not decided within the limit",
+            ));
         }
         let found = reasons.into_iter().filter(|reason| reason.0 > 0);
         let reasons: Vec<String> = found.map(|(count, one, many)| counted(count, one, many)).collect();
@@ -252,6 +268,7 @@ impl Report<'_> {
         let mut listed = 0;
         for (index, mesh, (number, shell)) in shells.take(self.limit) {
             let state = match (shell.watertight, shell.balanced, shell.inside_out) {
+                _ if shell.undecided() => "not decided",
                 (true, _, true) => "inside out",
                 (true, _, false) => "watertight",
                 (false, true, _) => "balanced",
@@ -268,7 +285,7 @@ impl Report<'_> {
                 shell.faces.to_string(),
                 shell.euler_characteristic.to_string(),
                 shell.genus.map_or("-".into(), |genus| genus.to_string()),
-                shell.depth.to_string(),
+                if shell.depth_known { shell.depth.to_string() } else { "-".into() },
                 significant(shell.signed_volume),
                 state.into(),
             ]);
@@ -289,6 +306,7 @@ pub(super) struct Overview {
     table: Table,
     files: usize,
     cracked: usize,
+    not_proven: usize,
     unreadable: usize,
 }
 
@@ -296,7 +314,7 @@ impl Default for Overview {
     fn default() -> Self {
         let columns =
             ["file", "faces", "shells", "boundary", "non-manifold", "misoriented", "inside out", ""];
-        Self { table: Table::new(&columns), files: 0, cracked: 0, unreadable: 0 }
+        Self { table: Table::new(&columns), files: 0, cracked: 0, not_proven: 0, unreadable: 0 }
     }
 }
 
@@ -317,12 +335,12 @@ impl Overview {
             (None, Err(_)) => "-".to_owned(),
         });
         let state = match report {
-            Ok(report) if report.sound() => "sound",
-            Ok(_) => "cracked",
+            Ok(report) => report.verdict().name(),
             Err(_) => "error",
         };
         self.files += 1;
         self.cracked += usize::from(state == "cracked");
+        self.not_proven += usize::from(state == Verdict::NotProven.name());
         self.unreadable += usize::from(state == "error");
         let name = plain(&file.to_string_lossy());
         self.table.row(std::iter::once(name).chain(numbers).chain([state.to_owned()]).collect());
@@ -331,9 +349,12 @@ impl Overview {
 
 impl Display for Overview {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { table, files, cracked, unreadable } = self;
+        let Self { table, files, cracked, not_proven, unreadable } = self;
         writeln!(f, "{table}")?;
         match (cracked, unreadable) {
+            (0, 0) if *not_proven > 0 => {
+                writeln!(f, "verdict: none; {not_proven} of {files} files not proven sound")
+            }
             (0, 0) => writeln!(f, "verdict: all {files} files are sound"),
             (0, _) => writeln!(f, "verdict: none; {unreadable} of {files} files could not be read"),
             (_, 0) => writeln!(f, "verdict: {cracked} of {files} files cracked"),
@@ -342,7 +363,7 @@ impl Display for Overview {
     }
 }
 
-fn row(name: String, [vertices, welded]: [usize; 2], counts: &Counts, sound: bool) -> Vec<String> {
+fn row(name: String, [vertices, welded]: [usize; 2], counts: &Counts, verdict: Verdict) -> Vec<String> {
     vec![
         name,
         vertices.to_string(),
@@ -356,7 +377,7 @@ fn row(name: String, [vertices, welded]: [usize; 2], counts: &Counts, sound: boo
         counts.non_manifold_edges.to_string(),
         counts.misoriented_edges.to_string(),
         significant(counts.signed_volume),
-        if sound { "sound" } else { "cracked" }.into(),
+        verdict.name().into(),
     ]
 }
 

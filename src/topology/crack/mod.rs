@@ -7,6 +7,8 @@ mod defect;
 mod face;
 mod seam;
 mod solid;
+#[cfg(test)]
+mod tests;
 
 pub use defect::{Defect, DefectKind};
 
@@ -28,7 +30,7 @@ pub struct CrackReport {
     /// The shells, in the order of their first faces.
     pub shell_list: Vec<ShellReport>,
     /// Whether it was found out of all shells which others they lie in. Where thousands lie in one place the search
-    /// gives up: the shells that it did not reach count as lying in none.
+    /// gives up, and the rest have no [`ShellReport::depth_known`].
     pub nesting_complete: bool,
     /// Whether all T-junctions were looked for. Where thousands of boundary edges lie over one another the search
     /// gives up, and there may be more.
@@ -83,6 +85,9 @@ pub struct Counts {
     pub t_junctions_exact: usize,
     /// Watertight shells whose volume has the wrong sign for their nesting.
     pub inside_out_shells: usize,
+    /// Shells of which it was not found out whether they are inside out, and which do not count as such: see
+    /// [`ShellReport::undecided`].
+    pub undecided_shells: usize,
     /// Pairs of faces that meet where they should not; `None` where nobody looked.
     pub self_intersections: Option<usize>,
     /// Volume in cubic mesh units, positive with faces outwards: the sum over the shells.
@@ -96,9 +101,15 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Watertight, and no shell inside out.
+    /// Watertight, and no shell inside out; `false` too where that is not known of every shell.
     #[must_use]
     pub fn sound(&self) -> bool {
+        self.may_be_sound() && self.undecided_shells == 0
+    }
+
+    /// Watertight, and no shell found to be inside out.
+    #[must_use]
+    pub fn may_be_sound(&self) -> bool {
         self.watertight && self.inside_out_shells == 0
     }
 
@@ -127,6 +138,7 @@ impl Counts {
             t_junctions: a.t_junctions + b.t_junctions,
             t_junctions_exact: a.t_junctions_exact + b.t_junctions_exact,
             inside_out_shells: a.inside_out_shells + b.inside_out_shells,
+            undecided_shells: a.undecided_shells + b.undecided_shells,
             self_intersections: a.self_intersections.zip(b.self_intersections).map(|(a, b)| a + b),
             signed_volume: a.signed_volume + b.signed_volume,
             watertight: a.watertight && b.watertight,
@@ -161,14 +173,24 @@ pub struct ShellReport {
     /// At every edge the two directions are used equally often.
     pub balanced: bool,
     /// Watertight, and the sign of the volume contradicts the depth: negative at an even one, positive at an
-    /// odd one. (A cavity inside a solid is sound.)
+    /// odd one. (A cavity inside a solid is sound.) `false` where the depth is not known.
     pub inside_out: bool,
-    /// In how many other watertight shells this one lies; 0 for one that is not watertight.
+    /// In how many other watertight shells this one lies; 0 for one that is not watertight, or if it is not known.
     pub depth: usize,
+    /// Whether the depth was found out: see [`CrackReport::nesting_complete`].
+    pub depth_known: bool,
     /// The innermost of those shells, as an index into the list.
     pub parent: Option<usize>,
     /// The box around it.
     pub bounds: Aabb,
+}
+
+impl ShellReport {
+    /// Whether it is not known if the shell is inside out: it has a volume, and its depth was not found out.
+    #[must_use]
+    pub fn undecided(&self) -> bool {
+        !self.depth_known && !self.volume_sign.is_zero()
+    }
 }
 
 /// What welding the boundary within a distance would close.
@@ -217,6 +239,12 @@ struct Places {
     t_junctions: Vec<seam::TJunction>,
 }
 
+/// After so many tests of a shell, or a face of one, against another, and 256 more a face, the search for shells in
+/// shells gives up: some seconds.
+const NESTING_TESTS: u64 = 1 << 26;
+/// The same for tests of a boundary vertex against a boundary edge.
+const T_JUNCTION_TESTS: u64 = 1 << 24;
+
 impl CrackReport {
     /// Looks for every defect but self-intersections.
     ///
@@ -243,11 +271,17 @@ impl CrackReport {
     /// ```
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology) -> Self {
+        let faces = topology.face_count() as u64;
+        Self::within(mesh, topology, NESTING_TESTS + 256 * faces, T_JUNCTION_TESTS + 256 * faces)
+    }
+
+    /// The same with other bounds on the tests that the two searches may make.
+    fn within(mesh: &Mesh, topology: &Topology, nesting_tests: u64, t_junction_tests: u64) -> Self {
         assert!(mesh.triangles() == topology.triangles(), "the topology is that of another mesh");
         let uses = topology.edge_counts();
         let shells = topology.shells();
         let &Fans { several: ref fans, vertices, folded } = topology.fans();
-        let (shell_list, nesting_complete) = solid::shells(mesh, topology, &shells, fans, vertices, &uses);
+        let shell_list = solid::shells(mesh, topology, &shells, fans, vertices, &uses, nesting_tests);
         drop(shells);
 
         let zero_area = face::zero_area(mesh, topology);
@@ -263,7 +297,7 @@ impl CrackReport {
             let bounds = shell_list.iter().fold(Aabb::EMPTY, |all, shell| all.join(&shell.bounds));
             let boundary = seam::Boundary::new(mesh, topology, &loop_edges);
             (near_miss, near_miss_edges) = boundary.near_miss(bounds.diagonal());
-            (t_junctions, t_junctions_complete) = boundary.t_junctions();
+            (t_junctions, t_junctions_complete) = boundary.t_junctions(t_junction_tests);
         }
 
         let counts = Counts {
@@ -289,6 +323,7 @@ impl CrackReport {
             t_junctions: t_junctions.len(),
             t_junctions_exact: t_junctions.iter().filter(|junction| junction.exact).count(),
             inside_out_shells: shell_list.iter().filter(|shell| shell.inside_out).count(),
+            undecided_shells: shell_list.iter().filter(|shell| shell.undecided()).count(),
             self_intersections: None,
             signed_volume: shell_list.iter().map(|shell| shell.signed_volume).sum(),
             watertight: uses.watertight(),
@@ -298,8 +333,8 @@ impl CrackReport {
         let places = Places { loop_edges, loop_ends, zero_area, duplicates, near_miss_edges, t_junctions };
         Self {
             counts,
+            nesting_complete: shell_list.iter().all(|shell| shell.depth_known),
             shell_list,
-            nesting_complete,
             t_junctions_complete,
             near_miss,
             self_intersections: None,
@@ -316,8 +351,8 @@ impl CrackReport {
     pub fn add_self_intersections(&mut self, mesh: &Mesh, topology: &Topology, keep: usize) {
         let mut found = SelfIntersections { pairs: 0, faces: 0, first: Vec::new(), complete: true };
         let mut involved = vec![false; topology.face_count()];
-        let tests = SelfIntersections::MOST_TESTS + 256 * topology.face_count() as u64;
-        let end = for_each_intersection_among(mesh, &faces_with_area(mesh, topology), tests, |pair| {
+        let mut tests = SelfIntersections::MOST_TESTS + 256 * topology.face_count() as u64;
+        let end = for_each_intersection_among(mesh, &faces_with_area(mesh, topology), &mut tests, |pair| {
             if found.pairs == SelfIntersections::MOST {
                 return ControlFlow::Break(());
             }

@@ -62,9 +62,9 @@ impl<'a> Boundary<'a> {
 
     /// Vertices inside an edge that is not theirs, ascending: each with the edge, and whether it lies on it
     /// exactly. An exact one is preferred, then the edge of the smallest id. Also whether all were looked for: where
-    /// thousands of edges lie in one place, each vertex would be tested against all of them.
-    pub(super) fn t_junctions(&self) -> (Vec<TJunction>, bool) {
-        let mut tests = (1 << 24) + 256 * self.edges.len();
+    /// thousands of edges lie in one place, each vertex would be tested against all of them, and it gives up after
+    /// `tests` tests.
+    pub(super) fn t_junctions(&self, mut tests: u64) -> (Vec<TJunction>, bool) {
         let segments: Vec<[[f32; 3]; 2]> =
             self.ends.iter().map(|ends| ends.map(|end| self.points[end as usize])).collect();
         let boxes: Vec<Aabb> = segments
@@ -94,6 +94,9 @@ impl<'a> Boundary<'a> {
                 tests > 0
             };
             bvh.walk(|aabb| aabb.overlaps(&query), visit);
+            if tests == 0 {
+                break;
+            }
             if let Some((near, edge)) = best {
                 let (vertex, edge) = (self.vertices[vertex], self.edges[edge as usize]);
                 found.push(TJunction { vertex, edge, exact: !near });

@@ -23,14 +23,15 @@ impl ShellReport {
         balanced: true,
         inside_out: false,
         depth: 0,
+        depth_known: true,
         parent: None,
         bounds: Aabb::EMPTY,
     };
 }
 
 /// Everything about the shells. `fans` has one face of each fan at the vertices with several, ascending;
-/// `vertices` is how many vertices have a face, and `uses` sums up all edges. Also whether the search for shells in
-/// shells came to its end.
+/// `vertices` is how many vertices have a face, and `uses` sums up all edges. The search for shells in shells gives
+/// up after `tests` tests.
 pub(super) fn shells(
     mesh: &Mesh,
     topology: &Topology,
@@ -38,7 +39,8 @@ pub(super) fn shells(
     fans: &[(VertexId, FaceId)],
     vertices: usize,
     uses: &EdgeCounts,
-) -> (Vec<ShellReport>, bool) {
+    tests: u64,
+) -> Vec<ShellReport> {
     let mut list = vec![ShellReport::BLANK; shells.count];
     match &mut list[..] {
         // What is known of the whole is known of its only shell.
@@ -55,16 +57,16 @@ pub(super) fn shells(
     }
     characterise(shells, fans, &mut list);
     let signs = measure(mesh, topology, shells, &mut list);
-    let complete = nest(mesh, shells, &signs, &mut list).is_some();
+    nest(mesh, shells, &signs, &mut list, Allowance { tests });
     for (shell, sign) in list.iter_mut().zip(signs) {
         shell.volume_sign = sign;
         if shell.watertight && Sign::of(shell.signed_volume) != sign {
             shell.signed_volume = 0.0; // all of it is rounding
         }
         let expected = if shell.depth % 2 == 0 { Sign::Positive } else { Sign::Negative };
-        shell.inside_out = shell.watertight && sign == -expected;
+        shell.inside_out = shell.watertight && shell.depth_known && sign == -expected;
     }
-    (list, complete)
+    list
 }
 
 /// Fills in the counts of each shell.
@@ -208,15 +210,13 @@ impl Allowance {
     }
 }
 
-/// Fills in depth and parent of the watertight shells; `None` if it gave up, and the rest lies in nothing.
-fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport]) -> Option<()> {
+/// Fills in depth and parent of the watertight shells. Where it gives up, the depths of the rest are not known.
+fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport], mut allowance: Allowance) {
     // Only a shell whose box lies in another's can be nested, and only those others can hold it.
     let closed: Vec<usize> = (0..list.len()).filter(|&shell| list[shell].watertight).collect();
     if closed.len() < 2 {
-        return Some(());
+        return;
     }
-    let mut allowance = Allowance { tests: (1 << 23) + 256 * shells.of_face.len() as u64 };
-    let most_held = (1 << 20) + 4 * shells.of_face.len();
     let boxes: Vec<Aabb> = closed.iter().map(|&shell| list[shell].bounds).collect();
     let bvh = Bvh::build(&boxes);
     let mut inner = vec![false; list.len()];
@@ -231,10 +231,11 @@ fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport]) 
             allowance.take()
         };
         bvh.walk(|aabb| aabb.overlaps(&boxes[index]), visit);
+        list[shell].depth_known = !inner[shell] && allowance.left().is_some();
     }
-    allowance.left()?;
-    if !inner.contains(&true) {
-        return Some(());
+    drop(bvh);
+    if allowance.left().is_none() || !inner.contains(&true) {
+        return;
     }
     let solids = Solids::new(mesh, shells, &outer);
     // The faces of the inner shells, shell by shell.
@@ -251,39 +252,43 @@ fn nest(mesh: &Mesh, shells: &Shells, signs: &[Sign], list: &mut [ShellReport]) 
         }
     }
     drop(next);
-    // What each shell lies in: one list, and where it ends for each.
-    let mut around: Vec<u32> = Vec::new();
-    let mut ends = vec![0; list.len()];
     let mut vertices: Vec<u32> = Vec::new();
-    let mut complete = Some(());
-    for shell in 0..list.len() {
-        if inner[shell] && complete.is_some() {
-            let own = &faces[starts[shell]..starts[shell + 1]];
-            vertices.clear();
-            vertices.extend(own.iter().flat_map(|face| mesh.triangles()[face.index()]));
-            vertices.sort_unstable();
-            vertices.dedup();
-            let points = vertices.iter().map(|&vertex| mesh.positions()[vertex as usize]);
-            let found = holders(&solids, mesh, shell, signs[shell], list, own, points, &mut allowance);
-            complete = allowance.left().filter(|()| around.len() + found.len() <= most_held);
-            if complete.is_some() {
-                list[shell].depth = found.len();
-                around.extend(found);
-            }
+    for shell in outside_in(list, &inner) {
+        let own = &faces[starts[shell]..starts[shell + 1]];
+        vertices.clear();
+        vertices.extend(own.iter().flat_map(|face| mesh.triangles()[face.index()]));
+        vertices.sort_unstable();
+        vertices.dedup();
+        let points = vertices.iter().map(|&vertex| mesh.positions()[vertex as usize]);
+        let around = holders(&solids, mesh, shell, signs[shell], list, own, points, &mut allowance);
+        if allowance.left().is_none() {
+            return;
         }
-        ends[shell] = around.len();
-    }
-    // The innermost is the deepest; of two as deep as each other, the one with the smaller volume.
-    for shell in 0..list.len() {
-        let start = if shell == 0 { 0 } else { ends[shell - 1] };
+        // The innermost is the deepest; of two as deep as each other, the one with the smaller volume.
         let volume = |other: &u32| list[*other as usize].signed_volume.abs();
-        let innermost = around[start..ends[shell]].iter().copied().min_by(|a, b| {
+        let innermost = around.iter().copied().min_by(|a, b| {
             let depth = |other: &u32| list[*other as usize].depth;
             depth(b).cmp(&depth(a)).then(volume(a).total_cmp(&volume(b))).then(a.cmp(b))
         });
         list[shell].parent = innermost.map(|other| other as usize);
+        list[shell].depth = around.len();
+        list[shell].depth_known = true;
     }
-    complete
+}
+
+/// The shells that are `inner`, each behind those whose boxes hold its own, so that their depths are known when it
+/// is its turn. Of equal boxes the one with the larger volume comes first.
+fn outside_in(list: &[ShellReport], inner: &[bool]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..list.len()).filter(|&shell| inner[shell]).collect();
+    order.sort_unstable_by(|&a, &b| {
+        let (one, two) = (&list[a], &list[b]);
+        // A box that holds another starts no later on every axis, and ends no earlier.
+        let starts = one.bounds.low.partial_cmp(&two.bounds.low);
+        let ends = two.bounds.high.partial_cmp(&one.bounds.high);
+        let boxes = starts.zip(ends).map(|(starts, ends)| starts.then(ends)).expect("coordinates are finite");
+        boxes.then(two.signed_volume.abs().total_cmp(&one.signed_volume.abs())).then(a.cmp(&b))
+    });
+    order
 }
 
 /// The shells that hold `shell`, which has the faces `own` with the vertices `points`; ascending.

@@ -12,7 +12,8 @@ use super::{Folder, assert_shape, keys, real};
 const MESH_KEYS: &str = "name vertices welded_vertices faces edges shells closed_shells euler_characteristic \
     boundary_edges boundary_loops non_manifold_edges max_faces_per_edge misoriented_edges non_manifold_vertices \
     collapsed_faces zero_area_faces duplicate_faces unreferenced_vertices near_miss_edges t_junctions \
-    inside_out_shells self_intersections signed_volume watertight balanced even shell_list defects";
+    inside_out_shells self_intersections signed_volume watertight balanced even shell_list defects \
+    nesting_complete t_junctions_complete";
 
 #[test]
 fn check_exit_code_is_the_verdict_and_two_outranks_one() {

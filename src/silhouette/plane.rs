@@ -204,7 +204,7 @@ impl FacePlanes {
     }
 
     /// By the `f32` planes alone, with bounds that a test may make too small.
-    #[cfg(test)]
+    #[cfg(all(test, feature = "gpu"))]
     pub(crate) fn classify_with(
         &self,
         mesh: &Mesh,

@@ -20,7 +20,7 @@ fn torture_all_judges_agree_and_plain_f32_does_not() {
         // Ties are mostly where everything is aligned, and plain f32 is wrong in a percent of the others and more.
         let most = match row.name {
             "cad_ties" => 0.5,
-            "points_on_surface" => 0.5,
+            "points_on_surface" => 0.6,
             _ => 0.25,
         };
         assert!((row.ties as f64) < most * row.queries as f64, "{row:?}");

@@ -74,7 +74,7 @@ impl Report<'_> {
             match all - shown {
                 0 => writeln!(f, "  {hidden} not listed, all sound")?,
                 bad if total.undecided_shells > 0 => {
-                    writeln!(f, "  {hidden} not listed, {bad} of them not proven sound")?
+                    writeln!(f, "  {hidden} not listed, {bad} of them not proven sound")?;
                 }
                 cracked => writeln!(f, "  {hidden} not listed, {cracked} of them cracked")?,
             }

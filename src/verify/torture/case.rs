@@ -126,6 +126,9 @@ impl Case {
         })?;
         let text = String::from_utf8_lossy(&bytes);
         let comments = Comments { file, text: &text };
+        let light = comments.of("light", "# light point:1,2,3", |text| {
+            text.parse().map_err(|error: LightError| error.to_string())
+        })?;
         let asked = comments.of("point", "# point 1,2,3", point)?;
         let within = match comments.line("within") {
             None => Aabb::around(mesh.bounds().into_iter().flatten().chain([asked])),
@@ -138,9 +141,7 @@ impl Case {
         Ok(Self {
             mesh,
             within,
-            light: comments.of("light", "# light point:1,2,3", |text| {
-                text.parse().map_err(|error: LightError| error.to_string())
-            })?,
+            light,
             point: asked,
             signs: match comments.line("signs") {
                 None => 0,

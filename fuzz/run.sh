@@ -6,6 +6,8 @@ target=${1:?usage: fuzz/run.sh TARGET [SECONDS] [libFuzzer options]}
 seconds=${2:-60}
 shift $(($# < 2 ? $# : 2))
 cd "$(dirname "$0")/.."
+export PATH="$PWD/target/cargo-fuzz/bin:$PATH" # where smoke.sh installs it
+[ -f "fuzz/fuzz_targets/$target.rs" ] || { echo "no such target: $target; see fuzz/fuzz_targets" >&2; exit 2; }
 
 # The largest input, and what one allocation and the whole process may take (MiB). Time is that of the wall.
 largest=512 allocation=64 process=1024

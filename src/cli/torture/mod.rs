@@ -74,10 +74,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     drop(progress);
 
     let case = found.case.as_ref().map(|_| args.case.as_path());
-    if let Some(path) = case {
-        found.write_case(args.seed, path)?;
-        output::wrote(path);
-    }
+    // The report first: a disk that is full must not swallow what was found.
     let mut output = Output::new();
     if args.json {
         output.json(&json::document(&found, args.seed, seconds, case))?;
@@ -85,6 +82,10 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         output.text(text::report(&found, args.seed, seconds, case))?;
     }
     output.flush()?;
+    if let Some(path) = case {
+        found.write_case(args.seed, path)?;
+        output::wrote(path);
+    }
     Ok(if found.agrees() { Outcome::Sound } else { Outcome::Unsound })
 }
 

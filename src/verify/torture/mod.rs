@@ -216,7 +216,7 @@ fn run_with(options: &Options, progress: &(dyn Fn(u64) + Sync), seam: Seam) -> T
         (0..units).into_par_iter().fold(empty, add).reduce(empty, Tally::plus)
     };
     #[cfg(not(feature = "parallel"))]
-    let sum = (0..units).fold(empty(), add);
+    let sum = empty().plus((0..units).fold(empty(), add));
     let case = sum.disagreements.first().map(|first| minimise::minimise(&first.case, seam));
     Torture { strata: sum.strata, disagreements: sum.disagreements, case }
 }

@@ -1,7 +1,7 @@
 //! A bounding-volume hierarchy whose answers never miss, and which no input makes slow to build or deep.
 //!
 //! Built from the top by the surface-area heuristic over 16 bins (Ingo Wald, *On fast Construction of SAH-based
-//! Bounding Volume Hierarchies*, 2007). Where that finds no split, or has gone on for [`DEEPEST_BY_AREA`] levels, a
+//! Bounding Volume Hierarchies*, 2007). Where that finds no split, or has gone on for 64 levels, a
 //! range is halved: so a tree over n boxes has at most `DEEPEST_BY_AREA + log₂ n` levels, and takes that many passes
 //! over the boxes, whatever they are. (Builders that join nearest neighbours from the bottom take n passes where all
 //! boxes are equal, or each is larger than the one before.)

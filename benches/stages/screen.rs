@@ -25,7 +25,7 @@ fn screen(bench: &mut Bench<'_>, mesh: &Mesh) {
         .expects("balanced=true")
         .moves(12.0)
         .aims_at(Target::Time(0.8)),
-        Contender::new("Screen::positions, a soup", || {
+        Contender::new("Screen::positions of a soup", || {
             timed(|| Screen::default().positions(&soup), |balanced| format!("balanced={balanced}"))
         })
         .expects("balanced=true")

@@ -31,6 +31,8 @@
 //! probability of 2⁻³¹ or so, and where they stand on the two sides of a crack that closes it, which is why
 //! [`Screen::ERROR`] is more than the bound above.
 
+use multiversion::multiversion;
+
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
 
@@ -129,7 +131,7 @@ fn area(a: [u64; 2], b: [u64; 2], c: [u64; 2]) -> u64 {
 
 /// The sum over all faces; its lower half counts.
 // Inlined where only that half is looked at, products would be taken for those of whole words.
-#[inline(never)]
+#[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
 fn sum_of_indices(keys: &Keys, triangles: &[[u32; 3]]) -> u64 {
     let (blocks, rest) = triangles.as_chunks::<BLOCK>();
     let mut sum = 0_u64;
@@ -163,7 +165,7 @@ fn sum_of_block(keys: &Keys, block: &[[u32; 3]; BLOCK]) -> u64 {
 }
 
 /// The same by the bits of the positions.
-#[inline(never)]
+#[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
 fn sum_of_positions(seed: u64, mesh: &Mesh) -> u64 {
     let keys = &Keys::of(seed);
     let mut random = SplitMix64(!seed);

@@ -3,6 +3,7 @@
 mod aabb;
 pub mod bvh;
 mod light;
+pub(crate) mod overlap;
 pub mod predicate;
 mod projection;
 mod segment;

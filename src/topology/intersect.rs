@@ -18,15 +18,16 @@
 use std::ops::ControlFlow;
 
 use super::Topology;
-use crate::geom::predicate::{Sign, collinear, orient3d, turn};
-use crate::geom::{Aabb, bvh::Bvh};
+use crate::geom::predicate::{Sign, collinear, orient3d, surely_parted, turn};
+use crate::geom::{Aabb, overlap::Overlaps};
 use crate::mesh::{FaceId, Mesh};
+use crate::parallel;
 
-/// Calls `visit` with each pair of faces that intersect, the smaller id first, in ascending order, each pair
-/// once, until it breaks.
+/// Calls `visit` with each pair of faces that intersect, the smaller id first, each pair once, until it breaks. The
+/// order depends on the mesh alone.
 ///
 /// `mesh` is the welded mesh from whose triangles `topology` was built. Candidates come from a tree over the
-/// faces' boxes (about 90 bytes a face while it lives); nothing is kept of the pairs, so that memory stays
+/// faces' boxes (about 150 bytes a face while it lives); few of the pairs are held at a time, so that memory stays
 /// bounded even where all faces intersect all others.
 ///
 /// # Panics
@@ -50,6 +51,20 @@ pub(crate) fn faces_with_area(mesh: &Mesh, topology: &Topology) -> Vec<FaceId> {
     topology.faces().filter(has_area).collect()
 }
 
+/// So many tasks are done together, by all threads; their pairs are visited afterwards, in order.
+const WINDOW: usize = 256;
+/// So many pairs of a task are held; one that finds more is done again, alone, and visits them as it goes.
+const MOST_HELD: usize = 4096;
+
+/// What a task came to.
+#[derive(Default)]
+struct Done {
+    pairs: Vec<[FaceId; 2]>,
+    tests: u64,
+    /// There were more pairs than are held.
+    more: bool,
+}
+
 /// The same among some faces, ascending, that all have area; it breaks as `visit` does, or when no tests are
 /// left.
 /// Of faces that all reach one place (those around one vertex, say) each is tested against all others.
@@ -59,30 +74,53 @@ pub(crate) fn for_each_intersection_among(
     tests: &mut u64,
     mut visit: impl FnMut([FaceId; 2]) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let aabb = |face: FaceId| Aabb::around(mesh.corners(face));
-    let bvh = Bvh::build(&faces.iter().map(|&face| aabb(face)).collect::<Vec<_>>());
-    let mut partners = Vec::new();
-    for (place, &face) in faces.iter().enumerate() {
-        let query = aabb(face);
-        partners.clear();
-        let test = |slot: usize| {
-            let other = bvh.order()[slot] as usize;
-            if other > place {
-                let other = faces[other];
-                if query.overlaps(&aabb(other)) && intersect(mesh, face, other) {
-                    partners.push(other);
+    let boxes: Vec<Aabb> = faces.iter().map(|&face| Aabb::around(mesh.corners(face))).collect();
+    let tree = Overlaps::of(&boxes);
+    drop(boxes);
+    // Each is compared with some ten others that lie near it: so they lie together in memory too.
+    let corners: Vec<Corners> = tree.order().iter().map(|&i| Corners::of(mesh, faces[i as usize])).collect();
+    let pair = |places: [usize; 2]| {
+        let [i, j] = places.map(|place| tree.order()[place]);
+        [faces[i.min(j) as usize], faces[i.max(j) as usize]]
+    };
+    let intersect = |[i, j]: [usize; 2]| intersect(&corners[i], &corners[j]);
+    for window in tree.tasks().chunks(WINDOW) {
+        let mut done: Vec<Done> = window.iter().map(|_| Done::default()).collect();
+        let most = *tests;
+        parallel::rows(&mut done, 1, |task, done| {
+            let done = &mut done[0];
+            // It breaks where it cannot be used any more.
+            let _ = tree.for_each_pair(window[task], |places| {
+                done.tests += 1;
+                if intersect(places) {
+                    done.more = done.pairs.len() == MOST_HELD;
+                    if !done.more {
+                        done.pairs.push(pair(places));
+                    }
                 }
+                if done.more || done.tests >= most {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            });
+        });
+        for (&task, done) in window.iter().zip(done) {
+            if done.more {
+                tree.for_each_pair(task, |places| {
+                    *tests = tests.saturating_sub(1);
+                    if intersect(places) {
+                        visit(pair(places))?;
+                    }
+                    if *tests == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                })?;
+                continue;
             }
-            *tests = tests.saturating_sub(1);
-            *tests > 0
-        };
-        bvh.walk(|node| node.overlaps(&query), test);
-        partners.sort_unstable();
-        for &other in &partners {
-            visit([face, other])?;
-        }
-        if *tests == 0 {
-            return ControlFlow::Break(());
+            *tests = tests.saturating_sub(done.tests);
+            done.pairs.into_iter().try_for_each(&mut visit)?;
+            if *tests == 0 {
+                return ControlFlow::Break(());
+            }
         }
     }
     ControlFlow::Continue(())
@@ -101,28 +139,38 @@ pub fn self_intersections(mesh: &Mesh, topology: &Topology) -> Vec<[FaceId; 2]> 
         pairs.push(pair);
         ControlFlow::Continue(())
     });
+    pairs.sort_unstable();
     pairs
 }
 
 type Point = [f32; 3];
 
+/// A face's vertices and where they are.
+struct Corners {
+    ids: [u32; 3],
+    at: [Point; 3],
+}
+
+impl Corners {
+    fn of(mesh: &Mesh, face: FaceId) -> Self {
+        Self { ids: mesh.triangles()[face.index()], at: mesh.corners(face) }
+    }
+
+    /// From corner `first` on, counter-clockwise.
+    #[inline]
+    fn from(&self, first: usize) -> [Point; 3] {
+        let [a, b, c] = self.at;
+        [[a, b, c], [b, c, a], [c, a, b]][first]
+    }
+}
+
 /// Whether two faces with area intersect beyond what they share.
-fn intersect(mesh: &Mesh, f: FaceId, g: FaceId) -> bool {
-    let [ids_f, ids_g] = [f, g].map(|face| mesh.triangles()[face.index()]);
-    // Turn the first shared vertex of each face to the front.
-    let mut shared = (0..3).filter_map(|i| ids_g.iter().position(|&id| id == ids_f[i]).map(|j| (i, j)));
-    let rotated = |face: FaceId, by: usize| {
-        let mut corners = mesh.corners(face);
-        corners.rotate_left(by);
-        corners
-    };
+fn intersect(f: &Corners, g: &Corners) -> bool {
+    let mut shared = (0..3).filter_map(|i| g.ids.iter().position(|&id| id == f.ids[i]).map(|j| (i, j)));
     match (shared.next(), shared.next(), shared.next()) {
-        (None, ..) => meet(mesh.corners(f), mesh.corners(g)),
-        (Some((i, j)), None, _) => meet_beyond_vertex(rotated(f, i), rotated(g, j)),
-        (Some((i, j)), Some((k, l)), None) => {
-            let (f, g) = (mesh.corners(f), mesh.corners(g));
-            folded(f[i], f[k], f[3 - i - k], g[3 - j - l])
-        }
+        (None, ..) => meet(f.at, g.at),
+        (Some((i, j)), None, _) => meet_beyond_vertex(f.from(i), g.from(j)),
+        (Some((i, j)), Some((k, l)), None) => folded(f.at[i], f.at[k], f.at[3 - i - k], g.at[3 - j - l]),
         (Some(_), Some(_), Some(_)) => false,
     }
 }
@@ -137,6 +185,10 @@ fn folded(a: Point, b: Point, c: Point, d: Point) -> bool {
 
 /// Two triangles with a common first corner: what they share beyond it reaches the opposite edge of one.
 fn meet_beyond_vertex(f: [Point; 3], g: [Point; 3]) -> bool {
+    // Around a vertex of a smooth surface most faces lie on two sides of a plane that stands upright between them.
+    if surely_parted(f[0], [f[1], f[2]], [g[1], g[2]]) {
+        return false;
+    }
     if apart(f, &g[1..]) || apart(g, &f[1..]) {
         return false;
     }

@@ -328,3 +328,47 @@ fn height_is_as_near_as_it_says_and_a_larger_share_of_f64_is_caught() {
     let bits = worst.map(|x| x.log2());
     assert!(bits[0] < -39.0 && bits[1] > -39.0, "{bits:?}");
 }
+
+#[test]
+fn parting_is_sure_only_where_whole_numbers_say_so() {
+    let mut random = SplitMix64(11);
+    let mut wrong = [0; 2];
+    let mut sure = 0;
+    for _ in 0..400_000 {
+        // Differences of whole numbers that need more than 53 bits, and a vector nearly at right angles to them.
+        let mut whole = |bits: u32, shift: usize| {
+            let number = (random.next() >> (64 - bits)) as i128 - (1 << (bits - 1));
+            number << random.below(shift)
+        };
+        let [p, q] = [(); 2].map(|()| [(); 3].map(|()| whole(24, 40)));
+        let d = [0, 1, 2].map(|i| p[i] - q[i]);
+        let [n0, n1] = [(); 2].map(|()| whole(50, 1));
+        if d[2] == 0 {
+            continue;
+        }
+        let n2 = -(n0 * d[0] + n1 * d[1]) / d[2];
+        if n2.abs() >= 1 << 53 {
+            continue;
+        }
+        let normal = [n0, n1, n2];
+        let truth = (0..3).map(|i| normal[i] * d[i]).sum::<i128>() > 0;
+        let row = Row(p.map(|x| x as f32), q.map(|x| x as f32)).rounded();
+        let found = |filter| surely_along(row, normal.map(|x| x as f64), filter);
+        sure += usize::from(found(ALONG_FILTER));
+        for (wrong, part) in wrong.iter_mut().zip([1.0, 8.0]) {
+            *wrong += usize::from(found(ALONG_FILTER / part) && !truth);
+        }
+    }
+    assert!(wrong[0] == 0 && wrong[1] > 0, "{wrong:?} of {sure} sure");
+}
+
+#[test]
+fn parting_tells_wedges_apart_and_no_others() {
+    let o = [0.0; 3];
+    let east = [[1.0, 0.5, 0.0], [1.0, -0.5, 0.2]];
+    let west = [[-1.0, 0.5, 0.1], [-2.0, -0.5, 0.0]];
+    assert!(surely_parted(o, east, west) && surely_parted(o, west, east));
+    assert!(!surely_parted(o, east, [east[1], west[0]]), "a common edge");
+    assert!(!surely_parted(o, east, [[1.0, 0.0, 1.0], [1.0, 0.0, -1.0]]), "through each other");
+    assert!(!surely_parted(o, east, east) && !surely_parted(o, [o; 2], [o; 2]));
+}

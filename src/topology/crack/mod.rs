@@ -360,11 +360,16 @@ impl CrackReport {
             for face in pair {
                 found.faces += usize::from(!std::mem::replace(&mut involved[face.index()], true));
             }
-            if found.first.len() < keep {
-                found.first.push(pair);
+            // They come in no order: now and then all but the first ones are let go.
+            if found.first.len() >= keep.saturating_mul(2).max(1024) {
+                found.first.sort_unstable();
+                found.first.truncate(keep);
             }
+            found.first.push(pair);
             ControlFlow::Continue(())
         });
+        found.first.sort_unstable();
+        found.first.truncate(keep);
         found.complete = end.is_continue();
         self.counts.self_intersections = Some(found.pairs);
         self.self_intersections = Some(found);

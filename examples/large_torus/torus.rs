@@ -17,7 +17,10 @@ struct Torus {
 impl Torus {
     fn new(columns: u32, rows: u32) -> Self {
         let turn = |n: u32| {
-            (0..n).map(|i| (TAU * f64::from(i) / f64::from(n)).sin_cos()).map(|(sin, cos)| [cos, sin]).collect()
+            (0..n)
+                .map(|i| (TAU * f64::from(i) / f64::from(n)).sin_cos())
+                .map(|(sin, cos)| [cos, sin])
+                .collect()
         };
         Self { columns, rows, around: turn(columns), along: turn(rows) }
     }

@@ -46,7 +46,7 @@ pub(super) fn merged_by(points: &Points<'_>, used: &Used, Buckets { bits, rounds
     for vertex in used.iter() {
         places[bucket_of(points.hash(points.bits(vertex), vertex)) as usize] += 1;
     }
-    let share = used.count().div_ceil(rounds as usize);
+    let share = used.count().div_ceil(rounds as usize).max(1);
     let mut merger = Merger::new(used.len);
     let mut records: Vec<Record> = Vec::new();
     let mut first = 0;

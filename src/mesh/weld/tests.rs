@@ -149,3 +149,11 @@ fn weld_by_buckets_takes_many_vertices_of_one_place_and_of_all_different_ones() 
         assert!(kept == n || !moved.contains(&ways[0]));
     }
 }
+
+#[test]
+fn weld_of_many_points_without_faces_ends_and_keeps_none() {
+    let points = Mesh::new((0..20_000).map(|i| [i as f32; 3]).collect(), vec![]).unwrap();
+    assert!(by_all_ways(&points).iter().all(|way| way.kept.is_empty()));
+    let welded = weld_in_place(points, Weld::Exact);
+    assert_eq!((welded.mesh.vertex_count(), welded.unreferenced()), (0, 20_000));
+}

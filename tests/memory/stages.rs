@@ -44,7 +44,7 @@ fn bound(stage: &str) -> usize {
 /// What it promises of an ordinary closed mesh, besides.
 const ORDINARY: [(&str, usize); 8] = [
     ("weld", 33),
-    ("weld in place", 16),
+    ("weld in place", 24),
     ("edge table", 41),
     ("topology", 41),
     ("shells", 8),

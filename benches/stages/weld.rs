@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::mesh::{Mesh, Weld, solid, weld, weld_in_place};
 
 use crate::measure::{Bench, Contender, Group, Target, timed};
 
@@ -26,6 +26,16 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
             .expects(&*expected)
             // Reads three positions of 12 and three indices of 4; writes three indices, half a position, and
             // three entries of 8 that tell which vertex became which.
+            .moves(36.0 + 12.0 + 12.0 + 6.0 + 24.0)
+            .aims_at(Target::Time(target)),
+            Contender::new("weld_in_place(Exact)", || {
+                let soup = soup.clone();
+                timed(
+                    || weld_in_place(soup, Weld::Exact),
+                    |w| answer(w.mesh.triangles(), w.mesh.vertex_count()),
+                )
+            })
+            .expects(&*expected)
             .moves(36.0 + 12.0 + 12.0 + 6.0 + 24.0)
             .aims_at(Target::Time(target)),
         ];

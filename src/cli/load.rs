@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use umbrage::geom::Aabb;
-use umbrage::mesh::{Mesh, Weld, weld};
+use umbrage::mesh::{Mesh, Weld, weld_in_place};
 use umbrage::read::{self, Format};
 use umbrage::scene::{Camera, Scene, SceneLight, Scope};
 use umbrage::topology::Screen;
@@ -111,11 +111,10 @@ impl MeshArgs {
         self.scope != ScopeArg::Scene
     }
 
-    /// Welds one mesh and lets go of the original.
+    /// Welds one mesh, in its own memory.
     pub(crate) fn weld(&self, mesh: Mesh) -> WeldedMesh {
         let vertices = mesh.vertex_count();
-        let welded = weld(&mesh, self.weld);
-        drop(mesh);
+        let welded = weld_in_place(mesh, self.weld);
         let unreferenced = welded.unreferenced();
         WeldedMesh { mesh: welded.mesh, vertices, unreferenced }
     }

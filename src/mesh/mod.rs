@@ -8,7 +8,7 @@ use std::ops::Range;
 
 pub use id::{EdgeId, FaceId, HalfEdgeId, VertexId};
 pub(crate) use weld::weld_points;
-pub use weld::{Weld, Welded, weld};
+pub use weld::{Weld, Welded, weld, weld_in_place};
 
 /// A triangle mesh inside the declared domain.
 ///

@@ -4,6 +4,7 @@
 //! A binary of its own, since there is one allocator a program. `--nocapture` prints the figures.
 
 mod files;
+mod large;
 mod shapes;
 mod stack;
 mod stages;

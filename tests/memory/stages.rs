@@ -1,7 +1,7 @@
 //! Peak bytes a face of each stage, in memory that the caller does not hold already.
 
 use umbrage::geom::{Light, bvh::Bvh};
-use umbrage::mesh::{Weld, weld};
+use umbrage::mesh::{Weld, weld, weld_in_place};
 use umbrage::oracle::Oracle;
 use umbrage::silhouette::{FacePlanes, Silhouette, classify};
 use umbrage::stencil::{ShellBoxes, most_layers};
@@ -11,8 +11,9 @@ use umbrage::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof, WindingIndex}
 use super::{alone, peak, shapes};
 
 /// What the documentation of each stage allows: bytes a face (of the caster; of the volume for what reads one).
-const BOUNDS: [(&str, usize); 19] = [
+const BOUNDS: [(&str, usize); 20] = [
     ("weld", 260),
+    ("weld in place", 140),
     ("weld within", 400),
     ("edge table", 120),
     ("topology", 120),
@@ -41,8 +42,9 @@ fn bound(stage: &str) -> usize {
 }
 
 /// What it promises of an ordinary closed mesh, besides.
-const ORDINARY: [(&str, usize); 7] = [
+const ORDINARY: [(&str, usize); 8] = [
     ("weld", 33),
+    ("weld in place", 24),
     ("edge table", 41),
     ("topology", 41),
     ("shells", 8),
@@ -68,6 +70,8 @@ fn memory_of_every_stage_is_what_its_documentation_says() {
         };
         let faces = mesh.face_count();
         note("weld", faces, peak(|| weld(&mesh, Weld::Exact)).1);
+        let copy = mesh.clone();
+        note("weld in place", faces, peak(|| weld_in_place(copy, Weld::Exact)).1);
         note("weld within", faces, peak(|| weld(&mesh, Weld::Within(1e-6))).1);
         let triangles = mesh.triangles().to_vec();
         let table = peak(|| Topology::build(mesh.vertex_count(), triangles.clone())).1;

@@ -1,0 +1,159 @@
+//! Each weld against looking at all kept vertices.
+
+use super::*;
+use proptest::prelude::*;
+
+/// The welded id of every vertex, by looking at all kept ones: `same` decides.
+fn naive(mesh: &Mesh, same: impl Fn(usize, usize) -> bool) -> Vec<Option<VertexId>> {
+    let used = |v: usize| mesh.triangles().iter().flatten().any(|&corner| corner as usize == v);
+    let mut kept: Vec<usize> = Vec::new();
+    (0..mesh.vertex_count())
+        .map(|v| {
+            if !used(v) {
+                return None;
+            }
+            let id = kept.iter().position(|&other| same(other, v)).unwrap_or_else(|| {
+                kept.push(v);
+                kept.len() - 1
+            });
+            Some(VertexId::new(id))
+        })
+        .collect()
+}
+
+fn found(mesh: &Mesh, how: Weld) -> Vec<Option<VertexId>> {
+    let welded = weld(mesh, how);
+    let in_place = weld_in_place(mesh.clone(), how);
+    assert_eq!((&in_place.mesh, &in_place.vertex_of), (&welded.mesh, &welded.vertex_of));
+    for (old, new) in mesh.triangles().iter().zip(welded.mesh.triangles()) {
+        assert_eq!(old.map(|v| welded.vertex_of(VertexId(v)).unwrap().0), *new);
+    }
+    (0..mesh.vertex_count()).map(|v| welded.vertex_of(VertexId::new(v))).collect()
+}
+
+/// Positions on a small grid, so that many coincide; enough of them to fill blocks and to grow the table.
+fn mesh() -> impl Strategy<Value = Mesh> {
+    let place = || [0_u8..9, 0_u8..9, 0_u8..9].prop_map(|p| p.map(f32::from));
+    let corner = || any::<u32>();
+    (
+        prop::collection::vec((place(), place()), 1..600),
+        prop::collection::vec([corner(), corner(), corner()], 0..400),
+        any::<bool>(),
+    )
+        .prop_map(|(places, picks, animated)| {
+            let n = places.len() as u32;
+            let (positions, frame): (Vec<_>, Vec<_>) = places.into_iter().unzip();
+            let triangles = picks.into_iter().map(|t| t.map(|i| i % n)).collect();
+            let frames = if animated {
+                vec![frame.into_iter().map(|[x, _, _]| [x % 2.0; 3]).collect()]
+            } else {
+                vec![]
+            };
+            Mesh::new(positions, triangles).unwrap().with_frames(frames).unwrap()
+        })
+}
+
+proptest! {
+    #[test]
+    fn weld_equals_looking_at_all_kept_vertices(mesh in mesh()) {
+        let all = |test: &dyn Fn([f32; 3], [f32; 3]) -> bool, a: usize, b: usize| {
+            test(mesh.positions()[a], mesh.positions()[b]) && mesh.frames().iter().all(|f| test(f[a], f[b]))
+        };
+        prop_assert_eq!(found(&mesh, Weld::Exact), naive(&mesh, |a, b| all(&|p, q| p == q, a, b)));
+        let near = |p: [f32; 3], q: [f32; 3]| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f32>() <= 2.25;
+        prop_assert_eq!(found(&mesh, Weld::Within(1.5)), naive(&mesh, |a, b| all(&near, a, b)));
+        prop_assert_eq!(found(&mesh, Weld::None), naive(&mesh, |_, _| false));
+    }
+}
+
+#[test]
+fn weld_within_where_the_positions_all_coincide_is_not_quadratic() {
+    // One vertex a cell in the second frame; looking at all kept ones would take minutes for the larger.
+    for (count, compared) in [(900_u32, true), (600_000, false)] {
+        let apart = |v: u32| [(v / 3 % 1000) as f32, (v / 3000) as f32, (v % 3) as f32 * 0.4];
+        let triangles = (0..count / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let frames = vec![vec![[0.0; 3]; count as usize], (0..count).map(apart).collect()];
+        let still = Mesh::new(vec![[0.0; 3]; count as usize], triangles).unwrap();
+        let mesh = still.with_frames(frames).unwrap();
+        let found = found(&mesh, Weld::Within(0.5));
+        assert_eq!(weld(&mesh, Weld::Within(0.5)).mesh.vertex_count(), 2 * count as usize / 3);
+        if compared {
+            let moved = &mesh.frames()[1];
+            let near = |a: usize, b: usize| {
+                let square = |i: usize| (moved[a][i] - moved[b][i]).powi(2);
+                square(0) + square(1) + square(2) <= 0.25
+            };
+            assert_eq!(found, naive(&mesh, near));
+        }
+    }
+}
+
+#[test]
+fn weld_that_forgets_a_frame_is_seen() {
+    let positions = vec![[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let still = Mesh::new(positions.clone(), vec![[0, 2, 3], [1, 3, 2]]).unwrap();
+    let parting = vec![vec![[0.0; 3], [5.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]];
+    let moving = still.clone().with_frames(parting).unwrap();
+    assert_eq!(naive(&moving, |a, b| positions[a] == positions[b]), found(&still, Weld::Exact));
+    assert_ne!(found(&moving, Weld::Exact), found(&still, Weld::Exact));
+}
+
+/// The exact weld by each of its ways.
+fn by_all_ways(mesh: &Mesh) -> Vec<Merged> {
+    let (points, used) = (exact::Points::of(mesh), Used::by(mesh));
+    let buckets = [(0, 1), (3, 1), (3, 3), (9, 2)].map(|(bits, rounds)| far::Buckets { bits, rounds });
+    let far = buckets.map(|buckets| far::merged_by(&points, &used, buckets));
+    [near::merged(&points, &used)].into_iter().chain(far).collect()
+}
+
+fn ids(merged: &Merged) -> Vec<Option<VertexId>> {
+    merged.vertex_of.iter().map(|&vertex| (vertex != UNUSED).then_some(VertexId(vertex))).collect()
+}
+
+proptest! {
+    #[test]
+    fn weld_by_buckets_equals_the_one_by_a_table_and_looking_at_all(mesh in mesh()) {
+        let same = |a: usize, b: usize| {
+            mesh.positions()[a] == mesh.positions()[b] && mesh.frames().iter().all(|f| f[a] == f[b])
+        };
+        let expected = naive(&mesh, same);
+        let ways = by_all_ways(&mesh);
+        for way in &ways {
+            prop_assert_eq!(ids(way), expected.clone());
+            prop_assert_eq!(&way.kept, &ways[0].kept);
+        }
+    }
+}
+
+#[test]
+fn weld_by_buckets_takes_many_vertices_of_one_place_and_of_all_different_ones() {
+    let soup = |places: &dyn Fn(u32) -> [f32; 3], n: u32| {
+        Mesh::new((0..n).map(places).collect(), (0..n / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect())
+            .unwrap()
+    };
+    let n = 300_000;
+    for (mesh, kept) in [
+        (soup(&|_| [1.0; 3], n), 1),
+        (soup(&|v| [v as f32, 0.0, 0.0], n), n),
+        // Each place again after all others.
+        (soup(&|v| [(v % (n / 6)) as f32, 0.0, 1.0], n), n / 6),
+    ] {
+        let ways = by_all_ways(&mesh);
+        assert!(ways.iter().all(|way| *way == ways[0] && way.kept.len() == kept as usize));
+        assert_eq!(exact::merged(&mesh, &Used::by(&mesh)), ways[0]);
+        // The sabotage: a vertex moved by one unit in the last place.
+        let (mut positions, triangles, ..) = mesh.into_parts();
+        let last = n as usize - 1;
+        positions[last][0] = positions[last][0].next_down();
+        let moved = by_all_ways(&Mesh::new(positions, triangles).unwrap());
+        assert!(kept == n || !moved.contains(&ways[0]));
+    }
+}
+
+#[test]
+fn weld_of_many_points_without_faces_ends_and_keeps_none() {
+    let points = Mesh::new((0..20_000).map(|i| [i as f32; 3]).collect(), vec![]).unwrap();
+    assert!(by_all_ways(&points).iter().all(|way| way.kept.is_empty()));
+    let welded = weld_in_place(points, Weld::Exact);
+    assert_eq!((welded.mesh.vertex_count(), welded.unreferenced()), (0, 20_000));
+}

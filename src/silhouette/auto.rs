@@ -57,6 +57,8 @@ pub enum SilhouetteReason {
     OpenMesh,
     /// Scan: many faces lie in a plane with the light, or nearly.
     Ties,
+    /// Scan: the silhouette runs through most of the mesh.
+    Crowded,
     /// Tree: many lights are expected, and this one is not near the last.
     ColdLight,
     /// Tree: the light has moved so far that most certificates would run out.
@@ -82,6 +84,9 @@ impl fmt::Display for SilhouetteReason {
             }
             Self::Ties => {
                 f.write_str("many faces lie in a plane with the light: each is decided exactly anyway")
+            }
+            Self::Crowded => {
+                f.write_str("the silhouette runs through most of the mesh: no tree leaves out much of it")
             }
             Self::ColdLight => f.write_str("many lights: a tree leaves out most edges"),
             Self::FarMove => f.write_str("the light moved far: a tree leaves out most edges"),
@@ -135,7 +140,7 @@ pub struct SilhouetteFinder {
 
 #[derive(Clone, Debug)]
 enum Ways {
-    Scan { planes: Box<FacePlanes>, facing: Vec<Facing>, reason: SilhouetteReason },
+    Scan { planes: Box<FacePlanes>, facing: Vec<Facing>, signs: Vec<i8>, reason: SilhouetteReason },
     Tree { tree: Box<SilhouetteTree>, moving: Option<Box<KineticSilhouette>>, followed: bool },
 }
 
@@ -147,7 +152,7 @@ impl SilhouetteFinder {
     /// Panics if `topology` has another number of faces than `mesh`.
     #[must_use]
     pub fn new(mesh: &Mesh, topology: &Topology, casters: Casters, lights: usize) -> Self {
-        let scan = |planes, reason| Ways::Scan { planes, facing: Vec::new(), reason };
+        let scan = |planes, reason| Ways::Scan { planes, facing: Vec::new(), signs: Vec::new(), reason };
         let ways = match SilhouetteMethod::choose(mesh.face_count(), lights) {
             (SilhouetteMethod::Scan, reason) => scan(Box::new(FacePlanes::new(mesh)), reason),
             _ => {
@@ -175,9 +180,10 @@ impl SilhouetteFinder {
     ) -> (SilhouetteMethod, SilhouetteReason) {
         let last = self.light.replace(*light);
         match &mut self.ways {
-            Ways::Scan { planes, facing, reason } => {
+            Ways::Scan { planes, facing, signs, reason } => {
                 planes.classify_into(mesh, light, facing);
-                self.list = Silhouette::extract(topology, &self.casters.signs(facing));
+                self.casters.signs_into(facing, signs);
+                self.list.extract_into(topology, signs);
                 (SilhouetteMethod::Scan, *reason)
             }
             Ways::Tree { tree, moving, followed } => {
@@ -205,6 +211,7 @@ impl SilhouetteFinder {
                 self.list = silhouette;
                 match search {
                     TreeSearch::Scanned => (SilhouetteMethod::Scan, SilhouetteReason::Ties),
+                    TreeSearch::Crowded => (SilhouetteMethod::Scan, SilhouetteReason::Crowded),
                     TreeSearch::Searched { .. } if short => {
                         (SilhouetteMethod::Tree, SilhouetteReason::FarMove)
                     }
@@ -216,11 +223,22 @@ impl SilhouetteFinder {
 
     /// The silhouette edges for the last light, ascending.
     pub fn edges(&self) -> impl Iterator<Item = SilhouetteEdge> + '_ {
-        let moving = match &self.ways {
+        let moving = self.moving().into_iter().flat_map(KineticSilhouette::edges);
+        self.list.edges.iter().copied().chain(moving)
+    }
+
+    /// How many edges are silhouette for the last light.
+    #[must_use]
+    pub fn edge_count(&self) -> usize {
+        self.list.edges.len() + self.moving().map_or(0, KineticSilhouette::len)
+    }
+
+    /// What holds the last silhouette, if it was found by certificates.
+    fn moving(&self) -> Option<&KineticSilhouette> {
+        match &self.ways {
             Ways::Tree { moving, followed: true, .. } => moving.as_deref(),
             _ => None,
-        };
-        self.list.edges.iter().copied().chain(moving.into_iter().flat_map(KineticSilhouette::edges))
+        }
     }
 }
 
@@ -248,6 +266,7 @@ mod tests {
             assert_eq!(finder.find(&mesh, &topology, &light), (method, reason), "{light}");
             let silhouette = Silhouette::extract(&topology, &Casters::All.signs(&classify(&mesh, &light)));
             assert_eq!(finder.edges().collect::<Vec<_>>(), silhouette.edges, "{light}");
+            assert_eq!(finder.edge_count(), silhouette.edges.len(), "{light}");
         }
     }
 

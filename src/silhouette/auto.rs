@@ -132,7 +132,8 @@ impl SilhouetteMethod {
 #[derive(Clone, Debug)]
 pub struct SilhouetteFinder {
     casters: Casters,
-    light: Option<Light>,
+    /// The last light, and how its silhouette was found.
+    last: Option<(Light, (SilhouetteMethod, SilhouetteReason))>,
     /// Of the last light, if it was not found by certificates.
     list: Silhouette,
     ways: Ways,
@@ -164,10 +165,11 @@ impl SilhouetteFinder {
                 }
             }
         };
-        Self { casters, light: None, list: Silhouette::default(), ways }
+        Self { casters, last: None, list: Silhouette::default(), ways }
     }
 
-    /// Finds the silhouette for a light; how, and why so.
+    /// Finds the silhouette for a light; how, and why so. For the light of the last time nothing is done, and the answer
+    /// is that of the last time.
     ///
     /// # Panics
     ///
@@ -178,7 +180,21 @@ impl SilhouetteFinder {
         topology: &Topology,
         light: &Light,
     ) -> (SilhouetteMethod, SilhouetteReason) {
-        let last = self.light.replace(*light);
+        if let Some((_, way)) = self.last.filter(|(last, _)| last == light) {
+            return way;
+        }
+        let way = self.search(mesh, topology, light);
+        self.last = Some((*light, way));
+        way
+    }
+
+    fn search(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        light: &Light,
+    ) -> (SilhouetteMethod, SilhouetteReason) {
+        let last = self.last.map(|(last, _)| last);
         match &mut self.ways {
             Ways::Scan { planes, facing, signs, reason } => {
                 planes.classify_into(mesh, light, facing);
@@ -250,7 +266,7 @@ mod tests {
 
     #[test]
     fn silhouette_finder_takes_the_way_that_fits_the_move_and_says_why() {
-        let mesh = solid::icosphere(4);
+        let mesh = solid::icosphere(6);
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let mut finder = SilhouetteFinder::new(&mesh, &topology, Casters::All, usize::MAX);
         use SilhouetteMethod::{Kinetic, Tree};

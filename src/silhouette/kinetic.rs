@@ -20,7 +20,7 @@ use certificates::Certificates;
 /// Looking again at a run and at what changes takes about as long as so many nodes and leaves of the tree.
 const RUN_COST: usize = 3;
 /// Where the tree only scans: one run in so many may run out before that is cheaper.
-const EXPIRED_SHARE: usize = 16;
+const EXPIRED_SHARE: usize = 8;
 /// Steps by the tree after which certificates are worth another try, at twice the length of step.
 const PATIENCE: u32 = 64;
 

@@ -26,8 +26,12 @@ pub(super) const LEAF: usize = 32;
 pub(super) const WIDE: usize = 8;
 /// One edge in so many may be left open, or lie outside the tree, before a scan of everything is cheaper.
 const OPEN_SHARE: usize = 64;
-/// One leaf in so many may have to be looked at.
-const CROWDED_SHARE: usize = 2;
+/// One leaf in so many may have to be looked at,
+const CROWDED_LEAVES: usize = 4;
+/// and one edge in so many may be found, before a scan is cheaper.
+const CROWDED_EDGES: usize = 40;
+/// Leaves that are looked at before what was found in them is collected.
+const BATCH: usize = 64;
 /// After searches that were given up, so many lights at most are scanned for before the tree is tried again: trying costs
 /// up to a fifth of a scan.
 const PATIENCE: u32 = 8;
@@ -61,8 +65,9 @@ pub struct SilhouetteTree {
     apart: Vec<u32>,
     /// How many edges may be left open or lie apart before a scan is cheaper.
     most_open: usize,
-    /// How many leaves may be looked at.
+    /// How many leaves may be looked at, and how many edges found in them.
     most_leaves: usize,
+    most_found: usize,
     waiting: Waiting,
     work: Work,
 }
@@ -78,6 +83,8 @@ struct Work {
     /// Of an edge in `found`: whether its multiplicity is negative.
     negative: Vec<u64>,
     found_count: usize,
+    /// Edges on their way into `found`, doubled, plus 1 if negative.
+    hits: Vec<u32>,
     open: Vec<u32>,
     nodes: Vec<u32>,
     next: Vec<u32>,
@@ -199,8 +206,7 @@ impl SilhouetteTree {
                 (self.gather(&singles, casters), TreeSearch::Searched { nodes, leaves, exact })
             }
             Err(mut why) => {
-                self.work.found.drain(|_, _| ());
-                (self.work.found_count, self.work.open) = (0, Vec::new());
+                (self.work.hits, self.work.open) = (Vec::new(), Vec::new());
                 let (silhouette, ties) = self.scan(mesh, topology, light, casters);
                 if ties > self.most_open {
                     why = TreeSearch::Scanned;
@@ -229,7 +235,7 @@ impl SilhouetteTree {
     /// Collects the edges that are surely silhouette and those left open. How many nodes and leaves it looked at; or why
     /// it gave up, since they are too many.
     fn walk(&mut self, light: &Quantised) -> Result<[usize; 2], TreeSearch> {
-        let Self { leaves, edges, levels, most_leaves, work, .. } = self;
+        let Self { leaves, edges, levels, most_leaves, most_found, work, .. } = self;
         let most_open = self.most_open.saturating_sub(self.apart.len());
         let mut looked = 0;
         work.nodes.clear();
@@ -249,27 +255,25 @@ impl SilhouetteTree {
         if work.nodes.len() > *most_leaves {
             return Err(TreeSearch::Crowded);
         }
-        for &leaf in &work.nodes {
-            let first = leaf as usize * LEAF;
-            let edges = &edges[first..edges.len().min(first + LEAF)];
-            let codes = leaves[leaf as usize].codes(light);
-            for (eight, codes) in codes.chunks_exact(8).enumerate() {
-                let codes = u64::from_le_bytes(codes.try_into().expect("eight"));
-                // A code has two bits; one of them is enough to find it, and then it stands alone in its byte.
-                let mut left = (codes | codes >> 1) & 0x0101_0101_0101_0101;
-                while left != 0 {
-                    let bit = left.trailing_zeros();
-                    left &= left - 1;
-                    // Beyond the last edge of the last leaf nothing is found.
-                    let Some(&edge) = edges.get(eight * 8 + bit as usize / 8) else { break };
-                    match (codes >> bit) as u8 & 3 {
-                        OPEN => work.open.push(edge),
-                        code => {
-                            work.found.insert(edge);
-                            let word = &mut work.negative[edge as usize / 64];
-                            let bit = edge % 64;
-                            *word = *word & !(1 << bit) | u64::from(code == AGAINST) << bit;
-                            work.found_count += 1;
+        let mut batch_codes = [[QUIET; LEAF]; BATCH];
+        for (batches, batch) in (1..).zip(work.nodes.chunks(BATCH)) {
+            // No branch here depends on what is found, so that the next leaves are fetched meanwhile.
+            for (&leaf, codes) in batch.iter().zip(&mut batch_codes) {
+                *codes = leaves[leaf as usize].codes(light);
+            }
+            for (&leaf, codes) in batch.iter().zip(&batch_codes) {
+                let first = leaf as usize * LEAF;
+                let edges = &edges[first..edges.len().min(first + LEAF)];
+                for (eight, codes) in codes.as_chunks::<8>().0.iter().enumerate() {
+                    let codes = u64::from_le_bytes(*codes);
+                    // A code has two bits; one of them is enough to find it, and then it stands alone in its byte.
+                    for bit in Bits((codes | codes >> 1) & 0x0101_0101_0101_0101) {
+                        // Beyond the last edge of the last leaf nothing is found.
+                        let Some(&edge) = edges.get(eight * 8 + bit as usize / 8) else { break };
+                        match (codes >> bit) as u8 & 3 {
+                            OPEN => work.open.push(edge),
+                            // Edges number less than 2^31.
+                            code => work.hits.push(edge << 1 | u32::from(code == AGAINST)),
                         }
                     }
                 }
@@ -277,6 +281,18 @@ impl SilhouetteTree {
             if work.open.len() > most_open {
                 return Err(TreeSearch::Scanned);
             }
+            // As it goes on like this.
+            let found = work.hits.len().saturating_mul(work.nodes.len()) / (batches * BATCH);
+            if batches >= 4 && found > *most_found {
+                return Err(TreeSearch::Crowded);
+            }
+        }
+        for hit in work.hits.drain(..) {
+            let edge = hit >> 1;
+            work.found.insert(edge);
+            let (word, bit) = (&mut work.negative[edge as usize / 64], edge % 64);
+            *word = *word & !(1 << bit) | u64::from(hit & 1) << bit;
+            work.found_count += 1;
         }
         Ok([looked, work.nodes.len()])
     }
@@ -428,7 +444,7 @@ mod tests {
     fn built(mesh: &Mesh) -> (Topology, SilhouetteTree) {
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let mut tree = SilhouetteTree::new(mesh, &topology);
-        (tree.most_open, tree.most_leaves) = (usize::MAX, usize::MAX);
+        (tree.most_open, tree.most_leaves, tree.most_found) = (usize::MAX, usize::MAX, usize::MAX);
         (topology, tree)
     }
 

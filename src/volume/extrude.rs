@@ -196,8 +196,8 @@ impl Extruder {
     /// vertex `v`, and at infinity vertex `n + v` of a mesh of `n` vertices, or `n` for all of them where the light is
     /// directional. Otherwise they are those of [`ShadowVolume::triangles`], in the same order.
     ///
-    /// The buffer is written from its start to its end and never read, as suits mapped memory; what lies beyond the
-    /// volume is left as it is. A buffer of `2·(faces + Σ|m|)` triangles is always enough, where m are the
+    /// Every byte of the volume is written once and none is read, as suits mapped memory; what lies beyond the volume is
+    /// left as it is. A buffer of `2·(faces + Σ|m|)` triangles is always enough, where m are the
     /// multiplicities of the silhouette.
     ///
     /// # Errors

@@ -1,6 +1,8 @@
 //! Builds the tree: edges whose planes are near each other side by side, then leaves, then boxes over boxes.
 
-use super::{CROWDED_SHARE, LEAF, Leaf, Node, OPEN_SHARE, SilhouetteTree, WIDE, Waiting, Work};
+use super::{
+    CROWDED_EDGES, CROWDED_LEAVES, LEAF, Leaf, Node, OPEN_SHARE, SilhouetteTree, WIDE, Waiting, Work,
+};
 use crate::mesh::Mesh;
 use crate::parallel;
 use crate::silhouette::FacePlanes;
@@ -58,6 +60,7 @@ pub(super) fn build(mesh: &Mesh, topology: &Topology) -> SilhouetteTree {
         found: EdgeSet::new(edge_count),
         negative: vec![0; edge_count.div_ceil(64)],
         found_count: 0,
+        hits: Vec::new(),
         open: Vec::new(),
         nodes: Vec::new(),
         next: Vec::new(),
@@ -68,7 +71,8 @@ pub(super) fn build(mesh: &Mesh, topology: &Topology) -> SilhouetteTree {
         planes,
         edge_count,
         most_open: edge_count / OPEN_SHARE,
-        most_leaves: edges.len().div_ceil(LEAF) / CROWDED_SHARE,
+        most_leaves: edges.len().div_ceil(LEAF) / CROWDED_LEAVES,
+        most_found: edge_count / CROWDED_EDGES,
         waiting: Waiting::default(),
         leaves,
         edges,

@@ -128,7 +128,9 @@ impl FaceClusters {
         assert_eq!(planes.offset.len(), self.order.len(), "the planes are of another mesh");
         let local = planes.local(light);
         let FacingRanges { front, back, single, stack } = ranges;
-        (front.clear(), back.clear(), single.clear());
+        front.clear();
+        back.clear();
+        single.clear();
         stack.clear();
         let height = self.levels.len() as u32;
         stack.extend((height > 0).then_some(Part { height, place: 0, facing: Facing::EdgeOn }));
@@ -149,10 +151,10 @@ impl FaceClusters {
                     }
                     match sides[0] {
                         Facing::Front if sides.iter().all(|&side| side == Facing::Front) => {
-                            extend(front, places)
+                            extend(front, places);
                         }
                         Facing::Back if sides.iter().all(|&side| side == Facing::Back) => {
-                            extend(back, places)
+                            extend(back, places);
                         }
                         _ => {
                             let known = faces.iter().copied().zip(sides.iter().copied());

@@ -2,8 +2,7 @@
 //!
 //! Nearly all edges of nearly all meshes have two faces in opposite directions. Where 64 edges in a row do, their sides
 //! are compared without a branch, into a word of 64 bits, and only the edges whose bits are set are looked at again; the
-//! other edges are summed up one by one. Where the signs of neighbours lie far apart, and there are too many for the caches
-//! next to a core, they are packed first, four into a byte.
+//! other edges are summed up one by one.
 
 use multiversion::multiversion;
 
@@ -19,51 +18,16 @@ pub(super) fn extract_into(topology: &Topology, signs: &[i8], silhouette: &mut S
     assert_eq!(signs.len(), topology.face_count(), "one sign a face");
     silhouette.edges.clear();
     let table = topology.table();
-    let packed = if signs.len() >= MANY && are_scattered(table.1) { pack(signs) } else { Vec::new() };
     let all_pairs = topology.edge_counts().watertight();
-    fill(table, all_pairs, signs, &packed, &mut silhouette.edges);
+    fill(table, all_pairs, signs, &mut silhouette.edges);
 }
 
-/// Signs that take as many bytes as half the second-level cache of most processors.
-const MANY: usize = 1 << 19;
-
-/// Whether of most edges the faces are far from each other, by a sample.
-fn are_scattered(entries: &[Entry]) -> bool {
-    const SAMPLE: usize = 128;
-    let pairs = entries.chunks_exact(2).step_by((entries.len() / 2 / SAMPLE).max(1));
-    let far = pairs.filter(|pair| pair[0].face().abs_diff(pair[1].face()) > 1 << 16);
-    far.count() > SAMPLE / 2
-}
-
-/// Two bits a sign, four signs a byte.
-fn pack(signs: &[i8]) -> Vec<u8> {
-    let (fours, rest) = signs.as_chunks::<4>();
-    // The lowest two bits of four bytes, gathered in the highest byte; no sum of the others reaches it.
-    let byte = |four: &[i8; 4]| {
-        let bits = u32::from_le_bytes(four.map(i8::cast_unsigned)) & 0x0303_0303;
-        (bits.wrapping_mul(0x0104_1040) >> 24) as u8
-    };
-    let mut packed: Vec<u8> = Vec::with_capacity(signs.len().div_ceil(4));
-    packed.extend(fours.iter().map(byte));
-    let mut last = [0; 4];
-    last[..rest.len()].copy_from_slice(rest);
-    packed.push(byte(&last));
-    packed
-}
-
-/// The sign of a face as [`pack`] packed it, in the lowest two bits.
-#[inline(always)]
-fn packed_sign(packed: &[u8], face: u32) -> u8 {
-    packed[face as usize / 4] >> (2 * (face % 4))
-}
-
-/// The silhouette edges of a table whose edges are known to be pairs, or not. `packed` may be empty.
+/// The silhouette edges of a table whose edges are known to be pairs, or not.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt+popcnt"))]
 fn fill(
     (offsets, entries): (&[u32], &[Entry]),
     all_pairs: bool,
     signs: &[i8],
-    packed: &[u8],
     edges: &mut Vec<SilhouetteEdge>,
 ) {
     let edge_count = offsets.len() - 1;
@@ -72,12 +36,7 @@ fn fill(
         let block = entries[offsets[0] as usize..].first_chunk::<{ 2 * BLOCK }>();
         match (block, <&[u32; BLOCK + 1]>::try_from(offsets)) {
             (Some(block), Ok(offsets)) if all_pairs || are_pairs(offsets, block) => {
-                let changes = if packed.is_empty() {
-                    changes(block, |a, b| signs[a as usize] != signs[b as usize])
-                } else {
-                    changes(block, |a, b| (packed_sign(packed, a) ^ packed_sign(packed, b)) & 3 != 0)
-                };
-                for place in Bits(changes) {
+                for place in Bits(changes(block, signs)) {
                     let [a, b] = [block[2 * place as usize], block[2 * place as usize + 1]];
                     let along = i32::from(signs[a.face()]) - i32::from(signs[b.face()]);
                     let edge = EdgeId(first as u32 + place); // edges are fewer than 2^32
@@ -113,7 +72,7 @@ fn are_pairs(offsets: &[u32; BLOCK + 1], entries: &[Entry; 2 * BLOCK]) -> bool {
 
 /// A bit for each pair of faces whose signs differ.
 #[inline(always)]
-fn changes(entries: &[Entry; 2 * BLOCK], differ: impl Fn(u32, u32) -> bool) -> u64 {
+fn changes(entries: &[Entry; 2 * BLOCK], signs: &[i8]) -> u64 {
     // The faces first, so that they are found by vector instructions.
     let mut faces = [0; 2 * BLOCK];
     for (face, entry) in faces.iter_mut().zip(entries) {
@@ -121,7 +80,7 @@ fn changes(entries: &[Entry; 2 * BLOCK], differ: impl Fn(u32, u32) -> bool) -> u
     }
     let mut changes = [0_u8; BLOCK];
     for (change, [a, b]) in changes.iter_mut().zip(faces.as_chunks().0) {
-        *change = u8::from(differ(*a, *b));
+        *change = u8::from(signs[*a as usize] != signs[*b as usize]);
     }
     let mut word = 0;
     for (shift, eight) in (0..).step_by(8).zip(changes.as_chunks::<8>().0) {
@@ -204,10 +163,7 @@ mod tests {
             let topology = Topology::build(mesh.vertex_count(), triangles);
             let signs = &signs[..topology.face_count()];
             let expected = one_by_one(&topology, signs);
-            prop_assert_eq!(&extract(&topology, signs).edges, &expected);
-            let mut edges = Vec::new();
-            fill(topology.table(), topology.edge_counts().watertight(), signs, &pack(signs), &mut edges);
-            prop_assert_eq!(edges, expected);
+            prop_assert_eq!(extract(&topology, signs).edges, expected);
         }
 
         #[test]
@@ -226,36 +182,6 @@ mod tests {
     }
 
     #[test]
-    fn silhouette_scan_with_a_sign_packed_wrongly_is_caught() {
-        let mesh = solid::torus(12, 12, 2.0, 1.0);
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
-        let signs: Vec<i8> = (0..topology.face_count()).map(|face| (face * face % 3) as i8 - 1).collect();
-        let filled = |packed: &[u8]| {
-            let mut edges = Vec::new();
-            fill(topology.table(), true, &signs, packed, &mut edges);
-            edges
-        };
-        let mut packed = pack(&signs);
-        assert_eq!(filled(&packed), one_by_one(&topology, &signs));
-        packed[20..30].fill(0);
-        assert_ne!(filled(&packed), one_by_one(&topology, &signs));
-    }
-
-    #[test]
-    fn silhouette_scan_packs_signs_where_neighbours_lie_far_apart() {
-        let torus = solid::torus(200, 200, 2.0, 1.0);
-        let scattered = |mesh: &crate::mesh::Mesh| {
-            let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
-            are_scattered(topology.table().1)
-        };
-        assert!(!scattered(&torus));
-        // Numbers up to 80,000 are seldom so far apart; those of more faces are.
-        assert!(!scattered(&solid::shuffled(&torus, 1)));
-        assert!(scattered(&solid::shuffled(&solid::torus(600, 300, 2.0, 1.0), 1)));
-        assert!(!are_scattered(&[]));
-    }
-
-    #[test]
     fn silhouette_scan_that_takes_every_edge_for_a_pair_is_caught() {
         let mesh = solid::torus(9, 9, 2.0, 1.0);
         let mut triangles = mesh.triangles().to_vec();
@@ -265,7 +191,7 @@ mod tests {
         let signs: Vec<i8> = (0..topology.face_count()).map(|face| (face * face % 3) as i8 - 1).collect();
         let filled = |all_pairs| {
             let mut edges = Vec::new();
-            fill(topology.table(), all_pairs, &signs, &[], &mut edges);
+            fill(topology.table(), all_pairs, &signs, &mut edges);
             edges
         };
         let expected = one_by_one(&topology, &signs);

@@ -1,4 +1,4 @@
-//! Work that is shared by threads: rows of pixels.
+//! Work that is shared by threads: rows of pixels, halves of a task.
 
 /// Calls `work` with the number and the elements of each row of `buffer`: on several threads if the feature
 /// `parallel` is on. Rows do not see each other, so the result does not depend on the order.
@@ -11,4 +11,30 @@ pub(crate) fn rows<T: Send>(buffer: &mut [T], width: usize, work: impl Fn(usize,
 #[cfg(not(feature = "parallel"))]
 pub(crate) fn rows<T>(buffer: &mut [T], width: usize, work: impl Fn(usize, &mut [T])) {
     buffer.chunks_mut(width).enumerate().for_each(|(y, row)| work(y, row));
+}
+
+/// Does both: on two threads, if there are, with the feature `parallel`.
+#[cfg(feature = "parallel")]
+pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    rayon::join(a, b)
+}
+
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
+    (a(), b())
+}
+
+/// What `of` makes of a list, taken in parts of at most `grain` that `both` puts together.
+pub(crate) fn fold<T: Sync, R: Send>(
+    list: &[T],
+    grain: usize,
+    of: impl Fn(&[T]) -> R + Copy + Send + Sync,
+    both: impl Fn(R, R) -> R + Copy + Send + Sync,
+) -> R {
+    if list.len() <= grain {
+        return of(list);
+    }
+    let (left, right) = list.split_at(list.len() / 2);
+    let (left, right) = join(|| fold(left, grain, of, both), || fold(right, grain, of, both));
+    both(left, right)
 }

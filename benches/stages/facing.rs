@@ -1,8 +1,10 @@
 //! The side of every face that a light is on.
 
+use std::ops::Range;
+
 use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
-use umbrage::silhouette::{FacePlanes, Facing, classify};
+use umbrage::silhouette::{FaceClusters, FacePlanes, Facing, FacingRanges, classify};
 
 use crate::measure::{Bench, Contender, Group, Target, timed};
 
@@ -23,6 +25,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
 fn facing(bench: &mut Bench<'_>, mesh: &Mesh, light: &Light, what: &str) {
     let expected = classify(mesh, light);
     let planes = FacePlanes::new(mesh);
+    let (clusters, mut ranges) = (FaceClusters::new(mesh, &planes), FacingRanges::default());
     let of = |sides: &[Facing]| {
         let count = |side| sides.iter().filter(|&&other| other == side).count();
         format!("front={} edge_on={}", count(Facing::Front), count(Facing::EdgeOn))
@@ -58,6 +61,23 @@ fn facing(bench: &mut Bench<'_>, mesh: &Mesh, light: &Light, what: &str) {
         // Reads four numbers of 2; writes 1.
         .moves(8.0 + 1.0)
         .aims_at(Target::Time(0.35)),
+        Contender::new("FaceClusters::find", || {
+            timed(
+                || {
+                    clusters.find(mesh, &planes, light, &mut ranges);
+                    &ranges
+                },
+                |ranges| {
+                    let single = |side| ranges.single.iter().filter(|single| single.1 == side).count();
+                    let all = |list: &[Range<u32>]| list.iter().map(|range| range.len()).sum::<usize>();
+                    let front = all(&ranges.front) + single(Facing::Front);
+                    let back = all(&ranges.back) + single(Facing::Back);
+                    assert_eq!(format!("front={front} edge_on={}", mesh.face_count() - front - back), right);
+                    let count = ranges.front.len() + ranges.back.len();
+                    format!("ranges={count} single={}", ranges.single.len())
+                },
+            )
+        }),
         Contender::new("f32 planes without a filter", || {
             timed(
                 || unfiltered(&plain, light, &mut plain_sides),
@@ -69,10 +89,11 @@ fn facing(bench: &mut Bench<'_>, mesh: &Mesh, light: &Light, what: &str) {
         })
         .moves(16.0 + 1.0),
         Contender::new("classify (f64 filter)", || timed(|| classify(mesh, light), |sides| of(sides)))
-            .expects(right)
+            .expects(&*right)
             .moves(12.0 + 6.0 + 1.0),
         Contender::new("FacePlanes::new", || timed(|| FacePlanes::new(mesh), |_| String::new()))
-            .moves(12.0 + 6.0 + 20.0),
+            .moves(12.0 + 6.0 + 28.0),
+        Contender::new("FaceClusters::new", || timed(|| FaceClusters::new(mesh, &planes), |_| String::new())),
     ];
     let name = format!("{}, {what}", mesh.name).replace(',', " ·");
     bench.run(Group { stage: "facing", mesh: name, units: mesh.face_count(), unit: "triangle", contenders });

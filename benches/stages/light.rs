@@ -7,7 +7,7 @@ use umbrage::silhouette::{
 };
 use umbrage::topology::Topology;
 
-use crate::measure::{Bench, Contender, Group, Target, timed};
+use crate::measure::{Bench, Contender, Group, Scatter, Target, timed};
 
 pub(crate) fn run(bench: &mut Bench<'_>) {
     if bench.wants("silhouette of any light") {
@@ -20,18 +20,35 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
         moving_light(bench, &solid::torus(n, n, 2.0, 0.75).with_name(format!("torus {n}")), 5_000.0);
         moving_light(bench, &crate::head(bench.quick), 15_000.0);
     }
+    if bench.wants("silhouette finder") {
+        let sizes: &[u32] = if bench.quick { &[10] } else { &[22, 70, 224, 707] };
+        for &n in sizes {
+            choice(bench, &solid::torus(n, n, 2.0, 0.75).with_name(format!("torus {n}")));
+        }
+        for level in if bench.quick { 2..3 } else { 4..7 } {
+            choice(bench, &solid::icosphere(level).with_name(format!("icosphere {level}")));
+        }
+        choice(bench, &crate::head(bench.quick));
+        choice(bench, &crate::tied(bench.quick));
+    }
 }
 
 /// Facing and edges, both buffers kept.
 struct Scan {
     planes: FacePlanes,
     facing: Vec<Facing>,
+    signs: Vec<i8>,
 }
 
 impl Scan {
+    fn new(mesh: &Mesh) -> Self {
+        Self { planes: FacePlanes::new(mesh), facing: Vec::new(), signs: Vec::new() }
+    }
+
     fn silhouette(&mut self, mesh: &Mesh, topology: &Topology, light: &Light) -> Silhouette {
         self.planes.classify_into(mesh, light, &mut self.facing);
-        Silhouette::extract(topology, &Casters::All.signs(&self.facing))
+        Casters::All.signs_into(&self.facing, &mut self.signs);
+        Silhouette::extract(topology, &self.signs)
     }
 }
 
@@ -69,7 +86,7 @@ fn any_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
         assert!(*found == expected, "another silhouette");
         format!("edges={}", found.iter().map(|silhouette| silhouette.edges.len()).sum::<usize>())
     };
-    let mut scan = Scan { planes: FacePlanes::new(mesh), facing: Vec::new() };
+    let mut scan = Scan::new(mesh);
     let mut tree = SilhouetteTree::new(mesh, &topology);
     let contenders = vec![
         Contender::new("facing and scan", || {
@@ -107,7 +124,7 @@ fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
         assert!(*found == last, "another silhouette");
         format!("edges={count}")
     };
-    let mut scan = Scan { planes: FacePlanes::new(mesh), facing: Vec::new() };
+    let mut scan = Scan::new(mesh);
     let mut searched = SilhouetteTree::new(mesh, &topology);
     let mut tree = searched.clone();
     let mut moving = KineticSilhouette::new(mesh, &topology, &mut tree, &at(0), Casters::All);
@@ -150,4 +167,62 @@ fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
     ];
     let (stage, mesh) = ("silhouette of a moving light", mesh.name.clone());
     bench.run(Group { stage, mesh, units: walk.len(), unit: "step", contenders });
+}
+
+/// What is chosen for lights that rest, move slowly, move fast or stand anywhere, over the best of what there is.
+fn choice(bench: &mut Bench<'_>, mesh: &Mesh) {
+    const STEPS: u8 = 16;
+    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let tree = SilhouetteTree::new(mesh, &topology);
+    let mut scatter = Scatter(1);
+    for (how, step) in [("rests", 0.0), ("1e-4", 1e-4), ("1e-2", 1e-2), ("anywhere", f32::INFINITY)] {
+        let mut at = |i: u8| {
+            let way = step * f32::from(i);
+            let to = [0.5 + 0.6 * way, 0.8 - 0.64 * way, 0.3 + 0.48 * way];
+            place(mesh, if step.is_finite() { to } else { scatter.point(2.0) })
+        };
+        let there: Vec<Light> = (0..=STEPS).map(&mut at).collect();
+        let walk: Vec<Light> =
+            there[1..].iter().chain(there[..usize::from(STEPS)].iter().rev()).copied().collect();
+        let expected: Vec<usize> = walk
+            .iter()
+            .map(|light| {
+                Silhouette::extract(&topology, &Casters::All.signs(&classify(mesh, light))).edges.len()
+            })
+            .collect();
+        let right = |found: &Vec<usize>| {
+            assert!(*found == expected, "another silhouette");
+            format!("edges={}", found.iter().sum::<usize>())
+        };
+        let (mut scan, mut searched, mut followed) = (Scan::new(mesh), tree.clone(), tree.clone());
+        let mut moving = KineticSilhouette::new(mesh, &topology, &mut followed, &there[0], Casters::All);
+        let mut finder = SilhouetteFinder::new(mesh, &topology, Casters::All, usize::MAX);
+        let contenders = vec![
+            Contender::new("facing and scan", || {
+                let mut find = |light| scan.silhouette(mesh, &topology, light).edges.len();
+                timed(|| walk.iter().map(&mut find).collect(), right)
+            }),
+            Contender::new("SilhouetteTree::silhouette", || {
+                let mut find = |light| searched.silhouette(mesh, &topology, light, Casters::All).edges.len();
+                timed(|| walk.iter().map(&mut find).collect(), right)
+            }),
+            Contender::new("KineticSilhouette::step", || {
+                let mut find = |light| {
+                    moving.step(mesh, &topology, &mut followed, light);
+                    moving.len()
+                };
+                timed(|| walk.iter().map(&mut find).collect(), right)
+            }),
+            Contender::new("SilhouetteFinder::find", || {
+                let mut find = |light| {
+                    finder.find(mesh, &topology, light);
+                    finder.edge_count()
+                };
+                timed(|| walk.iter().map(&mut find).collect(), right)
+            })
+            .aims_at(Target::Best(1.1)),
+        ];
+        let (stage, mesh) = ("silhouette finder", format!("{} · {how}", mesh.name));
+        bench.run(Group { stage, mesh, units: walk.len(), unit: "light", contenders });
+    }
 }

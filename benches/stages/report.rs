@@ -22,6 +22,8 @@ pub(crate) fn table(rows: &[Row]) -> String {
         let target = match (row.target, row.meets_target()) {
             (Target::Time(most), met) => format!("<= {} {}", time(most), word(met)),
             (Target::Ratio(most), met) => format!("<= {most}× {}", word(met)),
+            (Target::Best(most), met) => format!("<= {most}× best {}", word(met)),
+            (Target::Limits(most), met) => format!("<= {most} limits {}", word(met)),
             (Target::None, _) => String::new(),
         };
         let (name, median, answer) = (row.name, time(row.median), &row.answer);
@@ -50,7 +52,8 @@ pub(crate) fn csv(rows: &[Row]) -> String {
         let (time, ratio) = match row.target {
             Target::None => (None, None),
             Target::Time(most) => (Some(most), None),
-            Target::Ratio(most) => (None, Some(most)),
+            Target::Ratio(most) | Target::Best(most) => (None, Some(most)),
+            Target::Limits(most) => (row.limit.map(|limit| most * limit), None),
         };
         let cells = [
             row.stage.to_owned(),

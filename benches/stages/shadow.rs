@@ -5,9 +5,9 @@ use umbrage::mesh::{EdgeId, Mesh};
 use umbrage::oracle::Oracle;
 use umbrage::silhouette::{Casters, Silhouette, classify};
 use umbrage::topology::Topology;
-use umbrage::volume::{Caps, ShadowVolume, WindingIndex};
+use umbrage::volume::{Caps, Cast, Extruder, ShadowVolume, WindingIndex};
 
-use crate::measure::{Bench, Contender, Group, Scatter, timed};
+use crate::measure::{Bench, Contender, Group, Scatter, Target, timed};
 
 pub(crate) fn run(bench: &mut Bench<'_>) {
     if ["silhouette", "volume"].iter().any(|stage| bench.wants(stage)) {
@@ -27,19 +27,31 @@ fn light() -> Light {
 fn silhouette_and_volume(bench: &mut Bench<'_>, mesh: &Mesh) {
     let light = light();
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
-    let signs = Casters::All.signs(&classify(mesh, &light));
+    let facing = classify(mesh, &light);
+    let signs = Casters::All.signs(&facing);
     let silhouette = Silhouette::extract(&topology, &signs);
     let units = topology.edge_count();
     let name = mesh.name.clone();
     if bench.wants("silhouette") {
         let pairs = textbook(&topology);
         let expected = format!("edges={}", silhouette.edges.len());
+        let mut kept = Silhouette::default();
         let contenders = vec![
             Contender::new("two faces an edge", || {
                 timed(|| changes(&pairs, &signs), |edges| format!("edges={}", edges.len()))
             })
             .expects(&*expected)
             .moves(8.0 + 2.0 / 3.0),
+            Contender::new("Silhouette::extract_into", || {
+                let sample = timed(
+                    || kept.extract_into(&topology, &signs),
+                    |()| format!("edges={}", silhouette.edges.len()),
+                );
+                assert!(kept == silhouette);
+                sample
+            })
+            .expects(&*expected)
+            .moves(4.0 + 8.0 + 2.0 / 3.0),
             Contender::new("Silhouette::extract", || {
                 timed(
                     || Silhouette::extract(&topology, &signs),
@@ -51,33 +63,76 @@ fn silhouette_and_volume(bench: &mut Bench<'_>, mesh: &Mesh) {
             })
             .expects(&*expected)
             // Reads an offset, two entries of 4 and two thirds of a sign.
-            .moves(4.0 + 8.0 + 2.0 / 3.0),
+            .moves(4.0 + 8.0 + 2.0 / 3.0)
+            .aims_at(Target::Time(1.0)),
         ];
         bench.run(Group { stage: "silhouette", mesh: name.clone(), units, unit: "edge", contenders });
     }
     if bench.wants("volume") {
-        let extrude = || ShadowVolume::extrude(mesh, &topology, &light, &signs, &silhouette, Caps::Both);
-        let volume = extrude();
-        assert!(volume.boundary_sum().is_closed());
-        // Each face in both caps; on a closed mesh each silhouette edge sweeps its quad twice.
-        let triangles = volume.triangles().len();
-        let cast = signs.iter().filter(|&&sign| sign != 0).count();
-        let multiplicities: u32 = silhouette.edges.iter().map(|edge| edge.multiplicity.unsigned_abs()).sum();
-        assert_eq!(triangles, 2 * cast + 2 * multiplicities as usize);
-        let contenders = vec![
-            Contender::new("copy of the result", || {
-                timed(|| volume.triangles().to_vec(), |copy| format!("triangles={}", copy.len()))
-            })
-            .moves(24.0),
-            Contender::new("ShadowVolume::extrude", || {
-                timed(extrude, |volume| format!("triangles={}", volume.triangles().len()))
-            })
-            .expects(format!("triangles={triangles}"))
-            // Writes three indices of 4, and reads as many for every second one.
-            .moves(12.0 + 6.0),
-        ];
-        bench.run(Group { stage: "volume", mesh: name, units: triangles, unit: "triangle", contenders });
+        for (casters, which) in [(Casters::All, "all faces"), (Casters::Front, "front faces")] {
+            let signs = casters.signs(&facing);
+            let silhouette = Silhouette::extract(&topology, &signs);
+            let caps = Caps::Both;
+            let cast = Cast {
+                mesh,
+                topology: &topology,
+                light: &light,
+                signs: &signs,
+                silhouette: &silhouette,
+                caps,
+            };
+            volume(bench, format!("{name} · {which}"), &cast);
+        }
     }
+}
+
+fn volume(bench: &mut Bench<'_>, name: String, cast: &Cast<'_>) {
+    let Cast { mesh, topology, light, signs, silhouette, caps } = *cast;
+    let extrude = || ShadowVolume::extrude(mesh, topology, light, signs, silhouette, caps);
+    let volume = extrude();
+    assert!(volume.boundary_sum().is_closed());
+    // Each face in both caps; on a closed mesh each silhouette edge sweeps its quad |m| times.
+    let triangles = volume.triangles().len();
+    let casting = signs.iter().filter(|&&sign| sign != 0).count();
+    let multiplicities: u32 = silhouette.edges.iter().map(|edge| edge.multiplicity.unsigned_abs()).sum();
+    assert_eq!(triangles, 2 * casting + 2 * multiplicities as usize);
+    let mut extruder = Extruder::new(topology);
+    let mut writer = extruder.clone();
+    let (mut warm, mut buffer) = (volume.clone(), vec![[0; 3]; triangles]);
+    let mut copy = buffer.clone();
+    // Three indices of 4 are written, and as many read for every second triangle, with a sign; vertices are not counted.
+    let faces = signs.len() as f64 / triangles as f64;
+    let bytes = 12.0 + 13.0 * faces;
+    let contenders = vec![
+        Contender::new("copy into a warm buffer", || {
+            timed(|| copy.copy_from_slice(volume.triangles()), |()| format!("triangles={triangles}"))
+        })
+        .moves(24.0),
+        Contender::new("copy of the result", || {
+            timed(|| volume.triangles().to_vec(), |copy| format!("triangles={}", copy.len()))
+        })
+        .moves(24.0),
+        Contender::new("ShadowVolume::extrude", || {
+            timed(extrude, |volume| format!("triangles={}", volume.triangles().len()))
+        })
+        .expects(format!("triangles={triangles}"))
+        .moves(bytes),
+        Contender::new("Extruder::extrude_into", || {
+            let sample =
+                timed(|| extruder.extrude_into(cast, &mut warm), |()| format!("triangles={triangles}"));
+            assert!(warm.triangles() == volume.triangles(), "another volume");
+            sample
+        })
+        .moves(bytes),
+        Contender::new("Extruder::write_indices", || {
+            let work = || writer.write_indices(cast, &mut buffer).expect("it fits").triangle_count();
+            timed(work, |count| format!("triangles={count}"))
+        })
+        .expects(format!("triangles={triangles}"))
+        .moves(bytes)
+        .aims_at(Target::Limits(2.0)),
+    ];
+    bench.run(Group { stage: "volume", mesh: name, units: triangles, unit: "triangle", contenders });
 }
 
 /// What a mesh that is known to be closed and two-sided would store: the two faces of each edge.

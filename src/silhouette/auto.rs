@@ -57,6 +57,8 @@ pub enum SilhouetteReason {
     OpenMesh,
     /// Scan: many faces lie in a plane with the light, or nearly.
     Ties,
+    /// Scan: the silhouette runs through most of the mesh.
+    Crowded,
     /// Tree: many lights are expected, and this one is not near the last.
     ColdLight,
     /// Tree: the light has moved so far that most certificates would run out.
@@ -82,6 +84,9 @@ impl fmt::Display for SilhouetteReason {
             }
             Self::Ties => {
                 f.write_str("many faces lie in a plane with the light: each is decided exactly anyway")
+            }
+            Self::Crowded => {
+                f.write_str("the silhouette runs through most of the mesh: no tree leaves out much of it")
             }
             Self::ColdLight => f.write_str("many lights: a tree leaves out most edges"),
             Self::FarMove => f.write_str("the light moved far: a tree leaves out most edges"),
@@ -127,7 +132,8 @@ impl SilhouetteMethod {
 #[derive(Clone, Debug)]
 pub struct SilhouetteFinder {
     casters: Casters,
-    light: Option<Light>,
+    /// The last light, and how its silhouette was found.
+    last: Option<(Light, (SilhouetteMethod, SilhouetteReason))>,
     /// Of the last light, if it was not found by certificates.
     list: Silhouette,
     ways: Ways,
@@ -135,7 +141,7 @@ pub struct SilhouetteFinder {
 
 #[derive(Clone, Debug)]
 enum Ways {
-    Scan { planes: Box<FacePlanes>, facing: Vec<Facing>, reason: SilhouetteReason },
+    Scan { planes: Box<FacePlanes>, facing: Vec<Facing>, signs: Vec<i8>, reason: SilhouetteReason },
     Tree { tree: Box<SilhouetteTree>, moving: Option<Box<KineticSilhouette>>, followed: bool },
 }
 
@@ -147,7 +153,7 @@ impl SilhouetteFinder {
     /// Panics if `topology` has another number of faces than `mesh`.
     #[must_use]
     pub fn new(mesh: &Mesh, topology: &Topology, casters: Casters, lights: usize) -> Self {
-        let scan = |planes, reason| Ways::Scan { planes, facing: Vec::new(), reason };
+        let scan = |planes, reason| Ways::Scan { planes, facing: Vec::new(), signs: Vec::new(), reason };
         let ways = match SilhouetteMethod::choose(mesh.face_count(), lights) {
             (SilhouetteMethod::Scan, reason) => scan(Box::new(FacePlanes::new(mesh)), reason),
             _ => {
@@ -159,10 +165,11 @@ impl SilhouetteFinder {
                 }
             }
         };
-        Self { casters, light: None, list: Silhouette::default(), ways }
+        Self { casters, last: None, list: Silhouette::default(), ways }
     }
 
-    /// Finds the silhouette for a light; how, and why so.
+    /// Finds the silhouette for a light; how, and why so. For the light of the last time nothing is done, and the answer
+    /// is that of the last time.
     ///
     /// # Panics
     ///
@@ -173,11 +180,26 @@ impl SilhouetteFinder {
         topology: &Topology,
         light: &Light,
     ) -> (SilhouetteMethod, SilhouetteReason) {
-        let last = self.light.replace(*light);
+        if let Some((_, way)) = self.last.filter(|(last, _)| last == light) {
+            return way;
+        }
+        let way = self.search(mesh, topology, light);
+        self.last = Some((*light, way));
+        way
+    }
+
+    fn search(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        light: &Light,
+    ) -> (SilhouetteMethod, SilhouetteReason) {
+        let last = self.last.map(|(last, _)| last);
         match &mut self.ways {
-            Ways::Scan { planes, facing, reason } => {
+            Ways::Scan { planes, facing, signs, reason } => {
                 planes.classify_into(mesh, light, facing);
-                self.list = Silhouette::extract(topology, &self.casters.signs(facing));
+                self.casters.signs_into(facing, signs);
+                self.list.extract_into(topology, signs);
                 (SilhouetteMethod::Scan, *reason)
             }
             Ways::Tree { tree, moving, followed } => {
@@ -205,6 +227,7 @@ impl SilhouetteFinder {
                 self.list = silhouette;
                 match search {
                     TreeSearch::Scanned => (SilhouetteMethod::Scan, SilhouetteReason::Ties),
+                    TreeSearch::Crowded => (SilhouetteMethod::Scan, SilhouetteReason::Crowded),
                     TreeSearch::Searched { .. } if short => {
                         (SilhouetteMethod::Tree, SilhouetteReason::FarMove)
                     }
@@ -216,11 +239,22 @@ impl SilhouetteFinder {
 
     /// The silhouette edges for the last light, ascending.
     pub fn edges(&self) -> impl Iterator<Item = SilhouetteEdge> + '_ {
-        let moving = match &self.ways {
+        let moving = self.moving().into_iter().flat_map(KineticSilhouette::edges);
+        self.list.edges.iter().copied().chain(moving)
+    }
+
+    /// How many edges are silhouette for the last light.
+    #[must_use]
+    pub fn edge_count(&self) -> usize {
+        self.list.edges.len() + self.moving().map_or(0, KineticSilhouette::len)
+    }
+
+    /// What holds the last silhouette, if it was found by certificates.
+    fn moving(&self) -> Option<&KineticSilhouette> {
+        match &self.ways {
             Ways::Tree { moving, followed: true, .. } => moving.as_deref(),
             _ => None,
-        };
-        self.list.edges.iter().copied().chain(moving.into_iter().flat_map(KineticSilhouette::edges))
+        }
     }
 }
 
@@ -232,7 +266,7 @@ mod tests {
 
     #[test]
     fn silhouette_finder_takes_the_way_that_fits_the_move_and_says_why() {
-        let mesh = solid::icosphere(4);
+        let mesh = solid::icosphere(6);
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let mut finder = SilhouetteFinder::new(&mesh, &topology, Casters::All, usize::MAX);
         use SilhouetteMethod::{Kinetic, Tree};
@@ -248,6 +282,7 @@ mod tests {
             assert_eq!(finder.find(&mesh, &topology, &light), (method, reason), "{light}");
             let silhouette = Silhouette::extract(&topology, &Casters::All.signs(&classify(&mesh, &light)));
             assert_eq!(finder.edges().collect::<Vec<_>>(), silhouette.edges, "{light}");
+            assert_eq!(finder.edge_count(), silhouette.edges.len(), "{light}");
         }
     }
 

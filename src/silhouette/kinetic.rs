@@ -7,21 +7,20 @@
 //! time: Julien Basch, Leonidas J. Guibas, John Hershberger, *Data Structures for Mobile Data*, 1999. Here they are
 //! looked for at each step instead of being queued, and several faces share one.)
 
+mod certificates;
+
 use super::edge_set::EdgeSet;
 use super::plane::LocalLight;
-use super::{Casters, FacePlanes, Facing, Silhouette, SilhouetteEdge, SilhouetteTree, TreeSearch};
+use super::{Casters, FacePlanes, Silhouette, SilhouetteEdge, SilhouetteTree, TreeSearch};
 use crate::geom::Light;
-use crate::mesh::{EdgeId, FaceId, Mesh};
+use crate::mesh::{EdgeId, Mesh};
 use crate::topology::Topology;
+use certificates::Certificates;
 
-/// Faces that share a certificate.
-const RUN: usize = 32;
-/// Runs whose earliest certificate is looked up together.
-const GROUP: usize = 16;
 /// Looking again at a run and at what changes takes about as long as so many nodes and leaves of the tree.
 const RUN_COST: usize = 3;
 /// Where the tree only scans: one run in so many may run out before that is cheaper.
-const EXPIRED_SHARE: usize = 16;
+const EXPIRED_SHARE: usize = 8;
 /// Steps by the tree after which certificates are worth another try, at twice the length of step.
 const PATIENCE: u32 = 64;
 
@@ -75,16 +74,10 @@ pub enum KineticStep {
 pub struct KineticSilhouette {
     casters: Casters,
     light: Light,
-    /// Faces in the order in which they share certificates; in that order their planes, their edges, and their sides
-    /// at `light` (which are those of some earlier light while `renewed` is false).
-    faces: Vec<FaceId>,
-    planes: Vec<Planes>,
+    /// Its sides are those of some earlier light while `renewed` is false.
+    certificates: Certificates,
+    /// The edges of each face, in the order of the certificates.
     face_edges: Vec<[Use; 3]>,
-    facing: Vec<Facing>,
-    /// Where the odometer will stand when the certificate of a run has run out; of a group the earliest.
-    run_ends: Vec<f64>,
-    group_ends: Vec<f64>,
-    odometer: f64,
     /// Whether sides and certificates are those of `light`.
     renewed: bool,
     /// With more runs than these, the last search of the tree was cheaper.
@@ -95,6 +88,7 @@ pub struct KineticSilhouette {
     multiplicity: Vec<i32>,
     edges: EdgeSet,
     len: usize,
+    turned: Vec<(usize, i32)>,
     touched: Vec<(u32, u32, i32)>,
     changes: Vec<EdgeChange>,
 }
@@ -102,10 +96,6 @@ pub struct KineticSilhouette {
 /// An edge of a face, doubled, plus 1 if the face runs against it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Use(u32);
-
-/// Normals, offsets and errors of a run of faces. They lie together, since a step reads few runs.
-#[derive(Clone, Debug)]
-struct Planes([[f32; RUN]; 5]);
 
 impl Use {
     /// Of a collapsed face.
@@ -139,17 +129,11 @@ impl KineticSilhouette {
                 face_edges[place[face.index()]][half_edge.index() % 3] = value;
             }
         }
-        let runs = mesh.face_count().div_ceil(RUN);
         let mut moving = Self {
             casters,
             light: *light,
-            planes: faces.chunks(RUN).map(|faces| Planes::of(tree.planes(), faces)).collect(),
-            facing: vec![Facing::EdgeOn; faces.len()],
-            faces,
+            certificates: Certificates::new(tree.planes(), faces),
             face_edges,
-            run_ends: vec![0.0; runs],
-            group_ends: vec![0.0; runs.div_ceil(GROUP)],
-            odometer: 0.0,
             renewed: false,
             most_expired: 0,
             longest: f64::INFINITY,
@@ -157,6 +141,7 @@ impl KineticSilhouette {
             multiplicity: vec![0; topology.edge_count()],
             edges: EdgeSet::new(topology.edge_count()),
             len: 0,
+            turned: Vec::new(),
             touched: Vec::new(),
             changes: Vec::new(),
         };
@@ -181,15 +166,14 @@ impl KineticSilhouette {
         tree: &mut SilhouetteTree,
         light: &Light,
     ) -> KineticStep {
-        assert_eq!(mesh.face_count(), self.facing.len(), "the silhouette is of another mesh");
+        assert_eq!(mesh.face_count(), self.face_edges.len(), "the silhouette is of another mesh");
         self.changes.clear();
         if *light == self.light {
             return KineticStep::Rested;
         }
         let length = way(&self.light, light);
         self.light = *light;
-        // Rounded up, so that the odometer never shows less than the way since any earlier reading.
-        self.odometer = (self.odometer + length).next_up();
+        self.certificates.advance(length);
         if self.renewed && length.is_finite() {
             let local = tree.planes().local(light);
             if let Some(runs) = self.follow(mesh, tree.planes(), &local) {
@@ -274,80 +258,17 @@ impl KineticSilhouette {
     /// Looks again at the runs whose certificates have run out, and how many those are; `None`, and nothing is done, if
     /// they are too many.
     fn follow(&mut self, mesh: &Mesh, planes: &FacePlanes, light: &LocalLight) -> Option<usize> {
-        let mut expired = Vec::new();
-        for (group, end) in self.group_ends.iter().enumerate() {
-            if *end <= self.odometer {
-                let first = group * GROUP;
-                let runs = &self.run_ends[first..self.run_ends.len().min(first + GROUP)];
-                expired.extend(
-                    (first..).zip(runs).filter(|(_, end)| **end <= self.odometer).map(|(run, _)| run),
-                );
-                if expired.len() > self.most_expired {
-                    return None;
-                }
-            }
+        let expired = self.certificates.expired(self.most_expired)?;
+        let (casters, turned) = (self.casters, &mut self.turned);
+        self.certificates.look_again(&expired, mesh, planes, light, |slot, before, now| {
+            turned.push((slot, i32::from(casters.sign(now)) - i32::from(casters.sign(before))));
+        });
+        let mut turned = std::mem::take(&mut self.turned);
+        for (slot, by) in turned.drain(..).filter(|&(_, by)| by != 0) {
+            self.turn(slot, by);
         }
-        for &run in &expired {
-            let mut sides = [Facing::EdgeOn; RUN];
-            self.run_ends[run] = self.certify(run, &mut sides, mesh, planes, light);
-            let slots = run * RUN..self.faces.len().min((run + 1) * RUN);
-            let pairs = self.facing[slots.clone()].iter().zip(&sides);
-            if pairs.fold(0, |turned, (before, side)| turned | (before.sign() ^ side.sign())) == 0 {
-                continue; // as nearly always
-            }
-            for (slot, side) in slots.zip(sides) {
-                let before = std::mem::replace(&mut self.facing[slot], side);
-                let turned = i32::from(self.casters.sign(side)) - i32::from(self.casters.sign(before));
-                if turned != 0 {
-                    self.turn(slot, turned);
-                }
-            }
-        }
-        let mut last = usize::MAX;
-        for group in expired.iter().map(|run| run / GROUP) {
-            if group != last {
-                self.renew_group(group);
-                last = group;
-            }
-        }
+        self.turned = turned; // for its memory
         Some(expired.len())
-    }
-
-    /// The sides of a run of faces, and where the odometer stands when their certificate has run out.
-    ///
-    /// With `s` and `E` of [`FacePlanes`], `|s| − E` is at most the height of the light over the face's plane (for a
-    /// directional light: of the tip of its direction), which the way of the light bounds the change of. The difference
-    /// and its sum with the odometer are rounded down. A face that only the predicate can decide has no certificate.
-    #[inline]
-    fn certify(
-        &self,
-        run: usize,
-        sides: &mut [Facing; RUN],
-        mesh: &Mesh,
-        planes: &FacePlanes,
-        light: &LocalLight,
-    ) -> f64 {
-        let Planes([x, y, z, d, e]) = &self.planes[run];
-        let mut heights = [0.0; RUN];
-        let slack = light.heights([x, y, z, d, e], &mut heights);
-        for (side, height) in sides.iter_mut().zip(heights) {
-            *side = if height > 0.0 {
-                Facing::Front
-            } else if height < 0.0 {
-                Facing::Back
-            } else {
-                Facing::EdgeOn
-            };
-        }
-        if slack > 0.0 {
-            return (self.odometer + f64::from(slack.next_down())).next_down();
-        }
-        for (face, side) in self.faces[run * RUN..].iter().zip(sides) {
-            if *side == Facing::EdgeOn {
-                *side = planes.side(mesh, face.index(), light).0;
-            }
-        }
-        f64::NEG_INFINITY
     }
 
     /// Adds to the multiplicities of a face's edges.
@@ -394,7 +315,7 @@ impl KineticSilhouette {
         let (silhouette, search) = tree.search(mesh, topology, &self.light, self.casters);
         self.most_expired = 1 + match search {
             TreeSearch::Searched { nodes, leaves, .. } => (nodes + leaves) / RUN_COST,
-            TreeSearch::Scanned => self.run_ends.len() / EXPIRED_SHARE,
+            TreeSearch::Scanned | TreeSearch::Crowded => self.certificates.runs() / EXPIRED_SHARE,
         };
         self.replace(&silhouette);
     }
@@ -422,43 +343,9 @@ impl KineticSilhouette {
 
     /// Finds all sides and makes all certificates anew, at the place of the light.
     fn renew(&mut self, mesh: &Mesh, planes: &FacePlanes) {
-        self.odometer = 0.0;
         self.searches = 0;
-        let local = planes.local(&self.light);
-        for run in 0..self.run_ends.len() {
-            let mut sides = [Facing::EdgeOn; RUN];
-            self.run_ends[run] = self.certify(run, &mut sides, mesh, planes, &local);
-            let facing = &mut self.facing[run * RUN..];
-            let count = facing.len().min(RUN);
-            facing[..count].copy_from_slice(&sides[..count]);
-        }
-        for group in 0..self.group_ends.len() {
-            self.renew_group(group);
-        }
+        self.certificates.renew(mesh, planes, &planes.local(&self.light));
         self.renewed = true;
-    }
-
-    fn renew_group(&mut self, group: usize) {
-        let first = group * GROUP;
-        let runs = &self.run_ends[first..self.run_ends.len().min(first + GROUP)];
-        self.group_ends[group] =
-            runs.iter().fold(f64::INFINITY, |least, &end| if end < least { end } else { least });
-    }
-}
-
-impl Planes {
-    /// Of fewer faces than a run has, the first one fills what is left.
-    fn of(planes: &FacePlanes, faces: &[FaceId]) -> Self {
-        let mut all = [[0.0; RUN]; 5];
-        for place in 0..RUN {
-            let face = faces.get(place).unwrap_or(&faces[0]).index();
-            let [x, y, z] = &planes.normal;
-            let plane = [x[face], y[face], z[face], planes.offset[face], planes.error[face]];
-            for (row, number) in all.iter_mut().zip(plane) {
-                row[place] = number;
-            }
-        }
-        Self(all)
     }
 }
 
@@ -572,7 +459,8 @@ mod tests {
     #[test]
     fn silhouette_whose_certificates_last_too_long_is_caught() {
         let (right, _) = circling(|moving| {
-            for end in moving.run_ends.iter_mut().chain(&mut moving.group_ends) {
+            let certificates = &mut moving.certificates;
+            for end in certificates.run_ends.iter_mut().chain(&mut certificates.group_ends) {
                 *end += 1e-4;
             }
         });

@@ -1,11 +1,13 @@
 //! The side of every face for many lights: precomputed planes, a filter with a proven bound, exact ties.
 
 use glam::DVec3;
+use multiversion::multiversion;
 
 use super::quantised::{self, Quantised, QuantisedPlanes};
 use super::{Facing, facing_of};
 use crate::geom::{Aabb, Light};
 use crate::mesh::{FaceId, Mesh};
+use crate::parallel;
 
 /// The planes of a mesh's faces, laid out for a loop over all of them: 8 bytes a face in whole numbers, which tell
 /// nearly every side, and 20 bytes in `f32` for what they leave open.
@@ -100,33 +102,39 @@ pub(crate) const EVALUATION: f32 = 4.0 * f32::EPSILON;
 pub(crate) const UNDERFLOW: f32 = f32::from_bits(1 << 4);
 
 impl FacePlanes {
-    /// Computes the planes of all faces. Linear time, about 30 ns a face. Memory: 28 bytes a face.
+    /// Computes the planes of all faces. Linear time, about 15 ns a face, on several threads with the feature `parallel`.
+    /// Memory: 28 bytes a face.
     #[must_use]
     pub fn new(mesh: &Mesh) -> Self {
-        let vertices = mesh.triangles().iter().flatten().map(|&v| mesh.positions()[v as usize]);
-        let origin = Aabb::around(vertices.clone()).centre();
-        let from_origin = |p: [f32; 3]| [0, 1, 2].map(|i| f64::from(p[i]) - f64::from(origin[i]));
-        let reach = vertices.map(|p| from_origin(p).iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
+        let corners = |triangle: &[u32; 3]| triangle.map(|v| mesh.positions()[v as usize]);
+        // Each face by itself first: a sum of all in a row would wait for every comparison.
+        let around = |faces: &[[u32; 3]]| {
+            faces.iter().fold(Aabb::EMPTY, |all, face| all.join(&Aabb::around(corners(face))))
+        };
+        let bounds = parallel::fold(mesh.triangles(), GRAIN, around, |a, b| a.join(&b));
+        let origin = bounds.centre();
+        let far = |p: [f32; 3]| {
+            let [x, y, z] = [0, 1, 2].map(|i| (f64::from(p[i]) - f64::from(origin[i])).abs());
+            x + y + z
+        };
+        let farthest = |faces: &[[u32; 3]]| {
+            faces.iter().fold(0.0, |most: f64, face| {
+                let [a, b, c] = corners(face).map(far);
+                most.max(a.max(b).max(c))
+            })
+        };
+        let reach = parallel::fold(mesh.triangles(), GRAIN, farthest, f64::max);
         let reach = round_up(reach);
         let n = mesh.face_count();
-        let mut planes = Self {
-            normal: [(); 3].map(|()| Vec::with_capacity(n)),
-            offset: Vec::with_capacity(n),
-            error: Vec::with_capacity(n),
-            quantised: QuantisedPlanes::with_capacity(n),
-            origin,
-            reach,
+        let (mut numbers, mut quantised) = ([(); 5].map(|()| vec![0.0; n]), [(); 4].map(|()| vec![0; n]));
+        let planes = PlanesMut {
+            numbers: numbers.each_mut().map(Vec::as_mut_slice),
+            quantised: quantised.each_mut().map(Vec::as_mut_slice),
         };
-        for face in 0..n {
-            let plane = plane(mesh.corners(FaceId::new(face)), origin, f64::from(reach));
-            planes.normal[0].push(plane.normal[0]);
-            planes.normal[1].push(plane.normal[1]);
-            planes.normal[2].push(plane.normal[2]);
-            planes.offset.push(plane.offset);
-            planes.error.push(plane.error);
-            planes.quantised.push(quantised::of_plane(plane.normal, plane.offset, plane.error, reach));
-        }
-        planes
+        make(mesh.positions(), mesh.triangles(), origin, reach, planes);
+        let [x, y, z, offset, error] = numbers;
+        let quantised = QuantisedPlanes::new(quantised);
+        Self { normal: [x, y, z], offset, error, quantised, origin, reach }
     }
 
     /// The unit normal of a face, each component rounded to `f32`; zero where none could be formed.
@@ -287,13 +295,87 @@ impl FacePlanes {
     }
 }
 
+/// Where the planes of some faces belong: normals, offsets and errors; whole numbers.
+struct PlanesMut<'a> {
+    numbers: [&'a mut [f32]; 5],
+    quantised: [&'a mut [i16]; 4],
+}
+
+impl PlanesMut<'_> {
+    fn split(self, at: usize) -> [Self; 2] {
+        let (mut left, mut right) = (self.numbers, [(); 5].map(|()| &mut [][..]));
+        for (left, right) in left.iter_mut().zip(&mut right) {
+            (*left, *right) = std::mem::take(left).split_at_mut(at);
+        }
+        let (mut low, mut high) = (self.quantised, [(); 4].map(|()| &mut [][..]));
+        for (low, high) in low.iter_mut().zip(&mut high) {
+            (*low, *high) = std::mem::take(low).split_at_mut(at);
+        }
+        [Self { numbers: left, quantised: low }, Self { numbers: right, quantised: high }]
+    }
+}
+
+/// Faces whose planes one thread makes: a fifth of a millisecond.
+const GRAIN: usize = 1 << 14;
+
+fn make(positions: &[[f32; 3]], triangles: &[[u32; 3]], origin: [f32; 3], reach: f32, planes: PlanesMut<'_>) {
+    if triangles.len() <= GRAIN {
+        return make_in_order(positions, triangles, origin, reach, planes);
+    }
+    let half = triangles.len() / 2;
+    let ([left, right], (first, second)) = (planes.split(half), triangles.split_at(half));
+    parallel::join(
+        || make(positions, first, origin, reach, left),
+        || make(positions, second, origin, reach, right),
+    );
+}
+
+/// Corners are fetched for some faces at once, and their planes made in vector registers: no branches between.
+#[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
+fn make_in_order(
+    positions: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+    origin: [f32; 3],
+    reach: f32,
+    mut planes: PlanesMut<'_>,
+) {
+    const BLOCK: usize = 64;
+    let mut corners = [[[0.0; BLOCK]; 3]; 3];
+    let (mut numbers, mut whole) = ([[0.0; BLOCK]; 5], [[0; BLOCK]; 4]);
+    for (first, triangles) in (0..).step_by(BLOCK).zip(triangles.chunks(BLOCK)) {
+        for (place, triangle) in triangles.iter().enumerate() {
+            for (corner, &v) in corners.iter_mut().zip(triangle) {
+                for (row, x) in corner.iter_mut().zip(positions[v as usize]) {
+                    row[place] = x;
+                }
+            }
+        }
+        for i in 0..BLOCK {
+            let [a, b, c] = &corners;
+            let at = |corner: &[[f32; BLOCK]; 3]| [corner[0][i], corner[1][i], corner[2][i]];
+            let plane = plane([at(a), at(b), at(c)], origin, f64::from(reach));
+            let [x, y, z, w] = quantised::of_plane(plane.normal, plane.offset, plane.error, reach);
+            (numbers[0][i], numbers[1][i], numbers[2][i]) = plane.normal.into();
+            (numbers[3][i], numbers[4][i]) = (plane.offset, plane.error);
+            (whole[0][i], whole[1][i], whole[2][i], whole[3][i]) = (x, y, z, w);
+        }
+        let (range, count) = (first..first + triangles.len(), triangles.len());
+        for (to, from) in planes.numbers.iter_mut().zip(&numbers) {
+            to[range.clone()].copy_from_slice(&from[..count]);
+        }
+        for (to, from) in planes.quantised.iter_mut().zip(&whole) {
+            to[range.clone()].copy_from_slice(&from[..count]);
+        }
+    }
+}
+
 struct Plane {
     normal: [f32; 3],
     offset: f32,
     error: f32,
 }
 
-#[inline]
+#[inline(always)]
 fn plane([a, b, c]: [[f32; 3]; 3], origin: [f32; 3], reach: f64) -> Plane {
     const U: f64 = f64::EPSILON / 2.0;
     let wide = |[x, y, z]: [f32; 3]| DVec3::new(x.into(), y.into(), z.into());
@@ -305,21 +387,25 @@ fn plane([a, b, c]: [[f32; 3]; 3], origin: [f32; 3], reach: f64) -> Plane {
     // Per component of the unit normal: the cross product's own error, then normalising's four roundings.
     let slack = 6.0 * U * magnitudes / length + 4.0 * U;
     let offset_slack = 4.0 * slack + 8.0 * U;
-    // A normal of length 0, or one that may point anywhere.
-    if !(length > 0.0 && slack < 1.0) {
-        return Plane { normal: [0.0; 3], offset: 0.0, error: f32::INFINITY };
-    }
+    // Not so of a normal of length 0, or one that may point anywhere.
+    let known = (length > 0.0) & (slack < 1.0);
     let normal = normal / length;
     let a = wide(a) - wide(origin);
     let offset = -(normal.x * a.x + normal.y * a.y + normal.z * a.z) as f32;
-    let error = if offset.is_finite() && reach.is_finite() { round_up(offset_slack) } else { f32::INFINITY };
-    Plane { normal: [normal.x as f32, normal.y as f32, normal.z as f32], offset, error }
+    let bounded = known & offset.is_finite() & reach.is_finite();
+    let keep = |x: f32| if known { x } else { 0.0 };
+    Plane {
+        normal: [keep(normal.x as f32), keep(normal.y as f32), keep(normal.z as f32)],
+        offset: keep(offset),
+        error: if bounded { round_up(offset_slack) } else { f32::INFINITY },
+    }
 }
 
-/// The nearest `f32` that is not smaller.
+/// The nearest `f32` that is not smaller than a number that is not negative.
+#[inline(always)]
 fn round_up(x: f64) -> f32 {
     let near = x as f32;
-    if f64::from(near) < x { near.next_up() } else { near }
+    f32::from_bits(near.to_bits() + u32::from(f64::from(near) < x))
 }
 
 #[cfg(test)]

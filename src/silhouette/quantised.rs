@@ -37,12 +37,11 @@ const MOST_ERROR: f32 = 1.0 / 67_108_864.0;
 const LEAST_REACH: f32 = 1.0 / (1_u128 << 100) as f32;
 
 /// A plane of unit normal and offset, known up to `error` a component (times `reach` for the offset).
-pub(super) fn of_plane(normal: [f32; 3], offset: f32, error: f32, reach: f32) -> Quantised {
-    if !(error <= MOST_ERROR && reach >= LEAST_REACH) {
-        return [0; 4];
-    }
-    let [x, y, z] = normal.map(f64::from);
-    [x, y, z, f64::from(offset) / f64::from(reach)].map(|x| nearest(x * MOST))
+#[inline(always)]
+pub(super) fn of_plane([x, y, z]: [f32; 3], offset: f32, error: f32, reach: f32) -> Quantised {
+    let known = (error <= MOST_ERROR) & (reach >= LEAST_REACH);
+    let of = |x: f64| if known { nearest(x * MOST) } else { 0 };
+    [of(x.into()), of(y.into()), of(z.into()), of(f64::from(offset) / f64::from(reach))]
 }
 
 /// A light as seen from the local origin of planes.
@@ -60,6 +59,7 @@ pub(super) fn of_light(light: &Light, origin: [f32; 3], reach: f32) -> Quantised
 }
 
 /// The nearest whole number; never −32768.
+#[inline(always)]
 fn nearest(x: f64) -> i16 {
     ((x + 0.5_f64.copysign(x)) as i16).max(-i16::MAX)
 }
@@ -87,19 +87,19 @@ pub(super) fn heights([x, y, z, w]: [&[i16]; 4], light: &Quantised, heights: &mu
 pub(super) struct QuantisedPlanes([Vec<i16>; 4]);
 
 impl QuantisedPlanes {
-    pub(super) fn with_capacity(faces: usize) -> Self {
-        Self([(); 4].map(|()| Vec::with_capacity(faces)))
-    }
-
-    pub(super) fn push(&mut self, plane: Quantised) {
-        for (list, number) in self.0.iter_mut().zip(plane) {
-            list.push(number);
-        }
+    /// Of one list a component, all of one length.
+    pub(super) fn new(lists: [Vec<i16>; 4]) -> Self {
+        Self(lists)
     }
 
     pub(super) fn get(&self, face: usize) -> Quantised {
         let [x, y, z, w] = &self.0;
         [x[face], y[face], z[face], w[face]]
+    }
+
+    /// The numbers of all faces, those of a face together.
+    pub(super) fn all(&self) -> Vec<Quantised> {
+        (0..self.0[0].len()).map(|face| self.get(face)).collect()
     }
 
     /// The sides of a run of faces, [`Facing::EdgeOn`] for what this does not tell; how many those are.

@@ -10,6 +10,8 @@
 //! leaves of 32 whose two planes stand side by side, so that a leaf is evaluated by vector instructions without a single
 //! gather; nodes have eight children; and what the numbers leave open is decided exactly.
 
+pub(super) mod build;
+
 use super::edge_set::{Bits, EdgeSet};
 use super::plane::LocalLight;
 use super::quantised::{self, BACK, FRONT, Quantised};
@@ -19,11 +21,20 @@ use crate::mesh::{EdgeId, FaceId, Mesh};
 use crate::topology::Topology;
 
 /// Edges in a leaf.
-const LEAF: usize = 32;
+pub(super) const LEAF: usize = 32;
 /// Children of a node.
-const WIDE: usize = 8;
+pub(super) const WIDE: usize = 8;
 /// One edge in so many may be left open, or lie outside the tree, before a scan of everything is cheaper.
 const OPEN_SHARE: usize = 64;
+/// One leaf in so many may have to be looked at,
+const CROWDED_LEAVES: usize = 4;
+/// and one edge in so many may be found, before a scan is cheaper.
+const CROWDED_EDGES: usize = 40;
+/// Leaves that are looked at before what was found in them is collected.
+const BATCH: usize = 64;
+/// After searches that were given up, so many lights at most are scanned for before the tree is tried again: trying costs
+/// up to a fifth of a scan.
+const PATIENCE: u32 = 8;
 
 /// A tree over the edges of a mesh, for many lights while the mesh rests.
 ///
@@ -54,8 +65,16 @@ pub struct SilhouetteTree {
     apart: Vec<u32>,
     /// How many edges may be left open or lie apart before a scan is cheaper.
     most_open: usize,
+    /// How many leaves may be looked at, and how many edges found in them.
+    most_leaves: usize,
+    most_found: usize,
+    waiting: Waiting,
     work: Work,
 }
+
+/// How many lights are still to be scanned for before the tree is tried again, how many that were at first, and why.
+#[derive(Clone, Copy, Debug, Default)]
+struct Waiting(u32, u32, Option<TreeSearch>);
 
 /// What a search leaves behind, kept for its memory.
 #[derive(Clone, Debug)]
@@ -64,10 +83,13 @@ struct Work {
     /// Of an edge in `found`: whether its multiplicity is negative.
     negative: Vec<u64>,
     found_count: usize,
+    /// Edges on their way into `found`, doubled, plus 1 if negative.
+    hits: Vec<u32>,
     open: Vec<u32>,
     nodes: Vec<u32>,
     next: Vec<u32>,
     facing: Vec<super::Facing>,
+    signs: Vec<i8>,
 }
 
 /// How a search went.
@@ -82,8 +104,10 @@ pub enum TreeSearch {
         /// Faces that the filters left to the exact predicate; one counts for each of its edges.
         exact: usize,
     },
-    /// By a scan, since too many edges were left open or lie outside the tree.
+    /// By a scan, since too many edges were left open or lie outside the tree, or were for a light shortly before.
     Scanned,
+    /// By a scan, since the silhouette runs through too many leaves, or did for a light shortly before.
+    Crowded,
 }
 
 /// The planes of 32 edges: of the faces that run along them, and of those against.
@@ -92,15 +116,7 @@ struct Leaf([[[i16; LEAF]; 4]; 2]);
 
 /// The lower bounds of eight children and then the upper ones, component by component.
 #[derive(Clone, Debug, Default)]
-struct Node([[i16; 2 * WIDE]; 4]);
-
-/// An edge on its way into a leaf.
-#[derive(Clone, Copy)]
-struct Slot {
-    /// The sum of both planes, halved.
-    middle: Quantised,
-    edge: u32,
-}
+pub(super) struct Node(pub(super) [[i16; 2 * WIDE]; 4]);
 
 impl SilhouetteTree {
     /// Builds the tree. Takes the time of some hundred looks at all edges: worth it for many lights.
@@ -110,60 +126,7 @@ impl SilhouetteTree {
     /// Panics if `topology` has another number of faces than `mesh`.
     #[must_use]
     pub fn new(mesh: &Mesh, topology: &Topology) -> Self {
-        assert_eq!(mesh.face_count(), topology.face_count(), "the topology is of another mesh");
-        let planes = FacePlanes::new(mesh);
-        let (mut slots, mut apart) = (Vec::with_capacity(topology.edge_count()), Vec::new());
-        for edge in topology.edges() {
-            match ends(topology, &planes, edge) {
-                Some([a, b]) => {
-                    let middle = [0, 1, 2, 3].map(|i| ((i32::from(a[i]) + i32::from(b[i])) / 2) as i16);
-                    slots.push(Slot { middle, edge: edge.0 });
-                }
-                None => apart.push(edge.0),
-            }
-        }
-        arrange(&mut slots);
-        let edges: Vec<u32> = slots.into_iter().map(|slot| slot.edge).collect();
-        let mut leaves = Vec::with_capacity(edges.len().div_ceil(LEAF));
-        let mut bounds = Vec::with_capacity(leaves.capacity());
-        for edges in edges.chunks(LEAF) {
-            let mut leaf = Leaf([[[0; LEAF]; 4]; 2]);
-            let mut bound = Bound::NOTHING;
-            for (place, &edge) in edges.iter().enumerate() {
-                let ends = ends(topology, &planes, EdgeId(edge)).expect("it had them before");
-                for (side, plane) in leaf.0.iter_mut().zip(ends) {
-                    for (row, number) in side.iter_mut().zip(plane) {
-                        row[place] = number;
-                    }
-                    bound = bound.around(&Bound { low: plane, high: plane });
-                }
-            }
-            leaves.push(leaf);
-            bounds.push(bound);
-        }
-        let mut levels = Vec::new();
-        while !bounds.is_empty() {
-            levels.push(bounds.chunks(WIDE).map(Node::over).collect());
-            if bounds.len() <= WIDE {
-                break;
-            }
-            bounds = bounds
-                .chunks(WIDE)
-                .map(|children| children.iter().fold(Bound::NOTHING, |all, child| all.around(child)))
-                .collect();
-        }
-        let edge_count = topology.edge_count();
-        let work = Work {
-            found: EdgeSet::new(edge_count),
-            negative: vec![0; edge_count.div_ceil(64)],
-            found_count: 0,
-            open: Vec::new(),
-            nodes: Vec::new(),
-            next: Vec::new(),
-            facing: Vec::new(),
-        };
-        let most_open = edge_count / OPEN_SHARE;
-        Self { planes, edge_count, leaves, edges, levels, apart, most_open, work }
+        build::build(mesh, topology)
     }
 
     /// The planes of the mesh's faces.
@@ -229,23 +192,51 @@ impl SilhouetteTree {
     ) -> (Silhouette, TreeSearch) {
         assert_eq!(mesh.face_count(), self.planes.offset.len(), "the tree is of another mesh");
         assert_eq!(topology.edge_count(), self.edge_count, "the tree is of another topology");
-        let local = self.planes.local(light);
-        let (nodes, leaves) = if self.is_idle() { (0, 0) } else { self.walk(&local.quantised) };
-        if self.apart.len().saturating_add(self.work.open.len()) > self.most_open {
-            self.work.found.drain(|_, _| ());
-            (self.work.found_count, self.work.open) = (0, Vec::new());
-            self.planes.classify_into(mesh, light, &mut self.work.facing);
-            let signs = casters.signs(&self.work.facing);
-            return (Silhouette::extract(topology, &signs), TreeSearch::Scanned);
+        if let Waiting(left @ 1.., _, Some(why)) = &mut self.waiting {
+            *left -= 1;
+            let why = *why;
+            return (self.scan(mesh, topology, light, casters).0, why);
         }
-        let (singles, exact) = self.settle(mesh, topology, &local, casters);
-        (self.gather(&singles, casters), TreeSearch::Searched { nodes, leaves, exact })
+        let local = self.planes.local(light);
+        let walk = if self.is_idle() { Err(TreeSearch::Scanned) } else { self.walk(&local.quantised) };
+        match walk {
+            Ok([nodes, leaves]) => {
+                self.waiting = Waiting::default();
+                let (singles, exact) = self.settle(mesh, topology, &local, casters);
+                (self.gather(&singles, casters), TreeSearch::Searched { nodes, leaves, exact })
+            }
+            Err(mut why) => {
+                (self.work.hits, self.work.open) = (Vec::new(), Vec::new());
+                let (silhouette, ties) = self.scan(mesh, topology, light, casters);
+                if ties > self.most_open {
+                    why = TreeSearch::Scanned;
+                }
+                let wait = (2 * self.waiting.1).clamp(1, PATIENCE);
+                self.waiting = Waiting(wait, wait, Some(why));
+                (silhouette, why)
+            }
+        }
     }
 
-    /// Collects the edges that are surely silhouette and those left open, until those are too many. How many
-    /// nodes and leaves it looked at.
-    fn walk(&mut self, light: &Quantised) -> (usize, usize) {
-        let Self { leaves, edges, levels, most_open, work, .. } = self;
+    /// All sides and all edges; how many sides were left to the exact predicate.
+    fn scan(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        light: &Light,
+        casters: Casters,
+    ) -> (Silhouette, usize) {
+        let Work { facing, signs, .. } = &mut self.work;
+        let exact = self.planes.classify_into(mesh, light, facing);
+        casters.signs_into(facing, signs);
+        (Silhouette::extract(topology, signs), exact)
+    }
+
+    /// Collects the edges that are surely silhouette and those left open. How many nodes and leaves it looked at; or why
+    /// it gave up, since they are too many.
+    fn walk(&mut self, light: &Quantised) -> Result<[usize; 2], TreeSearch> {
+        let Self { leaves, edges, levels, most_leaves, most_found, work, .. } = self;
+        let most_open = self.most_open.saturating_sub(self.apart.len());
         let mut looked = 0;
         work.nodes.clear();
         work.nodes.extend(levels.last().map(|_| 0));
@@ -261,36 +252,49 @@ impl SilhouetteTree {
             }
             std::mem::swap(&mut work.nodes, &mut work.next);
         }
-        for &leaf in &work.nodes {
-            let first = leaf as usize * LEAF;
-            let edges = &edges[first..edges.len().min(first + LEAF)];
-            let codes = leaves[leaf as usize].codes(light);
-            for (eight, codes) in codes.chunks_exact(8).enumerate() {
-                let codes = u64::from_le_bytes(codes.try_into().expect("eight"));
-                // A code has two bits; one of them is enough to find it, and then it stands alone in its byte.
-                let mut left = (codes | codes >> 1) & 0x0101_0101_0101_0101;
-                while left != 0 {
-                    let bit = left.trailing_zeros();
-                    left &= left - 1;
-                    // Beyond the last edge of the last leaf nothing is found.
-                    let Some(&edge) = edges.get(eight * 8 + bit as usize / 8) else { break };
-                    match (codes >> bit) as u8 & 3 {
-                        OPEN => work.open.push(edge),
-                        code => {
-                            work.found.insert(edge);
-                            let word = &mut work.negative[edge as usize / 64];
-                            let bit = edge % 64;
-                            *word = *word & !(1 << bit) | u64::from(code == AGAINST) << bit;
-                            work.found_count += 1;
+        if work.nodes.len() > *most_leaves {
+            return Err(TreeSearch::Crowded);
+        }
+        let mut batch_codes = [[QUIET; LEAF]; BATCH];
+        for (batches, batch) in (1..).zip(work.nodes.chunks(BATCH)) {
+            // No branch here depends on what is found, so that the next leaves are fetched meanwhile.
+            for (&leaf, codes) in batch.iter().zip(&mut batch_codes) {
+                *codes = leaves[leaf as usize].codes(light);
+            }
+            for (&leaf, codes) in batch.iter().zip(&batch_codes) {
+                let first = leaf as usize * LEAF;
+                let edges = &edges[first..edges.len().min(first + LEAF)];
+                for (eight, codes) in codes.as_chunks::<8>().0.iter().enumerate() {
+                    let codes = u64::from_le_bytes(*codes);
+                    // A code has two bits; one of them is enough to find it, and then it stands alone in its byte.
+                    for bit in Bits((codes | codes >> 1) & 0x0101_0101_0101_0101) {
+                        // Beyond the last edge of the last leaf nothing is found.
+                        let Some(&edge) = edges.get(eight * 8 + bit as usize / 8) else { break };
+                        match (codes >> bit) as u8 & 3 {
+                            OPEN => work.open.push(edge),
+                            // Edges number less than 2^31.
+                            code => work.hits.push(edge << 1 | u32::from(code == AGAINST)),
                         }
                     }
                 }
             }
-            if work.open.len() > *most_open {
-                break;
+            if work.open.len() > most_open {
+                return Err(TreeSearch::Scanned);
+            }
+            // As it goes on like this.
+            let found = work.hits.len().saturating_mul(work.nodes.len()) / (batches * BATCH);
+            if batches >= 4 && found > *most_found {
+                return Err(TreeSearch::Crowded);
             }
         }
-        (looked, work.nodes.len())
+        for hit in work.hits.drain(..) {
+            let edge = hit >> 1;
+            work.found.insert(edge);
+            let (word, bit) = (&mut work.negative[edge as usize / 64], edge % 64);
+            *word = *word & !(1 << bit) | u64::from(hit & 1) << bit;
+            work.found_count += 1;
+        }
+        Ok([looked, work.nodes.len()])
     }
 
     /// The edges that are decided one by one and are silhouette, ascending; how often the exact predicate was asked.
@@ -362,6 +366,8 @@ const AGAINST: u8 = 2;
 const OPEN: u8 = 3;
 
 impl Leaf {
+    const EMPTY: Self = Self([[[0; LEAF]; 4]; 2]);
+
     /// What is known of each edge, in the lowest two bits of a byte.
     #[inline]
     fn codes(&self, light: &Quantised) -> [u8; LEAF] {
@@ -393,23 +399,18 @@ fn compare(along: &[i16], against: &[i16], codes: &mut [u8]) {
 }
 
 impl Node {
-    fn over(children: &[Bound]) -> Self {
-        let mut node = Self::default();
-        for (place, bound) in children.iter().enumerate() {
-            for i in 0..4 {
-                (node.0[i][place], node.0[i][WIDE + place]) = (bound.low[i], bound.high[i]);
-            }
-        }
-        node
-    }
-
     /// One bit at the foot of a byte for each child that may hold a silhouette edge, or an open one.
     ///
     /// The height of a plane never falls when a number of it grows whose counterpart of the light is not negative, and
     /// never rises otherwise. So one corner of the box is the lowest that any plane within reaches, in the very numbers
     /// that decide a plane, and another corner the highest: nothing but the bound of [`Quantised`] is needed.
-    #[inline(never)]
     fn undecided(&self, light: &Quantised) -> u64 {
+        self.decided(light)[0]
+    }
+
+    /// The same, and one bit for each child whose planes all have the light in front.
+    #[inline(never)]
+    pub(super) fn decided(&self, light: &Quantised) -> [u64; 2] {
         let mut corners = self.0;
         for (row, &number) in corners.iter_mut().zip(light) {
             if number < 0 {
@@ -420,67 +421,14 @@ impl Node {
         let mut heights = [0; 2 * WIDE];
         quantised::heights(corners.each_ref().map(|row| &row[..]), light, &mut heights);
         let (least, most) = heights.split_at(WIDE);
-        let mut undecided = [0_u8; WIDE];
-        for ((undecided, &least), &most) in undecided.iter_mut().zip(least).zip(most) {
+        let (mut undecided, mut in_front) = ([0_u8; WIDE], [0_u8; WIDE]);
+        for (((undecided, in_front), &least), &most) in
+            undecided.iter_mut().zip(&mut in_front).zip(least).zip(most)
+        {
             *undecided = u8::from((least < FRONT) & (most > BACK));
+            *in_front = u8::from(least >= FRONT);
         }
-        u64::from_le_bytes(undecided)
-    }
-}
-
-/// A box of planes.
-#[derive(Clone, Copy, Debug)]
-struct Bound {
-    low: Quantised,
-    high: Quantised,
-}
-
-impl Bound {
-    const NOTHING: Self = Self { low: [i16::MAX; 4], high: [-i16::MAX; 4] };
-
-    fn around(&self, other: &Self) -> Self {
-        let mut both = *self;
-        for i in 0..4 {
-            both.low[i] = both.low[i].min(other.low[i]);
-            both.high[i] = both.high[i].max(other.high[i]);
-        }
-        both
-    }
-}
-
-/// The planes of the face along an edge and of the face against it, if there are just these and both are known well.
-fn ends(topology: &Topology, planes: &FacePlanes, edge: EdgeId) -> Option<[Quantised; 2]> {
-    let mut uses = topology.uses(edge);
-    let (Some((a, up)), Some((b, down)), None) = (uses.next(), uses.next(), uses.next()) else { return None };
-    if up == down {
-        return None;
-    }
-    let (along, against) = if up > 0 { (a, b) } else { (b, a) };
-    let ends = [along, against].map(|face| planes.quantised.get(face.index()));
-    ends.iter().all(|plane| *plane != [0; 4]).then_some(ends)
-}
-
-/// Orders edges so that those of a leaf, of eight leaves, of 64 and so on have planes near each other: halves at the
-/// middle of the widest component, at a whole number of the largest node that fits more than once.
-fn arrange(slots: &mut [Slot]) {
-    let mut parts = vec![slots];
-    while let Some(part) = parts.pop() {
-        if part.len() <= LEAF {
-            continue;
-        }
-        let mut unit = LEAF;
-        while unit * WIDE < part.len() {
-            unit *= WIDE;
-        }
-        let bound = part
-            .iter()
-            .fold(Bound::NOTHING, |bound, slot| bound.around(&Bound { low: slot.middle, high: slot.middle }));
-        let width = |i: usize| i32::from(bound.high[i]) - i32::from(bound.low[i]);
-        let widest = [0, 1, 2, 3].into_iter().max_by_key(|&i| width(i)).expect("four");
-        let half = (part.len() / 2).div_ceil(unit) * unit;
-        part.select_nth_unstable_by_key(half, |slot| (slot.middle[widest], slot.edge));
-        let (left, right) = part.split_at_mut(half);
-        parts.extend([left, right]);
+        [undecided, in_front].map(u64::from_le_bytes)
     }
 }
 
@@ -496,7 +444,7 @@ mod tests {
     fn built(mesh: &Mesh) -> (Topology, SilhouetteTree) {
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let mut tree = SilhouetteTree::new(mesh, &topology);
-        tree.most_open = usize::MAX;
+        (tree.most_open, tree.most_leaves, tree.most_found) = (usize::MAX, usize::MAX, usize::MAX);
         (topology, tree)
     }
 
@@ -533,7 +481,7 @@ mod tests {
         let (given_up, search) = tree.search(&mesh, &topology, &on_vertex, Casters::All);
         assert_eq!(search, TreeSearch::Scanned);
         assert!(given_up == scan(&mesh, &topology, &on_vertex, Casters::All));
-        tree.most_open = usize::MAX;
+        (tree.most_open, tree.waiting) = (usize::MAX, Waiting::default());
         assert!(trial::lights(&mesh).iter().all(|light| agrees(&mesh, &topology, &mut tree, light)));
     }
 
@@ -547,6 +495,27 @@ mod tests {
             panic!("nothing is left open")
         };
         assert!(leaves * 5 < tree.leaves.len(), "{leaves} of {}", tree.leaves.len());
+    }
+
+    #[test]
+    fn silhouette_tree_that_was_given_up_is_tried_again_and_is_right_all_the_while() {
+        let mesh = solid::torus(40, 30, 2.0, 0.75);
+        let (topology, mut tree) = built(&mesh);
+        tree.most_leaves = 0;
+        let light = Light::point([3.0, 4.0, 5.0]).unwrap();
+        let expected = scan(&mesh, &topology, &light, Casters::All);
+        let mut went = Vec::new();
+        for i in 0..20 {
+            if i == 5 {
+                tree.most_leaves = usize::MAX;
+            }
+            let (silhouette, search) = tree.search(&mesh, &topology, &light, Casters::All);
+            assert_eq!(silhouette, expected);
+            went.push(search == TreeSearch::Crowded);
+        }
+        // Given up, one left out; given up, two left out; and then the tree is taken.
+        assert_eq!(went.iter().position(|&crowded| !crowded), Some(5));
+        assert!(went[5..].iter().all(|&crowded| !crowded));
     }
 
     /// Whether a faulty tree is found out by the lights of the comparison.

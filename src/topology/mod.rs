@@ -74,9 +74,20 @@ impl Eq for Topology {}
 
 /// A half-edge in the edge table: its id, and whether it runs from the edge's larger vertex to its smaller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Entry(u32);
+pub(crate) struct Entry(u32);
 
 impl Entry {
+    #[inline]
+    pub(crate) fn face(self) -> usize {
+        self.0 as usize / 6
+    }
+
+    /// 1 if it runs against the edge, else 0.
+    #[inline]
+    pub(crate) fn against(self) -> u32 {
+        self.0 & 1
+    }
+
     #[inline]
     fn half_edge(self) -> HalfEdgeId {
         HalfEdgeId(self.0 >> 1)
@@ -84,7 +95,7 @@ impl Entry {
 
     /// +1 along the edge (smaller to larger vertex), −1 against it.
     #[inline]
-    fn direction(self) -> i32 {
+    pub(crate) fn direction(self) -> i32 {
         1 - 2 * (self.0 & 1) as i32
     }
 }
@@ -356,6 +367,11 @@ impl Topology {
         self.survey.get_or_init(|| star::survey(self.vertex_count, &self.triangles))
     }
 
+    /// The edge table: where each edge's entries start, one more than there are edges; and the entries of all edges.
+    pub(crate) fn table(&self) -> (&[u32], &[Entry]) {
+        (&self.offsets, &self.entries)
+    }
+
     #[inline]
     fn entries(&self, edge: EdgeId) -> &[Entry] {
         &self.entries[self.offsets[edge.index()] as usize..self.offsets[edge.index() + 1] as usize]
@@ -363,6 +379,6 @@ impl Topology {
 }
 
 #[inline]
-fn has_collapsed([a, b, c]: [u32; 3]) -> bool {
+pub(crate) fn has_collapsed([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || c == a
 }

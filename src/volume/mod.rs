@@ -10,6 +10,7 @@
 //!
 //! The winding number of the volume at a point counts the casting faces between that point and the light.
 
+mod cap;
 mod certificate;
 mod extrude;
 #[cfg(feature = "gpu")]
@@ -24,6 +25,7 @@ mod winding;
 use std::ops::Range;
 
 pub use certificate::BoundarySum;
+pub use extrude::{BufferTooSmall, Cast, Extruder, VolumeParts};
 #[cfg(feature = "gpu")]
 pub use gpu::{Demand, GpuExtrusion, GpuVolume, Part, VolumeShaders};
 pub use plan::{Faces, LightPlace, Plan, ShellChoice, ShellProof, Variant};
@@ -73,13 +75,13 @@ impl ShadowVolume {
     /// `silhouette` must be that of the same signs; then the volume is closed, whatever the signs. Its winding
     /// number counts what they say if faces that a point light lies on have sign 0, as those of
     /// [`classify`](crate::silhouette::classify) do: on such a face no way leads away from the light. Linear in faces
-    /// and silhouette edges.
+    /// and silhouette edges. For light after light, an [`Extruder`] does the same in memory that is kept.
     ///
     /// Memory: at its peak less than 60 bytes for each face of the mesh and each triangle of the volume.
     ///
     /// # Panics
     ///
-    /// Panics if `signs` has another length than the faces of `mesh`, or `silhouette` names an edge that
+    /// Panics if `signs` or `topology` has another number of faces than `mesh`, or `silhouette` names an edge that
     /// `topology` does not have.
     ///
     /// ```
@@ -105,7 +107,18 @@ impl ShadowVolume {
         silhouette: &Silhouette,
         caps: Caps,
     ) -> Self {
-        extrude::extrude(mesh, topology, light, signs, silhouette, caps)
+        let mut volume = Self {
+            light: *light,
+            positions: Vec::new(),
+            casters: Vec::new(),
+            extruded: Vec::new(),
+            triangles: Vec::new(),
+            light_cap: 0,
+            sides: 0,
+        };
+        let cast = Cast { mesh, topology, light, signs, silhouette, caps };
+        Extruder::unprepared().extrude_into(&cast, &mut volume);
+        volume
     }
 
     /// The light it was extruded from.

@@ -67,7 +67,7 @@ fn judge(mesh: &Mesh, taken: &mut Taken) {
             assert!(found == expected, "{} {light} {casters:?}: another silhouette, {search:?}", mesh.name);
             match search {
                 TreeSearch::Searched { .. } => taken.searched += 1,
-                TreeSearch::Scanned => taken.scanned += 1,
+                TreeSearch::Scanned | TreeSearch::Crowded => taken.scanned += 1,
             }
         }
     }
@@ -93,6 +93,9 @@ fn silhouette_by_every_way_is_that_of_the_scan_on_generated_meshes() {
         solid::octahedron(),
         sphere.clone(),
         solid::torus(60, 40, 2.0, 0.7),
+        solid::icosphere(6),
+        solid::torus(240, 160, 2.0, 0.7),
+        solid::shuffled(&solid::torus(200, 150, 2.0, 0.7), 3),
         solid::torus_knot(2, 3, 120, 12, 0.3),
         solid::shuffled(&solid::torus(60, 40, 2.0, 0.7), 7),
         solid::hollow_cube(),
@@ -127,7 +130,7 @@ fn silhouette_by_every_way_is_that_of_the_scan_on_generated_meshes() {
     for mesh in &meshes {
         judge(mesh, &mut taken);
     }
-    assert!(taken.searched > 100 && taken.scanned > 100 && taken.followed > 100, "{taken:?}");
+    assert!(taken.searched > 60 && taken.scanned > 100 && taken.followed > 100, "{taken:?}");
 }
 
 #[test]
@@ -159,5 +162,5 @@ fn silhouette_by_every_way_is_that_of_the_scan_on_real_meshes() {
         judged += 1;
     }
     assert_eq!(judged, 29);
-    assert!(taken.searched > 100 && taken.scanned > 20 && taken.followed > 200, "{taken:?}");
+    assert!(taken.searched > 50 && taken.scanned > 20 && taken.followed > 200, "{taken:?}");
 }

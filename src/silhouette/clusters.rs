@@ -1,0 +1,325 @@
+//! Which faces a light is in front of, as ranges of an order of faces: whole clusters at a time.
+//!
+//! Faces whose planes are near each other lie side by side, 32 in a cluster, and a tree of boxes over their planes, as in
+//! `tree.rs`, tells of many clusters at once that the light is in front of them all, or behind. Only clusters that it
+//! does not tell of are looked at face by face. (Cf. the clusters that Matt Olson and Hao Zhang, *Silhouette Extraction in
+//! Hough Space*, 2006, leave out; here what is left out is drawn.)
+
+use std::ops::Range;
+
+use super::quantised::{self, BACK, FRONT, Quantised};
+use super::tree::build::{self, Bound};
+use super::tree::{LEAF, Node, WIDE};
+use super::{FacePlanes, Facing};
+use crate::geom::Light;
+use crate::mesh::{FaceId, Mesh};
+
+/// An order of the faces of a mesh in which most faces that a light is in front of stand together.
+///
+/// Made for drawing: with the triangles in this order in an index buffer, and once more each reversed, both caps of a
+/// shadow volume are draws of a few ranges of those buffers, the dark cap with an offset of the vertices; the faces that
+/// stand alone, and the sides ([`Extruder::write_indices`](crate::volume::Extruder::write_indices) without caps), go into
+/// a small buffer that is written for each light. Nothing then takes time for every face.
+///
+/// Holds 12 bytes a face and a share of the nodes.
+///
+/// ```
+/// use umbrage::{geom::Light, mesh::solid};
+/// use umbrage::silhouette::{FaceClusters, FacePlanes, Facing, FacingRanges};
+/// let sphere = solid::icosphere(5);
+/// let planes = FacePlanes::new(&sphere);
+/// let clusters = FaceClusters::new(&sphere, &planes);
+/// let mut ranges = FacingRanges::default();
+/// clusters.find(&sphere, &planes, &Light::point([3.0, 4.0, 5.0])?, &mut ranges);
+/// let in_ranges: u32 = ranges.front.iter().chain(&ranges.back).map(|range| range.end - range.start).sum();
+/// assert!(in_ranges as usize > sphere.face_count() / 4 * 3);
+/// assert!(ranges.single.len() < sphere.face_count() / 8);
+/// # Ok::<(), umbrage::geom::LightError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FaceClusters {
+    order: Vec<FaceId>,
+    clusters: Vec<Cluster>,
+    levels: Vec<Vec<Node>>,
+}
+
+/// The planes of 32 faces.
+#[derive(Clone, Debug)]
+struct Cluster([[i16; LEAF]; 4]);
+
+/// The faces that a light is in front of, and those that it is behind.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FacingRanges {
+    /// Ranges of places in [`FaceClusters::order`] with the light in front of every face: ascending, none empty, none
+    /// beginning where another ends.
+    pub front: Vec<Range<u32>>,
+    /// The same with the light behind every face.
+    pub back: Vec<Range<u32>>,
+    /// The other faces, ascending in the order, with their sides; those that the light is in the plane of are not listed.
+    pub single: Vec<(FaceId, Facing)>,
+    /// What is still to be looked at; kept for its memory.
+    stack: Vec<Part>,
+}
+
+/// Places of a level: a node, or from level 0 on down a cluster.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Part {
+    /// How many levels of nodes stand over clusters here: 0 for a cluster.
+    height: u32,
+    place: u32,
+    /// Where the light is for all of its faces; edge-on if that is not known.
+    facing: Facing,
+}
+
+impl FaceClusters {
+    /// Orders the faces. On several threads with the feature `parallel`.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the planes are of a mesh with another number of faces.
+    #[must_use]
+    pub fn new(mesh: &Mesh, planes: &FacePlanes) -> Self {
+        assert_eq!(mesh.face_count(), planes.offset.len(), "the planes are of another mesh");
+        let numbers = planes.quantised.all();
+        let faces = build::arrange(numbers.iter().copied().zip(0..).collect());
+        let clusters: Vec<Cluster> = faces
+            .chunks(LEAF)
+            .map(|faces| {
+                let mut cluster = Cluster([[0; LEAF]; 4]);
+                for (place, &face) in faces.iter().enumerate() {
+                    for (row, number) in cluster.0.iter_mut().zip(numbers[face as usize]) {
+                        row[place] = number;
+                    }
+                }
+                cluster
+            })
+            .collect();
+        let bound = |faces: &[u32]| Bound::of(faces.iter().map(|&face| numbers[face as usize]));
+        let levels = build::levels(faces.chunks(LEAF).map(bound).collect());
+        Self { order: faces.into_iter().map(FaceId).collect(), clusters, levels }
+    }
+
+    /// All faces, those of a cluster side by side.
+    #[must_use]
+    pub fn order(&self) -> &[FaceId] {
+        &self.order
+    }
+
+    /// The triangles of the mesh in this order: an index buffer whose ranges can be drawn.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the mesh has fewer faces than the one that this was made for.
+    #[must_use]
+    pub fn triangles(&self, mesh: &Mesh) -> Vec<[u32; 3]> {
+        self.order.iter().map(|face| mesh.triangles()[face.index()]).collect()
+    }
+
+    /// Sorts the faces by the side that the light is on: exactly as [`classify`](super::classify). What `ranges` held is
+    /// replaced, and its memory kept.
+    ///
+    /// Takes a look at each cluster that has faces of both sides, or nearly, and at the nodes over it.
+    ///
+    /// # Panics
+    ///
+    /// Panics if mesh or planes have another number of faces than those that this was made for.
+    pub fn find(&self, mesh: &Mesh, planes: &FacePlanes, light: &Light, ranges: &mut FacingRanges) {
+        assert_eq!(mesh.face_count(), self.order.len(), "the clusters are of another mesh");
+        assert_eq!(planes.offset.len(), self.order.len(), "the planes are of another mesh");
+        let local = planes.local(light);
+        let FacingRanges { front, back, single, stack } = ranges;
+        front.clear();
+        back.clear();
+        single.clear();
+        stack.clear();
+        let height = self.levels.len() as u32;
+        stack.extend((height > 0).then_some(Part { height, place: 0, facing: Facing::EdgeOn }));
+        while let Some(part) = stack.pop() {
+            match (part.facing, part.height) {
+                (Facing::Front, _) => extend(front, self.faces(part)),
+                (Facing::Back, _) => extend(back, self.faces(part)),
+                (Facing::EdgeOn, 0) => {
+                    let places = self.faces(part);
+                    let faces = &self.order[places.start as usize..places.end as usize];
+                    let mut sides = [Facing::EdgeOn; LEAF];
+                    self.clusters[part.place as usize].look(&local.quantised, &mut sides);
+                    let sides = &mut sides[..faces.len()];
+                    for (side, face) in
+                        sides.iter_mut().zip(faces).filter(|(side, _)| **side == Facing::EdgeOn)
+                    {
+                        *side = planes.side(mesh, face.index(), &local).0;
+                    }
+                    match sides[0] {
+                        Facing::Front if sides.iter().all(|&side| side == Facing::Front) => {
+                            extend(front, places);
+                        }
+                        Facing::Back if sides.iter().all(|&side| side == Facing::Back) => {
+                            extend(back, places);
+                        }
+                        _ => {
+                            let known = faces.iter().copied().zip(sides.iter().copied());
+                            single.extend(known.filter(|(_, side)| *side != Facing::EdgeOn));
+                        }
+                    }
+                }
+                (Facing::EdgeOn, height) => {
+                    let node = &self.levels[height as usize - 1][part.place as usize];
+                    let [undecided, in_front] = node.decided(&local.quantised);
+                    let below = if height == 1 {
+                        self.clusters.len()
+                    } else {
+                        self.levels[height as usize - 2].len()
+                    };
+                    let first = part.place * WIDE as u32; // fewer than there are faces
+                    let count = (below - first as usize).min(WIDE) as u32;
+                    stack.extend((0..count).rev().map(|child| {
+                        let is_in = |bits: u64| bits >> (8 * child) & 1 == 1;
+                        let facing = match (is_in(undecided), is_in(in_front)) {
+                            (true, _) => Facing::EdgeOn,
+                            (false, true) => Facing::Front,
+                            (false, false) => Facing::Back,
+                        };
+                        Part { height: height - 1, place: first + child, facing }
+                    }));
+                }
+            }
+        }
+    }
+
+    /// Where the faces of a part stand in the order.
+    fn faces(&self, part: Part) -> Range<u32> {
+        let count = (LEAF as u64) * (WIDE as u64).pow(part.height);
+        let end = |place: u64| (place * count).min(self.order.len() as u64) as u32;
+        end(part.place.into())..end(u64::from(part.place) + 1)
+    }
+}
+
+impl Cluster {
+    /// The sides that whole numbers tell; edge-on where they do not.
+    #[inline(never)]
+    fn look(&self, light: &Quantised, sides: &mut [Facing]) {
+        let mut heights = [0; LEAF];
+        quantised::heights(self.0.each_ref().map(|row| &row[..]), light, &mut heights);
+        for (side, &height) in sides.iter_mut().zip(&heights) {
+            *side = match height {
+                FRONT.. => Facing::Front,
+                ..=BACK => Facing::Back,
+                _ => Facing::EdgeOn,
+            };
+        }
+    }
+}
+
+/// Adds a range, to the last one if that ends where it begins.
+fn extend(ranges: &mut Vec<Range<u32>>, more: Range<u32>) {
+    match ranges.last_mut() {
+        Some(last) if last.end == more.start => last.end = more.end,
+        _ => ranges.push(more),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::trial::{self, crumpled, light};
+    use super::super::{FacePlanes, classify};
+    use super::*;
+    use crate::mesh::solid;
+
+    fn built(mesh: &Mesh) -> (FacePlanes, FaceClusters) {
+        let planes = FacePlanes::new(mesh);
+        let clusters = FaceClusters::new(mesh, &planes);
+        (planes, clusters)
+    }
+
+    /// Whether each face is where its side belongs, once, and the ranges are as they are described.
+    fn agrees(
+        mesh: &Mesh,
+        light: &Light,
+        (planes, clusters): &(FacePlanes, FaceClusters),
+        found: &mut FacingRanges,
+    ) -> bool {
+        clusters.find(mesh, planes, light, found);
+        let mut times = vec![0; mesh.face_count()];
+        let mut sides = vec![Facing::EdgeOn; mesh.face_count()];
+        let mut set = |face: FaceId, side| {
+            times[face.index()] += 1;
+            sides[face.index()] = side;
+        };
+        for (ranges, side) in [(&found.front, Facing::Front), (&found.back, Facing::Back)] {
+            for place in ranges.iter().cloned().flatten() {
+                set(clusters.order()[place as usize], side);
+            }
+        }
+        found.single.iter().for_each(|&(face, side)| set(face, side));
+        let apart = |ranges: &[Range<u32>]| ranges.windows(2).all(|pair| pair[0].end < pair[1].start);
+        let listed = |(&times, &side): (&u8, &Facing)| times == u8::from(side != Facing::EdgeOn);
+        apart(&found.front)
+            && apart(&found.back)
+            && found.front.iter().chain(&found.back).all(|range| !range.is_empty())
+            && times.iter().zip(&sides).all(listed)
+            && sides == classify(mesh, light)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+
+        #[test]
+        fn facing_by_clusters_equals_the_predicate_on_meshes_full_of_ties(mesh in crumpled(), lights in light(10)) {
+            let (built, mut found) = (built(&mesh), FacingRanges::default());
+            for light in lights {
+                prop_assert!(agrees(&mesh, &light, &built, &mut found), "{light}");
+            }
+        }
+    }
+
+    #[test]
+    fn facing_by_clusters_equals_the_predicate_on_whole_meshes() {
+        let empty = Mesh::new(vec![], vec![]).unwrap();
+        let somewhere = Light::point([1.0, 2.0, 3.0]).unwrap();
+        assert!(agrees(&empty, &somewhere, &built(&empty), &mut FacingRanges::default()));
+        for mesh in
+            [solid::cube(), solid::icosphere(4), solid::menger_sponge(2), solid::torus(40, 40, 2.0, 0.75)]
+        {
+            let (built, mut found) = (built(&mesh), FacingRanges::default());
+            for light in trial::lights(&mesh) {
+                assert!(agrees(&mesh, &light, &built, &mut found), "{light}");
+            }
+        }
+    }
+
+    #[test]
+    fn facing_by_clusters_leaves_few_faces_of_a_sphere_alone() {
+        let mesh = solid::icosphere(5);
+        let (built, mut found) = (built(&mesh), FacingRanges::default());
+        assert!(agrees(&mesh, &Light::point([3.0, 4.0, 5.0]).unwrap(), &built, &mut found));
+        let (single, ranges) = (found.single.len(), found.front.len() + found.back.len());
+        assert!(single < mesh.face_count() / 8 && ranges < mesh.face_count() / 64, "{single} and {ranges}");
+    }
+
+    /// Whether faulty clusters are found out by the lights of the comparison.
+    fn caught(spoil: impl FnOnce(&mut FaceClusters)) -> bool {
+        let mesh = solid::icosphere(3);
+        let (mut built, mut found) = (built(&mesh), FacingRanges::default());
+        let lights = trial::lights(&mesh);
+        assert!(lights.iter().all(|light| agrees(&mesh, light, &built, &mut found)));
+        spoil(&mut built.1);
+        lights.iter().any(|light| !agrees(&mesh, light, &built, &mut found))
+    }
+
+    #[test]
+    fn facing_by_clusters_with_boxes_that_are_too_small_is_caught() {
+        assert!(caught(|clusters| {
+            for row in clusters.levels.iter_mut().flatten().flat_map(|node| &mut node.0) {
+                let (low, high) = row.split_at_mut(WIDE);
+                low.copy_from_slice(high);
+            }
+        }));
+    }
+
+    #[test]
+    fn facing_by_clusters_with_planes_of_another_face_is_caught() {
+        assert!(caught(|clusters| clusters.clusters.swap(3, 9)));
+    }
+}

@@ -1,0 +1,147 @@
+//! Both caps of a volume, written side by side.
+//!
+//! Which faces cast is counted first, so that every run of faces knows where its triangles belong: threads write to
+//! parts of the buffers that do not meet, and one thread writes them in order.
+
+use crate::parallel;
+use crate::topology::has_collapsed;
+
+/// Faces whose casting ones are counted together.
+const CHUNK: usize = 1024;
+/// Faces that pass through the first-level cache together.
+const BLOCK: usize = 64;
+/// Chunks that one thread writes: tens of microseconds, some times what it takes to wake it.
+const GRAIN: usize = 32;
+
+/// Faces that may cast.
+#[derive(Clone, Copy)]
+pub(super) struct CapFaces<'a> {
+    pub(super) triangles: &'a [[u32; 3]],
+    pub(super) signs: &'a [i8],
+    /// Whether some of them have collapsed.
+    pub(super) collapsed: bool,
+    /// What [`count`] found.
+    pub(super) starts: &'a [u32],
+}
+
+/// How many faces cast; into `starts` how many do before each chunk of [`CHUNK`], and that number once more.
+pub(super) fn count(triangles: &[[u32; 3]], signs: &[i8], collapsed: bool, starts: &mut Vec<u32>) -> usize {
+    starts.clear();
+    starts.push(0);
+    let mut sum = 0;
+    for (triangles, signs) in triangles.chunks(CHUNK).zip(signs.chunks(CHUNK)) {
+        sum += if collapsed {
+            triangles.iter().zip(signs).filter(|(face, sign)| **sign != 0 && !has_collapsed(**face)).count()
+        } else {
+            // A byte counts to 255.
+            let nonzero = |part: &[i8]| part.iter().fold(0, |sum, &sign| sum + u8::from(sign != 0));
+            signs.chunks(128).map(|part| usize::from(nonzero(part))).sum()
+        } as u32; // fewer than there are faces
+        starts.push(sum);
+    }
+    sum as usize
+}
+
+impl CapFaces<'_> {
+    /// Whether several threads are worth while.
+    pub(super) fn are_many(&self) -> bool {
+        self.starts.len() > 2 * GRAIN
+    }
+
+    fn split(self, chunk: usize) -> [Self; 2] {
+        let (triangles, signs) = (self.triangles.split_at(chunk * CHUNK), self.signs.split_at(chunk * CHUNK));
+        [
+            Self { triangles: triangles.0, signs: signs.0, starts: &self.starts[..=chunk], ..self },
+            Self { triangles: triangles.1, signs: signs.1, starts: &self.starts[chunk..], ..self },
+        ]
+    }
+}
+
+/// Writes the casting faces, turned towards the light, with the numbers of their vertices; and, unless there is no dark
+/// cap, the same reversed, with `shift` added to each number.
+pub(super) fn fill(
+    faces: CapFaces<'_>,
+    number: impl Fn(u32) -> u32 + Copy + Send + Sync,
+    shift: u32,
+    light: &mut [[u32; 3]],
+    dark: &mut [[u32; 3]],
+) {
+    if !faces.are_many() {
+        return fill_in_order(faces, number, shift, light, dark);
+    }
+    let half = faces.starts.len() / 2;
+    let place = (faces.starts[half] - faces.starts[0]) as usize;
+    let [left, right] = faces.split(half);
+    let (light, dark) = (light.split_at_mut(place), dark.split_at_mut(place.min(dark.len())));
+    parallel::join(
+        || fill(left, number, shift, light.0, dark.0),
+        || fill(right, number, shift, light.1, dark.1),
+    );
+}
+
+fn fill_in_order(
+    faces: CapFaces<'_>,
+    number: impl Fn(u32) -> u32 + Copy,
+    shift: u32,
+    mut light: &mut [[u32; 3]],
+    mut dark: &mut [[u32; 3]],
+) {
+    for (triangles, signs) in faces.triangles.chunks(BLOCK).zip(faces.signs.chunks(BLOCK)) {
+        let mut count: usize = signs.iter().fold(0, |sum, &sign| sum + u8::from(sign != 0)).into();
+        let mut picks = [0_u8; BLOCK];
+        let all = count == signs.len() && !faces.collapsed;
+        if !all && count > 0 {
+            // Each place is written where the next casting face belongs, and stays there if it casts.
+            count = 0;
+            for ((place, &triangle), &sign) in (0..).zip(triangles).zip(signs) {
+                picks[count % BLOCK] = place;
+                count += usize::from(sign != 0 && !(faces.collapsed && has_collapsed(triangle)));
+            }
+        }
+        let light = light.split_off_mut(..count).expect("they were counted");
+        let dark_count = count.min(dark.len());
+        let dark = dark.split_off_mut(..dark_count).expect("no more than there are");
+        if all {
+            let numbered = triangles.iter().map(|triangle| triangle.map(number));
+            emit(numbered.zip(signs.iter().copied()), shift, light, dark);
+        } else {
+            let pick = |&place: &u8| (triangles[place as usize].map(number), signs[place as usize]);
+            emit(picks.iter().map(pick), shift, light, dark);
+        }
+    }
+}
+
+/// Writes numbered faces into both caps. To turn a face is to exchange its last two corners: half a turn of a word of both.
+#[inline(always)]
+fn emit(
+    faces: impl Iterator<Item = ([u32; 3], i8)>,
+    shift: u32,
+    light: &mut [[u32; 3]],
+    dark: &mut [[u32; 3]],
+) {
+    let turned = |([a, b, c], sign): ([u32; 3], i8)| {
+        let half_a_turn = u32::from((sign as u8) >> 2 & 32); // where the sign bit is set
+        (a, (u64::from(b) | u64::from(c) << 32).rotate_left(half_a_turn))
+    };
+    let triangle = |a, rest: u64| [a, rest as u32, (rest >> 32) as u32];
+    if dark.is_empty() {
+        for (near, face) in light.iter_mut().zip(faces) {
+            let (a, rest) = turned(face);
+            *near = triangle(a, rest);
+        }
+    } else {
+        // No sum leaves its half: vertices are numbered with 32 bits at infinity as well.
+        let shifts = u64::from(shift) << 32 | u64::from(shift);
+        for ((near, far), face) in light.iter_mut().zip(dark).zip(faces) {
+            let (a, rest) = turned(face);
+            *near = triangle(a, rest);
+            *far = triangle(a + shift, rest.rotate_left(32).wrapping_add(shifts));
+        }
+    }
+}
+
+/// A triangle, or its other side.
+#[inline]
+pub(super) fn turned([a, b, c]: [u32; 3], reverse: bool) -> [u32; 3] {
+    if reverse { [a, c, b] } else { [a, b, c] }
+}

@@ -151,13 +151,11 @@ impl Topology {
     ///
     /// A radix sort of the half-edges by their smaller vertex, then a small sort of each vertex's by the larger one.
     /// No hashing; linear time (a vertex of k half-edges that are not pairs takes k·log k). Besides the triangles
-    /// the result holds 18 bytes a triangle of a closed mesh; building needs 14 more for a while, and less where
-    /// neighbours lie near each other in the list: then eight parts of the vertices have their turn one after the
-    /// other, and each part reads only the runs of triangles that concern it.
+    /// the result holds 18 bytes a triangle of a closed mesh; building needs 14 more for a while.
     ///
-    /// What memory has to move: the triangles are read some three times (36 bytes a triangle), the sorted half-edges
+    /// What memory has to move: the triangles are read three times (36 bytes a triangle), the sorted half-edges
     /// written and read (48), the table written (18): 102 bytes, and 84 more for the first digit of the sort
-    /// where the order of the faces is random. Of these at most 32 bytes lie on pages that nobody touched before.
+    /// where the order of the faces is random. Of these 32 bytes lie on pages that nobody touched before.
     ///
     /// Shells, vertex fans and the crack report need the star of each vertex as well, which the first of them to be
     /// asked for makes: see [`Topology::build_surveyed`].
@@ -186,7 +184,7 @@ impl Topology {
     /// instead, and what a vertex and its faces decide is found out at once, which takes less than to build the table
     /// and then to look.
     ///
-    /// The triangles are read up to five times (60 bytes a triangle), the sorted corners written and read (72), the table
+    /// The triangles are read five times (60 bytes a triangle), the sorted corners written and read (72), the table
     /// written (18): 150 bytes, and 96 more where the order of the faces is random. The same peak of memory.
     ///
     /// # Panics

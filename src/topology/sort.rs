@@ -21,8 +21,8 @@ pub(super) trait Send<const N: usize>: Copy {
 /// Takes the items of all vertices, in ascending order of these.
 pub(super) trait Receive<const N: usize> {
     /// In so many rounds the items are sorted, one range of vertices after the other, so that only this fraction of
-    /// them is in memory at a time; three rounds at least where they also need to name their vertices, and more where
-    /// neighbours lie near each other. Each round reads the triangles again, as far as they concern it.
+    /// them is in memory at a time; three rounds at least where they also need to name their vertices. Each
+    /// round reads the triangles again.
     const ROUNDS: usize;
 
     /// How far the items must reach beyond the last one.
@@ -80,25 +80,10 @@ pub(super) fn by_vertex<const N: usize, S: Send<N>, R: Receive<N>>(
     sender: S,
     receiver: &mut R,
 ) -> usize {
-    let counted = Counted::new(vertex_count, triangles, bits, sender);
-    by_counted(vertex_count, triangles, bits, counted, sender, receiver)
-}
-
-fn by_counted<const N: usize, S: Send<N>, R: Receive<N>>(
-    vertex_count: usize,
-    triangles: &[[u32; 3]],
-    bits: u32,
-    Counted { mut ends, collapsed, slabs }: Counted,
-    sender: S,
-    receiver: &mut R,
-) -> usize {
+    let (mut ends, collapsed) = items_by_block(vertex_count, triangles, bits, sender);
     let all = 3 * (triangles.len() - collapsed);
     receiver.prepare(all);
-    let rounds = match bits {
-        0 if slabs.are_local() => LOCAL_ROUNDS.max(R::ROUNDS),
-        0 => R::ROUNDS,
-        _ => R::ROUNDS.max(3),
-    };
+    let rounds = if bits == 0 { R::ROUNDS } else { R::ROUNDS.max(3) };
     let mut sorter = Sorter { addressed: Vec::new(), items: Vec::new(), ends: Vec::new() };
     let mut first = 0;
     while first < ends.len() {
@@ -113,11 +98,7 @@ fn by_counted<const N: usize, S: Send<N>, R: Receive<N>>(
         let low = (first as u32) << bits;
         if bits == 0 {
             provide(&mut sorter.items, [0; N], items + R::SLACK);
-            let wanted = slabs.of_range(first, last);
-            let chunks = (0..).step_by(CHUNK).zip(triangles.chunks(CHUNK)).zip(&slabs.of_chunk);
-            for ((face, chunk), _) in chunks.filter(|(_, slabs)| **slabs & wanted != 0) {
-                scatter_near(face, chunk, low, blocks, sender, &mut sorter.items);
-            }
+            scatter_near(triangles, low, blocks, sender, &mut sorter.items);
             receiver.receive(low, blocks, &sorter.items);
         } else {
             provide(&mut sorter.addressed, (0, [0; N]), items);
@@ -129,88 +110,39 @@ fn by_counted<const N: usize, S: Send<N>, R: Receive<N>>(
     collapsed
 }
 
-/// So many consecutive triangles are read, or not, in a round.
-const CHUNK: usize = 256;
-
-/// In so many rounds the items are sorted where most chunks concern only few of them: what is sorted at a time stays
-/// in the cache, and little memory is touched.
-const LOCAL_ROUNDS: usize = 8;
-
-/// What a first look at the triangles tells.
-struct Counted {
-    /// How many items the vertices of each block get.
-    ends: Vec<u32>,
-    /// How many faces have collapsed.
-    collapsed: usize,
-    slabs: Slabs,
-}
-
-/// Which vertices the triangles of each chunk send items to, by slabs: the vertices in at most 64 equal parts.
-struct Slabs {
-    /// 2^`bits` vertices each.
+/// How many items the vertices of each block get, and how many faces have collapsed.
+fn items_by_block<const N: usize, S: Send<N>>(
+    vertex_count: usize,
+    triangles: &[[u32; 3]],
     bits: u32,
-    /// A bit for each slab.
-    of_chunk: Vec<u64>,
-}
-
-impl Slabs {
-    /// Those of the vertices from `first` to before `last`.
-    fn of_range(&self, first: usize, last: usize) -> u64 {
-        let (low, high) = (first >> self.bits, (last - 1) >> self.bits);
-        (u64::MAX << low) & (u64::MAX >> (63 - high))
-    }
-
-    /// Whether a chunk concerns few of them.
-    fn are_local(&self) -> bool {
-        let found: usize = self.of_chunk.iter().map(|slabs| slabs.count_ones() as usize).sum();
-        self.bits > 0 && found <= 12 * self.of_chunk.len()
-    }
-}
-
-impl Counted {
-    fn new<const N: usize, S: Send<N>>(
-        vertex_count: usize,
-        triangles: &[[u32; 3]],
-        bits: u32,
-        sender: S,
-    ) -> Self {
-        let slab_bits = vertex_count.next_power_of_two().ilog2().saturating_sub(6);
-        let mut ends = vec![0_u32; vertex_count.div_ceil(1 << bits)];
-        let mut of_chunk = Vec::with_capacity(triangles.len().div_ceil(CHUNK));
-        let mut collapsed = 0;
-        for chunk in triangles.chunks(CHUNK) {
-            let mut slabs = 0_u64;
-            for triangle in chunk {
-                let [a, b, c] = *triangle;
-                assert!((a.max(b).max(c) as usize) < vertex_count, "{triangle:?} of {vertex_count} vertices");
-                if has_collapsed(*triangle) {
-                    collapsed += 1;
-                    continue;
-                }
-                for corner in 0..3 {
-                    let vertex = sender.send(0, corner, triangle).0;
-                    ends[(vertex >> bits) as usize] += 1;
-                    slabs |= 1 << (vertex >> slab_bits);
-                }
-            }
-            of_chunk.push(slabs);
+    sender: S,
+) -> (Vec<u32>, usize) {
+    let mut counts = vec![0_u32; vertex_count.div_ceil(1 << bits)];
+    let mut collapsed = 0;
+    for triangle in triangles {
+        let [a, b, c] = *triangle;
+        assert!((a.max(b).max(c) as usize) < vertex_count, "{triangle:?} of {vertex_count} vertices");
+        if has_collapsed(*triangle) {
+            collapsed += 1;
+            continue;
         }
-        Self { ends, collapsed, slabs: Slabs { bits: slab_bits, of_chunk } }
+        for corner in 0..3 {
+            counts[(sender.send(0, corner, triangle).0 >> bits) as usize] += 1;
+        }
     }
+    (counts, collapsed)
 }
 
 /// The radix sort in one digit: writes the items for vertices from `low` on to the places of their vertices,
 /// which turn from starts into ends on the way. The items of a vertex keep their order.
-#[inline]
 fn scatter_near<const N: usize, S: Send<N>>(
-    first: u32,
     triangles: &[[u32; 3]],
     low: u32,
     places: &mut [u32],
     sender: S,
     sorted: &mut [[u32; N]],
 ) {
-    for (face, triangle) in (first..).zip(triangles) {
+    for (face, triangle) in (0..).zip(triangles) {
         if has_collapsed(*triangle) {
             continue;
         }
@@ -266,7 +198,7 @@ fn scatter_far<const N: usize, S: Send<N>>(
 fn provide<T: Clone>(buffer: &mut Vec<T>, zero: T, len: usize) {
     if buffer.len() < len {
         *buffer = Vec::new(); // first, so that never both are there
-        *buffer = vec![zero; len + len / 32]; // rounds differ a little
+        *buffer = vec![zero; len];
     }
 }
 
@@ -309,65 +241,6 @@ impl<const N: usize> Sorter<N> {
                 *place += 1;
             }
             receiver.receive(first, &self.ends, &self.items);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::solid;
-
-    /// Each corner to its vertex.
-    #[derive(Clone, Copy)]
-    struct Corners;
-
-    impl Send<1> for Corners {
-        fn send(self, face: u32, corner: usize, triangle: &[u32; 3]) -> (u32, [u32; 1]) {
-            (triangle[corner], [3 * face + corner as u32])
-        }
-    }
-
-    #[derive(Default)]
-    struct Lists(Vec<Vec<u32>>);
-
-    impl Receive<1> for Lists {
-        const ROUNDS: usize = 2;
-
-        fn prepare(&mut self, _: usize) {}
-
-        fn receive(&mut self, first: u32, ends: &[u32], items: &[[u32; 1]]) {
-            assert_eq!(first as usize, self.0.len());
-            let mut start = 0;
-            for &end in ends {
-                self.0.push(items[start as usize..end as usize].as_flattened().to_vec());
-                start = end;
-            }
-        }
-    }
-
-    #[test]
-    fn sort_of_a_local_mesh_reads_what_concerns_a_round_and_nothing_is_lost() {
-        for (mesh, local) in [
-            (solid::torus(160, 120, 2.0, 0.75), true),
-            (solid::icosphere(5), true),
-            (solid::shuffled(&solid::icosphere(5), 1), false),
-        ] {
-            let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles());
-            let mut naive = vec![Vec::new(); vertices];
-            for (corner, &vertex) in (0..).zip(triangles.as_flattened()) {
-                naive[vertex as usize].push(corner);
-            }
-            let mut counted = Counted::new(vertices, triangles, 0, Corners);
-            assert_eq!(counted.slabs.are_local(), local);
-            let mut lists = Lists::default();
-            assert_eq!(by_vertex(vertices, triangles, Blocks { bits: 0 }, Corners, &mut lists), 0);
-            assert!(lists.0 == naive);
-            // The sabotage: a chunk that does not tell whom it concerns.
-            counted.slabs.of_chunk[7] = 0;
-            let mut lists = Lists::default();
-            by_counted(vertices, triangles, 0, counted, Corners, &mut lists);
-            assert!(lists.0 != naive);
         }
     }
 }

@@ -108,11 +108,20 @@ impl Axis {
     /// which are above 0. `ends` are where the lowest and the highest tick stand, in pixels.
     #[must_use]
     pub fn around(values: impl Iterator<Item = f64> + Clone, ends: [f64; 2]) -> Self {
+        let ticks = Self::ticks_around(Self::range(values.clone()), &[1.0, 2.0, 5.0]);
+        if ticks.len() > MOST_TICKS { Self::decades(values, ends) } else { Self { ticks, ends } }
+    }
+
+    /// As [`Axis::around`], with ticks at the decades alone.
+    #[must_use]
+    pub fn decades(values: impl Iterator<Item = f64> + Clone, ends: [f64; 2]) -> Self {
+        Self { ticks: Self::ticks_around(Self::range(values), &[1.0]), ends }
+    }
+
+    /// The lowest and the highest value, as far as a logarithm can be taken of them.
+    fn range(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
         let (low, high) = (values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max));
-        let (low, high) = if low <= high { (low.max(1e-300), high.max(1e-300)) } else { (1.0, 1.0) };
-        let fine = Self::ticks_around([low, high], &[1.0, 2.0, 5.0]);
-        let ticks = if fine.len() > MOST_TICKS { Self::ticks_around([low, high], &[1.0]) } else { fine };
-        Self { ticks, ends }
+        if low <= high { [low.max(1e-300), high.max(1e-300)] } else { [1.0, 1.0] }
     }
 
     fn ticks_around([low, high]: [f64; 2], digits: &[f64]) -> Vec<f64> {

@@ -9,12 +9,12 @@ const WIDTH: f64 = 760.0;
 
 // Where things stand, from the top of a panel.
 const LEFT: f64 = 92.0;
-const RIGHT: f64 = 736.0;
+const RIGHT: f64 = 716.0;
 const TOP: f64 = 66.0;
 const BOTTOM: f64 = 356.0;
 const PANEL: f64 = 416.0;
 /// Room below the panels, for notes.
-const NOTES: f64 = 44.0;
+const NOTES: f64 = 56.0;
 
 /// One method's mark.
 struct Spot<'a> {
@@ -38,10 +38,11 @@ pub(super) fn svg(results: &[FileResult], asked: &Asked) -> String {
     }
     let below = PANEL * panels.len() as f64 + 10.0;
     let notes = [
-        "Filled: wrong answers a query that is no tie. Hollow: none was found; the mark stands at 3/n, what the rate is",
-        "below with 95 % confidence if queries are independent. Line: what no other method beats. Bars: fastest and slowest round.",
+        "Filled: wrong answers, of queries with one right answer. Hollow: none was found; the mark stands at 3/n,",
+        "which the rate is below with 95 % confidence, if queries are independent. Bars: the fastest and the slowest round.",
+        "Thick line: the methods that no other one dominates, being as fast and as often right.",
     ];
-    for (note, y) in notes.iter().zip([below, below + 16.0]) {
+    for (note, y) in notes.iter().zip([below, below + 16.0, below + 32.0]) {
         svg.add(format_args!("<text class=\"faint\" x=\"{LEFT}\" y=\"{y}\" font-size=\"11\">{note}</text>"));
     }
     svg.finish()
@@ -66,7 +67,7 @@ fn panel(svg: &mut Svg, top: f64, result: &FileResult, measured: &Measured, aske
     // 2. The axes.
     let times = methods.iter().flat_map(|method| [method.total.time.min, method.total.time.max]);
     let x = Axis::around(times.map(above_zero), [LEFT, RIGHT]);
-    let y = Axis::around(methods.iter().map(|method| height(&method.total)), [top + BOTTOM, top + TOP]);
+    let y = Axis::decades(methods.iter().map(|method| height(&method.total)), [top + BOTTOM, top + TOP]);
     let titles = ["nanoseconds a query, median of the rounds", "wrong answers a query"];
     svg.grid(&x, &y, [number, power], titles);
 
@@ -115,7 +116,7 @@ fn label(svg: &mut Svg, spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) {
     let dominated = if spot.method.dominated { ", dominated" } else { "" };
     let (name, said) = (format!("{}{dominated}", spot.method.name), said(spot.method));
     // Rather too wide: which font it will be is not known here.
-    let width = 7.4 * name.chars().count().max(said.chars().count()) as f64;
+    let width = 8.4 * name.chars().count().max(said.chars().count()) as f64;
     let [x, y] = spot.place;
     let at = |left: f64, middle: f64| [left, middle - 17.0, left + width, middle + 17.0];
     let inside = |[left, above, right, below]: Taken| {
@@ -146,7 +147,8 @@ fn label(svg: &mut Svg, spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) {
 /// "0.31 ns, 0 of 8,597,952 wrong".
 fn said(method: &Method) -> String {
     let Row { wrong, judged, time, .. } = method.total;
-    let time = significant(above_zero(time.median));
+    let time = above_zero(time.median);
+    let time = if time < 1000.0 { significant(time) } else { number(time) };
     format!("{time} ns, {} of {} wrong", number(wrong as f64), number(judged as f64))
 }
 
@@ -160,21 +162,12 @@ fn above_zero(ns: f64) -> f64 {
     ns.max(1e-3)
 }
 
-/// A tick of the upper part of a logarithmic scale, as a power of ten where it is one.
+/// A power of ten, the small ones written as such.
 fn power(x: f64) -> String {
-    let exponent = x.log10().round();
-    if x >= 0.01 {
+    if x > 0.005 {
         return number(x);
     }
-    let digit = (x / 10_f64.powf(exponent)).round();
-    match digit as u32 {
-        1 => format!("10<tspan dy=\"-5\" font-size=\"10\">{exponent}</tspan>"),
-        _ => {
-            let exponent = x.log10().floor();
-            let digit = (x / 10_f64.powf(exponent)).round();
-            format!("{digit}·10<tspan dy=\"-5\" font-size=\"10\">{exponent}</tspan>")
-        }
-    }
+    format!("10<tspan dy=\"-5\" font-size=\"10\">{}</tspan>", x.log10().round())
 }
 
 /// A name that fits the heading.

@@ -43,9 +43,9 @@ pub(crate) struct Args {
     #[command(flatten)]
     lights: LightArgs,
 
-    /// About how many queries for each stratum [default: 1000000 for facing, 20000 for visibility]
+    /// About how many queries for each stratum [default: 1000000 for facing, 10000 for visibility]
     ///
-    /// 20000, 20_000 and 2e4 are the same. Of facing a query is a face and a light, and every light is asked about all
+    /// 10000, 10_000 and 1e4 are the same. Of facing a query is a face and a light, and every light is asked about all
     /// faces; of visibility it is a point and a light.
     #[arg(long, value_name = "N", value_parser = large, allow_negative_numbers = true)]
     queries: Option<u64>,

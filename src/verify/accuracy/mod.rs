@@ -114,7 +114,7 @@ impl Question {
     pub fn usual_queries(self) -> u64 {
         match self {
             Self::Facing => 1_000_000,
-            Self::Visibility => 20_000,
+            Self::Visibility => 10_000,
         }
     }
 

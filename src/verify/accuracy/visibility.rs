@@ -12,9 +12,10 @@ use crate::oracle::{Oracle, Verdict, reference};
 /// About how many queries a stratum whole numbers are timed on.
 const SAMPLE: u64 = 500;
 
-/// How many faces are looked at altogether where whole numbers ask all of them, and how many queries that are at most.
-const ALL_FACES: usize = 40_000_000;
-const MOST_BY_ALL_FACES: usize = 2000;
+/// How many faces whole numbers look at altogether where they ask all of them (some seconds of work at most), and how many
+/// queries that are at most.
+const ALL_FACES: usize = 2_000_000;
+const MOST_BY_ALL_FACES: usize = 1000;
 
 pub(super) fn measure(mesh: &Mesh, given: &[Light], options: &Options, progress: &dyn Fn(u64)) -> Accuracy {
     let lights = lights::spread(given);
@@ -41,7 +42,7 @@ pub(super) fn contenders<'a>(
         contender("plain f32", false, 1, lights, points, |p, light| {
             if plain.shadowed(p, light) { Verdict::Shadowed } else { Verdict::Lit }
         }),
-        contender("exact", true, 1, lights, points, |p, light| oracle.verdict(p, light)),
+        contender("exact ray cast", true, 1, lights, points, |p, light| oracle.verdict(p, light)),
         contender("whole numbers", true, every, lights, points, |p, light| {
             oracle.verdict_in_whole_numbers(p, light)
         }),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use umbrage::verify::accuracy::{Method, Question, Row};
+use umbrage::verify::accuracy::{Method, Row};
 
 use super::{Asked, Measured};
 use crate::cli::lights;
@@ -15,22 +15,19 @@ const LEGEND: &str = "ns: nanoseconds a query, the median of the rounds; of plai
                       if none was found and queries were independent; dominated: another method is as fast and as often \
                       right";
 
-/// How facing is judged, and how visibility.
-const FACING: &str = "truth: every side in whole numbers";
-
 /// The methods, their times and their wrong answers by stratum, what exactness costs, the verdict, and a legend.
 pub(super) fn report(file: &Path, measured: &Measured, asked: &Asked) -> String {
     let methods = &measured.found.methods;
     let lit: Vec<String> =
         measured.lights.iter().map(|light| lights::label(&light.light, &light.name)).collect();
     let rounds = counted(asked.options.rounds as usize, "round", "rounds");
-    let truth = match (asked.question, measured.found.judged_by_all_faces) {
-        (Question::Visibility, Some(all)) => format!(
+    let truth = match measured.found.judged_by_all_faces {
+        Some(all) => format!(
             "truth: every verdict in whole numbers, {all} of {} against all faces, the others against those that the \
              tree leaves over",
             measured.baseline().total.queries
         ),
-        _ => FACING.to_owned(),
+        None => "truth: every side in whole numbers".to_owned(),
     };
     let wrong: u64 = methods.iter().filter(|method| method.exact).map(|method| method.total.wrong).sum();
     let verdict = match wrong {

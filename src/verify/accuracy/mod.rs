@@ -2,8 +2,8 @@
 //!
 //! The ways (methods) take turns within each round, each round in another order, on one thread; medians over the rounds
 //! are reported with their spread. Every answer is held against the truth, which comes from whole numbers and shares no
-//! code with the predicates. Questions are drawn by kinds (strata), since that is what decides both error and time: where
-//! nothing is aimed at, `f32` is nearly always right, and where a light lies in the plane of a wall it is a coin.
+//! code with the predicates. Questions are drawn by kinds (strata), since the kind decides both error and time: where
+//! nothing is aimed at, `f32` is nearly always right and a filter nearly always enough.
 //!
 //! A tie is a question with two right answers: a face exactly edge-on, a way to the light that only touches. A method
 //! that knows no ties may give either answer; an exact one has to declare the tie.

@@ -162,13 +162,14 @@ fn accuracy_takes_either_answer_to_a_tie_except_from_exact_methods() {
 
 #[test]
 fn accuracy_whole_numbers_on_the_tree_say_what_they_say_of_all_faces() {
-    let lights = lights();
+    let (lights, mut differ) = (lights(), 0);
     for mesh in solids() {
         let points = points::draw(&mesh, &lights, &Options { queries: 60, ..FEW });
-        let (mut positions, mut triangles) = (mesh.positions().to_vec(), mesh.triangles().to_vec());
+        let (positions, mut triangles) = (mesh.positions().to_vec(), mesh.triangles().to_vec());
         triangles.truncate(triangles.len() / 2);
-        let half = Oracle::build(&Mesh::new(std::mem::take(&mut positions), triangles).unwrap());
-        let (oracle, mut differ) = (Oracle::build(&mesh), 0);
+        // The sabotage: half of the faces are lost.
+        let half = Oracle::build(&Mesh::new(positions, triangles).unwrap());
+        let oracle = Oracle::build(&mesh);
         for points in &points {
             for (light, p) in
                 lights.iter().zip(points).flat_map(|(light, points)| points.iter().map(move |&p| (light, p)))
@@ -178,8 +179,8 @@ fn accuracy_whole_numbers_on_the_tree_say_what_they_say_of_all_faces() {
                 differ += usize::from(half.verdict_in_whole_numbers(p, light) != all);
             }
         }
-        assert!(differ > 0, "{}: half of the faces are not missed", mesh.name);
     }
+    assert!(differ > 200, "half of the faces are missed {differ} times");
 }
 
 #[test]

@@ -12,10 +12,10 @@ use crate::oracle::{Oracle, Verdict, reference};
 /// About how many queries a stratum whole numbers are timed on.
 const SAMPLE: u64 = 500;
 
-/// How many faces whole numbers look at altogether where they ask all of them (some seconds of work at most), and how many
+/// How many faces whole numbers look at altogether where they ask all of them (about a second of work), and how many
 /// queries that are at most.
-const ALL_FACES: usize = 2_000_000;
-const MOST_BY_ALL_FACES: usize = 1000;
+const ALL_FACES: usize = 400_000;
+const MOST_BY_ALL_FACES: usize = 400;
 
 pub(super) fn measure(mesh: &Mesh, given: &[Light], options: &Options, progress: &dyn Fn(u64)) -> Accuracy {
     let lights = lights::spread(given);

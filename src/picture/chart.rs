@@ -26,7 +26,7 @@ impl Svg {
     /// An empty ground of so many pixels.
     ///
     /// Classes: `c0` to `c4` are colours, as `currentColor`; `grid` strokes lines of a grid, `faint` fills text of less
-    /// weight, `paper` fills and strokes in the colour of the ground.
+    /// weight, `paper` fills and strokes in the colour of the ground, `halo` keeps lines off the letters of a text.
     #[must_use]
     pub fn new(width: f64, height: f64) -> Self {
         let classes = |side: usize| -> String {
@@ -39,9 +39,10 @@ impl Svg {
              height=\"{height}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"13\">"
         ));
         svg.add(format_args!(
-            "<style>svg{{fill:#333}}.paper{{fill:#fff;stroke:#fff}}.grid{{stroke:#ddd}}.faint{{fill:#666}}{}\n\
+            "<style>svg{{fill:#333}}.paper{{fill:#fff;stroke:#fff}}.grid{{stroke:#ddd}}.faint{{fill:#666}}\
+             .halo{{stroke:#fff;stroke-width:4px;stroke-linejoin:round;paint-order:stroke}}{}\n\
              @media(prefers-color-scheme:dark){{svg{{fill:#ddd}}.paper{{fill:#16181d;stroke:#16181d}}.grid{{stroke:#3a3e46}}\
-             .faint{{fill:#9aa0a8}}{}}}</style>",
+             .faint{{fill:#9aa0a8}}.halo{{stroke:#16181d}}{}}}</style>",
             classes(0),
             classes(1)
         ));

@@ -82,8 +82,11 @@ fn panel(svg: &mut Svg, top: f64, result: &FileResult, measured: &Measured, aske
         "<polyline class=\"grid\" points=\"{}\" fill=\"none\" stroke-width=\"3\"/>",
         line.join(" ")
     ));
-    let mut taken: Vec<Taken> =
-        spots.iter().map(|Spot { place: [x, y], .. }| [x - 7.0, y - 7.0, x + 7.0, y + 7.0]).collect();
+    let taken = |spot: &Spot<'_>| {
+        let ([x, y], [low, high]) = (spot.place, spot.spread);
+        [low.min(x - 7.0), y - 7.0, high.max(x + 7.0), y + 7.0]
+    };
+    let mut taken: Vec<Taken> = spots.iter().map(taken).collect();
     for spot in &spots {
         draw(svg, spot);
     }
@@ -127,7 +130,8 @@ fn label(svg: &mut Svg, spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) {
             area[2] <= other[0] || other[2] <= area[0] || area[3] <= other[1] || other[3] <= area[1]
         })
     };
-    let sides = [x + 12.0, x - 12.0 - width, x - 0.5 * width];
+    let [low, high] = spot.spread;
+    let sides = [high.max(x + 7.0) + 5.0, low.min(x - 7.0) - 5.0 - width, x - 0.5 * width];
     let steps = (0..40).flat_map(|step| [1.0, -1.0].map(|sign| sign * 8.0 * f64::from(step)));
     let places = steps.flat_map(|step| sides.map(|left| at(left, y + step)));
     let fits = |area: &Taken| inside(*area) && free(area);
@@ -136,7 +140,7 @@ fn label(svg: &mut Svg, spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) {
     let ([left, above, ..], look) = (area, spot.look);
     let (first, second) = (above + 14.0, above + 29.0);
     svg.add(format_args!(
-        "<g class=\"c{look}\" fill=\"currentColor\"><text x=\"{left:.1}\" y=\"{first:.1}\" \
+        "<g class=\"c{look} halo\" fill=\"currentColor\"><text x=\"{left:.1}\" y=\"{first:.1}\" \
          font-weight=\"bold\">{}</text><text x=\"{left:.1}\" y=\"{second:.1}\" font-size=\"12\">{}</text></g>",
         escaped(&name),
         escaped(&said)

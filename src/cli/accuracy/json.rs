@@ -1,6 +1,7 @@
 //! The document of `umbrage accuracy --json`.
 
 use serde_json::{Value, json};
+use umbrage::scene::SceneLight;
 use umbrage::verify::accuracy::{Accuracy, Method, Row};
 
 use super::{Asked, FileResult};
@@ -21,10 +22,9 @@ pub(super) fn document(results: &[FileResult], asked: &Asked) -> Value {
 /// Of a file that could not be measured everything but its name and the error is null.
 fn file(result: &FileResult) -> Value {
     let measured = result.measured.as_ref().ok();
-    let lights = measured.map(|measured| {
-        let light = |light: &umbrage::scene::SceneLight| json!({ "light": light.light.to_string(), "name": lights::name(&light.name) });
-        measured.lights.iter().map(light).collect::<Vec<_>>()
-    });
+    let light =
+        |light: &SceneLight| json!({ "light": light.light.to_string(), "name": lights::name(&light.name) });
+    let lights = measured.map(|measured| measured.lights.iter().map(light).collect::<Vec<_>>());
     let found = measured.map(|measured| &measured.found);
     json!({
         "file": result.name(),

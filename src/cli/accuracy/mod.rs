@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use umbrage::geom::Light;
 use umbrage::scene::SceneLight;
-use umbrage::verify::accuracy::{Accuracy, Method, Options, Question};
+use umbrage::verify::accuracy::{Accuracy, MOST_LIGHTS, Method, Options, Question};
 use umbrage::write::write_atomic;
 
 use super::lights::LightArgs;
@@ -182,6 +182,10 @@ fn measure(file: &Path, args: &Args, asked: &Asked) -> Result<Measured, Failure>
     let Asked { question, options } = asked;
     let source = SourceArgs { file: file.to_owned(), mesh: args.mesh, lights: args.lights.clone() };
     let Source { format, mesh, lights, .. } = source.load()?;
+    if lights.len() > MOST_LIGHTS {
+        let (file, count) = (file.display(), lights.len());
+        output::say(format_args!("note: {file}: using {MOST_LIGHTS} of {count} lights, evenly spread"));
+    }
     let plain: Vec<Light> = lights.iter().map(|light| light.light).collect();
     let progress = Progress::bar(format!("measuring {}", file.display()), question.steps(options));
     let found = question.measure(&mesh, &plain, options, &|steps| progress.done(steps));

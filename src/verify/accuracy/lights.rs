@@ -1,6 +1,6 @@
 //! Which lights faces are asked about.
 
-use super::Options;
+use super::{MOST_LIGHTS, Options};
 use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
@@ -20,8 +20,6 @@ pub(super) const STRATA: [(&str, Option<Place>); 8] = [
 
 /// Most lights of a stratum: enough for a mesh of few faces.
 const MOST: u64 = 4096;
-/// Most of the given ones.
-const MOST_GIVEN: usize = 16;
 
 /// The lights of each stratum, for `mesh`, which has a face.
 pub(super) fn draw(mesh: &Mesh, given: &[Light], options: &Options) -> Vec<Vec<Light>> {
@@ -36,9 +34,9 @@ pub(super) fn draw(mesh: &Mesh, given: &[Light], options: &Options) -> Vec<Vec<L
     STRATA.into_iter().enumerate().map(of_stratum).collect()
 }
 
-/// At most 16 of the lights, evenly spread over all of them.
+/// At most [`MOST_LIGHTS`], evenly spread over all of them.
 pub(super) fn spread(lights: &[Light]) -> Vec<Light> {
-    let count = lights.len().min(MOST_GIVEN);
+    let count = lights.len().min(MOST_LIGHTS);
     (0..count).map(|i| lights[i * lights.len() / count]).collect()
 }
 

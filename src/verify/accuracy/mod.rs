@@ -20,6 +20,9 @@ mod visibility;
 use crate::geom::Light;
 use crate::mesh::Mesh;
 
+/// Of more lights than these as many are taken, evenly spread over all of them.
+pub const MOST_LIGHTS: usize = 16;
+
 /// What is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Question {

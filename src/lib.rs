@@ -9,6 +9,7 @@
 //! Mesh ─Oracle::build─► Oracle ─verdict─► Lit | Shadowed | Grazing ────────────────────────────────► verify ◄──┘
 //! Mesh + Light + Projection ─Caster::cast─► Casting (volumes, z-pass or z-fail and why) ─StencilPass::mask─► ShadowMask
 //! ShadowMask + Oracle ─compare─► Comparison: the last word on every pixel
+//! Mesh + Lights ─Question::measure─► Accuracy: how often each way to decide is wrong, beside what it costs
 //! Oracle + View (camera, lamps) ─render─► Picture ─write_png─► PNG
 //! proptest ─strategy─► meshes, lights and points that are hard for all of this
 //! ```

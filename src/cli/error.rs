@@ -27,11 +27,6 @@ impl Failure {
     pub(crate) fn in_file(self, file: &Path) -> Self {
         Self::of(format!("{}: {}", file.display(), self.line), self.format)
     }
-
-    /// A value that the command line knows, but nothing behind it does yet.
-    pub(crate) fn not_built(value: impl fmt::Display, remedy: impl fmt::Display) -> Self {
-        Self::new(format_args!("{value} is not built yet"), remedy)
-    }
 }
 
 impl fmt::Display for Failure {
@@ -74,9 +69,5 @@ mod tests {
     fn failure_stays_on_one_line() {
         let failure = Failure::new("bad\nname", "use\r\nanother").in_file(Path::new("a\nb"));
         assert_eq!(failure.to_string().lines().count(), 1);
-        assert_eq!(
-            Failure::not_built("--gpu", "leave it out").to_string(),
-            "--gpu is not built yet; leave it out"
-        );
     }
 }

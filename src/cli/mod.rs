@@ -22,7 +22,7 @@ mod volume;
 mod verify;
 mod render;
 mod torture;
-mod unbuilt;
+mod accuracy;
 mod demo;
 
 use std::ffi::OsString;
@@ -57,8 +57,7 @@ enum Command {
     Verify(verify::Args),
     Render(render::Args),
     Torture(torture::Args),
-    /// Error against time (not built yet)
-    Accuracy(unbuilt::Rest),
+    Accuracy(accuracy::Args),
     Demo(demo::Args),
 }
 
@@ -71,7 +70,7 @@ impl Command {
             Self::Verify(args) => verify::run(args),
             Self::Render(args) => render::run(args),
             Self::Torture(args) => torture::run(args),
-            Self::Accuracy(args) => unbuilt::run("accuracy", args),
+            Self::Accuracy(args) => accuracy::run(args),
             Self::Demo(args) => demo::run(args),
         }
     }

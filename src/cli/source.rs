@@ -17,7 +17,7 @@ pub(crate) struct SourceArgs {
     pub(crate) file: PathBuf,
 
     #[command(flatten)]
-    mesh: MeshArgs,
+    pub(crate) mesh: MeshArgs,
 
     #[command(flatten)]
     pub(crate) lights: LightArgs,

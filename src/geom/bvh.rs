@@ -6,6 +6,9 @@
 //! over the boxes, whatever they are. (Builders that join nearest neighbours from the bottom take n passes where all
 //! boxes are equal, or each is larger than the one before.)
 
+#[cfg(feature = "reference")]
+use std::ops::Range;
+
 use super::{Aabb, Segment};
 
 /// A tree over axis-aligned boxes, stored in depth-first order with skip links: a walk needs no stack.
@@ -23,6 +26,16 @@ struct Node {
     skip: u32,
     /// Where the primitives of this node's subtree start; they end where those of `nodes[skip]` start.
     first: u32,
+}
+
+/// What is below a node.
+#[cfg(feature = "reference")]
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Below {
+    /// Two nodes, by their places.
+    Nodes([usize; 2]),
+    /// A leaf's slots.
+    Slots(Range<u32>),
 }
 
 /// Most primitives in a leaf, and what a box test costs against a primitive's.
@@ -84,6 +97,17 @@ impl Bvh {
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.nodes.first().map_or(Aabb::EMPTY, |root| root.aabb)
+    }
+
+    /// A node by its place, from 0 for the root of a tree that is not empty: its box, and what is below it.
+    #[cfg(feature = "reference")]
+    pub(crate) fn node(&self, at: usize) -> (Aabb, Below) {
+        let node = self.nodes[at];
+        let (left, right) = (at + 1, node.skip as usize);
+        if left == right {
+            return (node.aabb, Below::Slots(node.first..self.nodes[left].first));
+        }
+        (node.aabb, Below::Nodes([left, self.nodes[left].skip as usize]))
     }
 
     /// Visits every slot (index into [`Bvh::order`]) whose leaf box passes `test`, in order, until `visit`

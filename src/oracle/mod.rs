@@ -12,6 +12,8 @@ mod visible;
 pub use meet::{Meeting, meet};
 #[cfg(feature = "reference")]
 pub use reference::{Reference, reference};
+#[cfg(feature = "reference")]
+pub(crate) use reference::{WholeLight, WholePlane};
 pub use visible::Visible;
 
 use crate::geom::bvh::Bvh;
@@ -140,6 +142,12 @@ impl Oracle {
                 true
             },
         );
+    }
+
+    /// The tree, and the corners of the faces in the order of its leaves.
+    #[cfg(feature = "reference")]
+    pub(crate) fn parts(&self) -> (&Bvh, &[[[f32; 3]; 3]]) {
+        (&self.tree, &self.triangles)
     }
 
     /// The box around all faces.

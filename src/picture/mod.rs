@@ -1,6 +1,7 @@
 //! Pictures by exact ray cast: every pixel's visible point, its verdict for each lamp, and plain shading. Then the
 //! same picture with the shadows that a stencil pass counts.
 
+pub mod chart;
 mod colour;
 #[cfg(feature = "gpu")]
 mod gpu;

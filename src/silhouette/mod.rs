@@ -52,7 +52,7 @@ impl Facing {
     }
 
     #[inline]
-    fn of(sign: Sign) -> Self {
+    pub(crate) fn of(sign: Sign) -> Self {
         match sign {
             Sign::Negative => Self::Back,
             Sign::Zero => Self::EdgeOn,

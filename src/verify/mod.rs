@@ -6,6 +6,7 @@
 //! are decided once more one by one. Where something is only touched, or a judge
 //! stands on a face, that is declared: both answers are right there.
 
+pub mod accuracy;
 mod judge;
 mod point;
 pub mod torture;

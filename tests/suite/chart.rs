@@ -14,7 +14,7 @@ fn curves() -> Vec<Curve> {
 }
 
 /// Tags that nest and close, in text that holds no bare `<` or `&`.
-fn well_formed(text: &str) -> bool {
+pub(crate) fn well_formed(text: &str) -> bool {
     let mut open = Vec::new();
     let mut rest = text;
     while let Some(start) = rest.find('<') {

@@ -1,5 +1,6 @@
 //! The command: exit codes, JSON keys, refusals, and what is left behind when something fails.
 
+mod accuracy;
 mod check;
 mod demo;
 mod input;
@@ -154,7 +155,7 @@ fn cli_usage_errors_exit_with_two() {
 fn cli_help_names_every_default() {
     let folder = Folder::new();
     assert!(folder.run("--help").stdout.contains("Exit codes: 0 sound"));
-    for command in ["check", "silhouette", "volume", "verify", "render", "torture"] {
+    for command in ["check", "silhouette", "volume", "verify", "render", "torture", "accuracy"] {
         let run = folder.run(&format!("{command} --help"));
         assert_eq!(run.code, 0);
         // An option starts a block, which goes on to the next one.
@@ -170,19 +171,10 @@ fn cli_help_names_every_default() {
         let valued: Vec<&String> = blocks.iter().filter(|block| block.contains('<')).collect();
         assert!(valued.len() > 4, "{}", run.stdout);
         for block in valued {
-            let said = ["[default: ", "not built yet", "(required)"];
+            let said = ["[default: ", "(required)"];
             assert!(said.iter().any(|words| block.contains(words)), "{command}: {block}");
         }
     }
-}
-
-#[test]
-fn cli_refuses_by_name_what_is_not_built() {
-    let folder = Folder::with_cubes();
-    let run = folder.run("accuracy facing cube.obj");
-    assert_eq!((run.code, run.stdout.as_str()), (2, ""));
-    assert!(run.stderr.contains("accuracy is not built yet; "), "{}", run.stderr);
-    assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
 }
 
 #[test]
@@ -244,6 +236,16 @@ fn cli_refuses_values_that_mean_nothing() {
         ("torture --seed x", "write a whole number"),
         ("torture --case nowhere/case.obj", "no folder nowhere"),
         ("torture --replay cube.obj --queries 5", "--queries"),
+        ("accuracy shape cube.obj", "shape"),
+        ("accuracy facing", "<FILE>"),
+        ("accuracy facing cube.obj --queries 0", "is not between 1 and"),
+        ("accuracy facing cube.obj --queries 1e12", "is not between 1 and"),
+        ("accuracy facing cube.obj --queries -1", "write a whole number"),
+        ("accuracy facing cube.obj --rounds 0", "from 1 to 1000"),
+        ("accuracy facing cube.obj --rounds 1001", "from 1 to 1000"),
+        ("accuracy facing cube.obj --csv a.txt", ".csv"),
+        ("accuracy facing cube.obj --svg a.png", ".svg"),
+        ("accuracy facing cube.obj --svg nowhere/a.svg", "no folder nowhere"),
         ("volume cube.obj --caps one", "one"),
         ("volume cube.obj -o a", "extension"),
     ] {

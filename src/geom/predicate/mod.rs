@@ -181,6 +181,14 @@ pub fn side_of_light([a, b, c]: [[f32; 3]; 3], light: &Light) -> Sign {
     sign_of_det([Row(b, a), Row(c, a), Homogeneous::light(light).row(a)])
 }
 
+/// As [`side_of_light`], every sign by the last step: what exactness costs where no filter spares it.
+#[cfg(feature = "reference")]
+#[inline]
+#[must_use]
+pub(crate) fn side_of_light_unfiltered([a, b, c]: [[f32; 3]; 3], light: &Light) -> Sign {
+    Accumulator::of_det(&[Row(b, a), Row(c, a), Homogeneous::light(light).row(a)]).sign()
+}
+
 /// Which side of a face a point is on: positive in front. The opposite of [`orient3d`].
 #[inline]
 #[must_use]

@@ -22,7 +22,7 @@ mod aim;
 mod bench;
 mod case;
 mod minimise;
-mod place;
+pub(super) mod place;
 mod plain;
 mod scale;
 mod shape;

@@ -8,7 +8,7 @@ use crate::verify::point::rounded;
 
 /// A kind of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(in crate::verify) enum Place {
     /// A point in a box five times as large.
     Outside,
     /// On a vertex.
@@ -35,7 +35,7 @@ pub(super) enum Place {
 
 impl Place {
     /// A light for `mesh`, which has a face.
-    pub(super) fn draw(self, mesh: &Mesh, random: &mut SplitMix64) -> Light {
+    pub(in crate::verify) fn draw(self, mesh: &Mesh, random: &mut SplitMix64) -> Light {
         let [low, high] = mesh.bounds().expect("a drawn mesh has a face");
         let bounds = Aabb { low, high };
         let p = match self {

@@ -1,0 +1,218 @@
+//! `umbrage accuracy`: error against time.
+
+mod chart;
+mod csv;
+mod json;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+use umbrage::geom::Light;
+use umbrage::scene::SceneLight;
+use umbrage::verify::accuracy::{Accuracy, MOST_LIGHTS, Method, Options, Question};
+use umbrage::write::write_atomic;
+
+use super::lights::LightArgs;
+use super::load::MeshArgs;
+use super::output::{self, Output};
+use super::progress::Progress;
+use super::source::{Source, SourceArgs};
+use super::values::{large, refuse_overwriting, require_folder, seed};
+use super::{Failure, Outcome};
+
+/// Error against time: how often each way to decide is wrong, beside what it costs
+///
+/// Plain f32, filtered exact and always exact arithmetic answer the same questions in the same run, taking turns on one
+/// thread, and every answer is held against whole numbers. Questions come in strata, from scattered ones to those where
+/// rounding decides; where two answers are right (a tie), plain methods may give either, and exact ones must say so. A
+/// wrong answer of an exact method is a bug in umbrage.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Args {
+    /// What is decided
+    #[arg(value_enum)]
+    what: What,
+
+    /// Mesh files: obj, gltf, glb, stl, ply, md2; told apart by their content, then by their extension
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+
+    #[command(flatten)]
+    mesh: MeshArgs,
+
+    #[command(flatten)]
+    lights: LightArgs,
+
+    /// About how many queries for each stratum [default: 1000000 for facing, 10000 for visibility]
+    ///
+    /// 10000, 10_000 and 1e4 are the same. Of facing a query is a face and a light, and every light is asked about all
+    /// faces; of visibility it is a point and a light.
+    #[arg(long, value_name = "N", value_parser = large, allow_negative_numbers = true)]
+    queries: Option<u64>,
+
+    /// How many rounds are timed; the median is reported
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = rounds, allow_negative_numbers = true)]
+    rounds: u32,
+
+    /// What lights and points are drawn from; the same seed gives the same answers, whatever the times
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
+    seed: u64,
+
+    /// Write a table with a row for each file, method and stratum [default: nothing is written]
+    #[arg(long, value_name = "OUT.csv")]
+    csv: Option<PathBuf>,
+
+    /// Draw wrong answers against time, a mark for each method [default: nothing is drawn]
+    #[arg(long, value_name = "OUT.svg")]
+    svg: Option<PathBuf>,
+
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum What {
+    /// Which side of each face a light is on
+    Facing,
+    /// Whether a point is in shadow
+    Visibility,
+}
+
+impl From<What> for Question {
+    fn from(what: What) -> Self {
+        match what {
+            What::Facing => Self::Facing,
+            What::Visibility => Self::Visibility,
+        }
+    }
+}
+
+fn rounds(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(rounds @ 1..=1000) => Ok(rounds),
+        _ => Err("write a whole number from 1 to 1000".to_owned()),
+    }
+}
+
+/// Queries and their right answers stay in memory: up to 13 bytes each, for each stratum.
+const MOST_QUERIES: u64 = 10_000_000;
+
+/// What was measured of one file.
+struct Measured {
+    format: Option<&'static str>,
+    vertices: usize,
+    faces: usize,
+    lights: Vec<SceneLight>,
+    found: Accuracy,
+}
+
+/// A file, and what was measured of it or why nothing was.
+struct FileResult {
+    file: PathBuf,
+    measured: Result<Measured, Failure>,
+}
+
+/// What was asked for, as reports repeat it.
+struct Asked {
+    question: Question,
+    options: Options,
+}
+
+pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+    let asked = refuse(&args)?;
+    let mut out = Output::new();
+    let mut outcome = Outcome::Sound;
+    let mut results = Vec::new();
+    for (index, file) in args.files.iter().enumerate() {
+        let measured = measure(file, &args, &asked);
+        outcome = outcome.max(match &measured {
+            Ok(measured) if measured.found.exact_is_right() => Outcome::Sound,
+            Ok(_) => Outcome::Unsound,
+            Err(failure) => {
+                output::say(failure);
+                Outcome::Incomplete
+            }
+        });
+        if let (Ok(measured), false) = (&measured, args.json) {
+            if index > 0 {
+                out.text("\n")?;
+            }
+            out.text(text::report(file, measured, &asked))?;
+            out.flush()?;
+        }
+        results.push(FileResult { file: file.clone(), measured });
+    }
+    if args.json {
+        out.json(&json::document(&results, &asked))?;
+    }
+    out.flush()?;
+    // Files hold what was measured; where that is nothing, there are none.
+    if results.iter().any(|result| result.measured.is_ok()) {
+        save(args.csv.as_deref(), || csv::table(&results, asked.question))?;
+        save(args.svg.as_deref(), || chart::svg(&results, &asked))?;
+    }
+    Ok(outcome)
+}
+
+/// Refuses what can be told before any work is done.
+fn refuse(args: &Args) -> Result<Asked, Failure> {
+    let question = Question::from(args.what);
+    let queries = args.queries.unwrap_or(question.usual_queries());
+    if !(1..=MOST_QUERIES).contains(&queries) {
+        let problem = format!("--queries {queries} is not between 1 and {MOST_QUERIES}");
+        return Err(Failure::new(problem, "run several seeds instead of one long run"));
+    }
+    for (option, path, extension) in [("--csv", &args.csv, "csv"), ("--svg", &args.svg, "svg")] {
+        let Some(path) = path else { continue };
+        if path.extension().is_none_or(|found| !found.eq_ignore_ascii_case(extension)) {
+            let remedy = format!("name a file that ends in .{extension}");
+            return Err(Failure::new(format_args!("{option} writes another format"), remedy).in_file(path));
+        }
+        for file in &args.files {
+            refuse_overwriting(option, Some(path), file)?;
+        }
+        require_folder(path)?;
+    }
+    let options = Options { queries, seed: args.seed, rounds: args.rounds };
+    Ok(Asked { question, options })
+}
+
+fn measure(file: &Path, args: &Args, asked: &Asked) -> Result<Measured, Failure> {
+    let Asked { question, options } = asked;
+    let source = SourceArgs { file: file.to_owned(), mesh: args.mesh, lights: args.lights.clone() };
+    let Source { format, mesh, lights, .. } = source.load()?;
+    if lights.len() > MOST_LIGHTS {
+        let (file, count) = (file.display(), lights.len());
+        output::say(format_args!("note: {file}: using {MOST_LIGHTS} of {count} lights, evenly spread"));
+    }
+    let plain: Vec<Light> = lights.iter().map(|light| light.light).collect();
+    let progress = Progress::bar(format!("measuring {}", file.display()), question.steps(options));
+    let found = question.measure(&mesh, &plain, options, &|steps| progress.done(steps));
+    drop(progress);
+    let none = || Failure::new("there are no faces to ask about", "name a mesh that has some").in_file(file);
+    let found = found.ok_or_else(none)?;
+    Ok(Measured { format, vertices: mesh.vertex_count(), faces: mesh.face_count(), lights, found })
+}
+
+fn save(path: Option<&Path>, text: impl FnOnce() -> String) -> Result<(), Failure> {
+    let Some(path) = path else { return Ok(()) };
+    let text = text();
+    write_atomic(path, |out| out.write_all(text.as_bytes()))?;
+    output::wrote(path);
+    Ok(())
+}
+
+impl Measured {
+    /// The first method, which the others are compared with.
+    fn baseline(&self) -> &Method {
+        &self.found.methods[0]
+    }
+}
+
+impl FileResult {
+    /// The file's name for a document.
+    fn name(&self) -> Value {
+        self.file.to_string_lossy().into()
+    }
+}

@@ -1,0 +1,238 @@
+//! `umbrage accuracy`.
+
+use std::fs;
+
+use serde_json::Value;
+use umbrage::mesh::solid;
+
+use super::{Folder, assert_shape, keys};
+use crate::chart::well_formed;
+
+const FEW: &str = "--light point:2,3,5 --queries 500 --rounds 1";
+
+/// A folder with meshes on which rounding decides something, and the cubes.
+fn folder() -> Folder {
+    let folder = Folder::with_cubes();
+    folder.mesh("torus.obj", &solid::torus(24, 12, 2.0, 0.7));
+    folder
+}
+
+/// Without what no two runs have in common.
+fn timeless(mut document: Value) -> Value {
+    for file in document["files"].as_array_mut().unwrap() {
+        for method in file["methods"].as_array_mut().unwrap() {
+            for key in ["ratio", "prepare_ns_per_face", "dominated"] {
+                method[key].take();
+            }
+            let strata = method["strata"].as_array_mut().unwrap().iter_mut().collect::<Vec<_>>();
+            for row in strata {
+                redact(row);
+            }
+            redact(method);
+        }
+    }
+    document
+}
+
+fn redact(row: &mut Value) {
+    let times = ["min_ns", "ns_per_query", "max_ns"].map(|key| row[key].take().as_f64().unwrap());
+    assert!(times[0] > 0.0 && times[0] <= times[1] && times[1] <= times[2], "{times:?}");
+}
+
+#[test]
+fn accuracy_json_has_the_agreed_keys_in_order() {
+    let folder = folder();
+    for what in ["facing", "visibility"] {
+        let document = folder.json(&format!("accuracy {what} torus.obj {FEW}"));
+        assert_shape(&format!("accuracy_{what}"), &document);
+        assert_eq!(keys(&document), "what queries seed rounds files");
+        let file = &document["files"][0];
+        assert_eq!(keys(file), "file format error mesh lights exact_is_right judged_by_all_faces methods");
+        assert_eq!(
+            keys(&file["methods"][0]),
+            "name exact ns_per_query min_ns max_ns ratio prepare_ns_per_face wrong queries ties judged bound_95 \
+             dominated strata"
+        );
+        assert_eq!(
+            keys(&file["methods"][0]["strata"][0]),
+            "name queries ties judged wrong bound_95 ns_per_query min_ns max_ns"
+        );
+        assert_eq!((&document["what"], &file["mesh"]["faces"]), (&what.into(), &576.into()));
+        let methods = file["methods"].as_array().unwrap();
+        assert!(methods.iter().all(|method| method["exact"] == false || method["wrong"] == 0), "{file}");
+        assert!(methods.iter().any(|method| method["dominated"] == false), "{file}");
+    }
+}
+
+#[test]
+fn accuracy_repeats_itself_for_a_seed_but_for_times() {
+    let folder = folder();
+    for what in ["facing", "visibility"] {
+        let run =
+            |more: &str| timeless(folder.json(&format!("accuracy {what} torus.obj cube.obj {FEW} {more}")));
+        let one = run("--seed 3");
+        assert_eq!(one, run("--seed 3"));
+        assert_ne!(one["files"], run("--seed 4")["files"]);
+        assert_eq!(one["files"].as_array().unwrap().len(), 2);
+    }
+}
+
+#[test]
+fn accuracy_prints_tables_and_what_exactness_costs() {
+    let folder = folder();
+    for (what, named) in [
+        ("facing", ["plain f64", "filtered planes", "always exact", "one_ulp_off"]),
+        ("visibility", ["plain f32", "exact ray cast", "whole numbers", "behind_vertex"]),
+    ] {
+        let run = folder.run(&format!("accuracy {what} torus.obj cube.obj {FEW}"));
+        assert_eq!((run.code, run.stderr.as_str()), (0, ""));
+        assert!(
+            run.stdout.starts_with(&format!("torus.obj: {what}, 288 vertices, 576 faces, seed 1, 1 round"))
+        );
+        for words in named.into_iter().chain([
+            "\nlights: point:2,3,5\ntruth: every ",
+            "\n  method ",
+            "\n  ns ",
+            "\n  wrong of queries ",
+            "\n\ncube.obj: ",
+            "\nexactness removes ",
+            "\nverdict: no exact method was wrong\n",
+        ]) {
+            assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
+        }
+        assert!(run.stdout.lines().last().is_some_and(|line| line.starts_with("ns: ")), "{}", run.stdout);
+    }
+}
+
+/// The records of a table (RFC 4180).
+fn records(text: &str) -> Vec<Vec<String>> {
+    let (mut records, mut fields, mut field) = (Vec::new(), Vec::new(), String::new());
+    let (mut quoted, mut rest) = (false, text.chars().peekable());
+    while let Some(c) = rest.next() {
+        match c {
+            '"' if quoted && rest.peek() == Some(&'"') => field.extend(rest.next()),
+            '"' => quoted = !quoted,
+            ',' if !quoted => fields.push(std::mem::take(&mut field)),
+            '\r' if !quoted => {
+                assert_eq!(rest.next(), Some('\n'), "records end with both");
+                fields.push(std::mem::take(&mut field));
+                records.push(std::mem::take(&mut fields));
+            }
+            c => field.push(c),
+        }
+    }
+    assert!(fields.is_empty() && field.is_empty() && !quoted, "the last record ends too");
+    records
+}
+
+#[test]
+fn accuracy_csv_has_a_row_for_each_file_method_and_stratum() {
+    let folder = folder();
+    fs::rename(folder.path("cube.obj"), folder.path("a,b.obj")).unwrap();
+    for (what, methods, strata) in [("facing", 5, 8), ("visibility", 3, 7)] {
+        let run = folder.run(&format!("accuracy {what} torus.obj a,b.obj {FEW} --csv out.csv"));
+        assert_eq!((run.code, run.stderr.as_str()), (0, "umbrage: wrote out.csv\n"));
+        let records = records(&fs::read_to_string(folder.path("out.csv")).unwrap());
+        let column = |name: &str| records[0].iter().position(|other| other == name).unwrap();
+        assert_eq!(records.len(), 1 + 2 * methods * (strata + 1));
+        assert!(records.iter().all(|record| record.len() == records[0].len()));
+        let of = |name: &str| -> Vec<&str> {
+            let rows = records[1..].iter().filter(|record| record[column("file")] == name);
+            rows.map(|record| record[column("stratum")].as_str()).collect()
+        };
+        assert_eq!(of("torus.obj"), of("a,b.obj"));
+        assert_eq!(of("torus.obj").iter().filter(|&&stratum| stratum == "all").count(), methods);
+        for record in &records[1..] {
+            let number = |name: &str| record[column(name)].parse::<f64>().unwrap();
+            assert!(number("min_ns") <= number("median_ns") && number("median_ns") <= number("max_ns"));
+            assert!(number("wrong") <= number("judged") && number("judged") <= number("queries"));
+            assert_eq!(
+                record[column("bound_95")].is_empty(),
+                number("wrong") > 0.0 || number("judged") == 0.0
+            );
+        }
+    }
+}
+
+/// Where the text of a chart stands, line by line: left, baseline, size, content.
+fn texts(svg: &str) -> Vec<(f64, f64, f64, String)> {
+    let attribute = |tag: &str, name: &str| -> Option<f64> {
+        tag.split(&format!(" {name}=\"")).nth(1)?.split('"').next()?.parse().ok()
+    };
+    let tags = svg.split("<text").skip(1).filter(|text| !text.contains("text-anchor"));
+    tags.map(|text| {
+        let (tag, content) = text.split_once('>').unwrap();
+        let content = content.split("</text>").next().unwrap().to_owned();
+        let size = attribute(tag, "font-size").unwrap_or(13.0);
+        (attribute(tag, "x").unwrap(), attribute(tag, "y").unwrap(), size, content)
+    })
+    .collect()
+}
+
+#[test]
+fn accuracy_svg_is_well_formed_and_no_text_runs_over_another() {
+    let folder = folder();
+    for (what, methods) in [("facing", 5), ("visibility", 3)] {
+        let run = folder.run(&format!("accuracy {what} torus.obj cube.obj {FEW} --svg out.svg"));
+        assert_eq!((run.code, run.stderr.as_str()), (0, "umbrage: wrote out.svg\n"));
+        let svg = fs::read_to_string(folder.path("out.svg")).unwrap();
+        assert!(well_formed(&svg) && !svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        assert_eq!(svg.matches("<title>").count(), 2 * methods);
+        assert_eq!(svg.matches("prefers-color-scheme:dark").count(), 1);
+        // What is never wrong is hollow.
+        let hollow = svg.matches("stroke:currentColor").count();
+        assert!(hollow >= 2 * (methods - 2) && hollow <= 2 * methods, "{hollow}");
+        let texts = texts(&svg);
+        for (i, (x, y, size, text)) in texts.iter().enumerate() {
+            let width = |size: f64, text: &str| 0.5 * size * text.chars().count() as f64;
+            assert!(*x >= 0.0 && x + width(*size, text) <= 760.0, "{text}");
+            for (other_x, other_y, other_size, other) in &texts[..i] {
+                let beside = *x >= other_x + width(*other_size, other) || *other_x >= x + width(*size, text);
+                assert!(beside || (y - other_y).abs() >= size.min(*other_size), "{text} over {other}");
+            }
+        }
+    }
+}
+
+#[test]
+fn accuracy_of_several_files_measures_those_that_can_be_read() {
+    let folder = folder();
+    fs::write(folder.path("empty.obj"), "v 1 2 3\n").unwrap();
+    let arguments = format!("accuracy facing cube.obj garbled.stl empty.obj {FEW}");
+    let run = folder.run(&format!("{arguments} --json --csv out.csv"));
+    assert_eq!(run.code, 2, "what could not be read outranks everything");
+    assert!(run.stderr.contains("umbrage: garbled.stl"), "{}", run.stderr);
+    assert!(run.stderr.contains("empty.obj: there are no faces to ask about; "), "{}", run.stderr);
+    let document: Value = serde_json::from_str(&run.stdout).unwrap();
+    let errors = [0, 1, 2].map(|file| document["files"][file]["error"].as_str().map(str::to_owned));
+    assert!(errors[0].is_none() && errors[1].is_some() && errors[2].is_some(), "{errors:?}");
+    for file in [1, 2] {
+        let entry = &document["files"][file];
+        assert_eq!(keys(entry), keys(&document["files"][0]));
+        assert!(["mesh", "lights", "methods", "exact_is_right"].iter().all(|key| entry[key].is_null()));
+    }
+    assert_eq!(records(&fs::read_to_string(folder.path("out.csv")).unwrap()).len(), 1 + 5 * 9);
+
+    let run = folder.run(&format!("accuracy facing garbled.stl {FEW} --csv none.csv --svg none.svg"));
+    assert_eq!((run.code, run.stdout.as_str()), (2, ""));
+    assert!(!folder.path("none.csv").exists() && !folder.path("none.svg").exists());
+}
+
+#[test]
+fn accuracy_takes_any_mesh_and_any_light() {
+    let folder = Folder::new();
+    folder.mesh("tiny.obj", &solid::scaled(&solid::cube(), 1e-38));
+    folder.mesh("huge.ply", &solid::scaled(&solid::cube(), 1e37));
+    fs::write(folder.path("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 1\n").unwrap();
+    for file in ["tiny.obj", "huge.ply", "line.obj"] {
+        for what in ["facing", "visibility"] {
+            for light in ["point:0,0,0", "point:3e38,-3e38,1e-45", "directional:1e-45,3e38,0"] {
+                let run = folder.run(&format!(
+                    "accuracy {what} {file} --light {light} --queries 40 --rounds 1 --svg out.svg"
+                ));
+                assert_eq!(run.code, 0, "{what} {file} {light}: {}{}", run.stdout, run.stderr);
+                assert!(well_formed(&fs::read_to_string(folder.path("out.svg")).unwrap()));
+            }
+        }
+    }
+}

@@ -19,7 +19,7 @@ const BOUNDS: [(&str, usize); 19] = [
     ("shells", 12),
     ("crack report", 700),
     ("items", 100),
-    ("tree", 96),
+    ("tree", 100),
     ("proofs", 700),
     ("planes", 28),
     ("classify", 1),
@@ -28,7 +28,7 @@ const BOUNDS: [(&str, usize); 19] = [
     ("volume", 60),
     ("certificate", 48),
     ("layers", 800),
-    ("shell boxes", 156),
+    ("shell boxes", 160),
     ("oracle", 128),
     ("winding", 2300),
 ];
@@ -47,7 +47,7 @@ const ORDINARY: [(&str, usize); 7] = [
     ("topology", 41),
     ("shells", 8),
     ("crack report", 12),
-    ("proofs", 125),
+    ("proofs", 129),
     ("layers", 125),
 ];
 

@@ -6,7 +6,8 @@
 use num_bigint::{BigInt, Sign};
 
 use super::{Crossings, Oracle, Verdict};
-use crate::geom::{Light, Segment};
+use crate::geom::Light;
+use crate::geom::bvh::Step;
 use crate::mesh::Mesh;
 use crate::silhouette::Facing;
 
@@ -48,22 +49,18 @@ impl Oracle {
     #[must_use]
     pub fn verdict_in_whole_numbers(&self, p: [f32; 3], light: &Light) -> Verdict {
         let (start, step, endless) = way(p, light);
-        let segment = Segment::to_light(p, light);
         let mut verdict = Verdict::Lit;
-        self.tree.walk(
-            |aabb| segment.may_meet(aabb),
-            |slot| {
-                let corners = self.triangles[slot];
-                if !apart(p, light, corners) {
-                    match meeting(&start, &step, endless, &corners.map(vector)) {
-                        None => {}
-                        Some(0) => verdict = Verdict::Grazing,
-                        Some(_) => verdict = Verdict::Shadowed,
-                    }
+        self.tree.walk(p, light, |slot| {
+            let corners = self.triangles[slot];
+            if !apart(p, light, corners) {
+                match meeting(&start, &step, endless, &corners.map(vector)) {
+                    None => {}
+                    Some(0) => verdict = Verdict::Grazing,
+                    Some(_) => verdict = Verdict::Shadowed,
                 }
-                verdict != Verdict::Shadowed
-            },
-        );
+            }
+            if verdict == Verdict::Shadowed { Step::Stop } else { Step::On }
+        });
         verdict
     }
 }

@@ -1,11 +1,10 @@
 //! What an eye sees along a ray, and the point that stands for it.
 
-use std::cell::Cell;
-
-use super::meet::{Meeting, meet};
+use super::meet::Meeting;
 use super::{Hit, Oracle};
+use crate::geom::Light;
+use crate::geom::bvh::Step;
 use crate::geom::predicate::{Homogeneous, Sign, height, side_of_point};
-use crate::geom::{Light, Segment};
 use crate::mesh::FaceId;
 
 /// The first face along a ray, and a point just before it.
@@ -31,8 +30,7 @@ impl Oracle {
     /// `None` also for a direction that is zero or not finite.
     #[must_use]
     pub fn first_hit(&self, origin: [f32; 3], direction: [f32; 3]) -> Option<Hit> {
-        self.first_slot(origin, direction, 0.0)
-            .map(|(slot, t)| Hit { face: FaceId(self.tree.order()[slot]), t })
+        self.first_slot(origin, direction, 0.0).map(|(slot, t)| Hit { face: FaceId(self.order[slot]), t })
     }
 
     /// What the eye at `origin` sees along `direction`: [`Oracle::first_hit`] with its visible point.
@@ -58,36 +56,26 @@ impl Oracle {
         let corners = self.triangles[slot];
         let side = side_of_point(corners, origin);
         let point = before(corners, side, origin, direction, t);
-        Some(Visible { face: FaceId(self.tree.order()[slot]), corners, side, t, point })
+        Some(Visible { face: FaceId(self.order[slot]), corners, side, t, point })
     }
 
     /// The place in `triangles` of the first face, and its distance.
     fn first_slot(&self, origin: [f32; 3], direction: [f32; 3], nearest: f64) -> Option<(usize, f64)> {
         let towards = Light::directional(direction.map(|x| -x)).ok()?;
-        let segment = Segment::along(origin, direction);
         let mut first: Option<(f64, u32, usize)> = None;
-        // Both closures look at how far the segment still reaches.
-        let end = Cell::new(f64::INFINITY);
-        self.tree.walk_nearest_first(
-            |aabb| segment.until(end.get()).entry(aabb),
-            |slot| {
-                let triangle = self.triangles[slot];
-                let passes = match meet(origin, &towards, triangle) {
-                    Meeting::None => false,
-                    Meeting::Crossing(_) => true,
-                    Meeting::Touching => !side_of_point(triangle, origin).is_zero(),
-                };
-                if passes {
-                    let t = distance(origin, &towards, triangle);
-                    let face = self.tree.order()[slot];
-                    // Of equal distances the lowest face, whatever the order of the tree.
-                    if t >= nearest && first.is_none_or(|(least, id, _)| (t, face) < (least, id)) {
-                        first = Some((t, face, slot));
-                        end.set(t * NEARLY);
-                    }
-                }
-            },
-        );
+        self.meetings(origin, &towards, &self.way(origin, &towards), |slot, meeting| {
+            let triangle = self.triangles[slot];
+            if meeting == Meeting::Touching && side_of_point(triangle, origin).is_zero() {
+                return Step::On;
+            }
+            let (t, face) = (distance(origin, &towards, triangle), self.order[slot]);
+            // Of equal distances the lowest face, whatever the order of the tree.
+            if t >= nearest && first.is_none_or(|(least, id, _)| (t, face) < (least, id)) {
+                first = Some((t, face, slot));
+                return Step::NoFarther(t * NEARLY);
+            }
+            Step::On
+        });
         first.map(|(t, _, slot)| (slot, t))
     }
 }
@@ -145,6 +133,7 @@ const NEARLY: f64 = 1.0 + 1.0 / (1_u64 << 36) as f64;
 mod tests {
     use super::*;
     use crate::mesh::{Mesh, solid};
+    use crate::oracle::meet;
 
     /// Rays from a ring of eyes into the middle of things, fanned out a little.
     fn rays() -> impl Iterator<Item = ([f32; 3], [f32; 3])> {

@@ -98,7 +98,7 @@ impl ShellProof {
     /// microseconds a face, unless no shell gets that far. Where the faces of shells nearly all reach into one place
     /// the search gives up after some seconds for all shells together: [`ShellProof::Unsettled`].
     ///
-    /// Memory: at its peak 125 bytes a face, or what [`CrackReport::of`] takes.
+    /// Memory: at its peak 129 bytes a face, or what [`CrackReport::of`] takes.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology, shells: &Shells) -> Vec<Self> {
         Self::within(mesh, topology, shells, MOST_TESTS)

@@ -20,7 +20,7 @@ const BOUNDS: [(&str, usize); 20] = [
     ("shells", 12),
     ("crack report", 700),
     ("items", 100),
-    ("tree", 96),
+    ("tree", 100),
     ("proofs", 700),
     ("planes", 28),
     ("classify", 1),
@@ -29,7 +29,7 @@ const BOUNDS: [(&str, usize); 20] = [
     ("volume", 60),
     ("certificate", 48),
     ("layers", 800),
-    ("shell boxes", 156),
+    ("shell boxes", 160),
     ("oracle", 128),
     ("winding", 2300),
 ];
@@ -49,7 +49,7 @@ const ORDINARY: [(&str, usize); 8] = [
     ("topology", 41),
     ("shells", 8),
     ("crack report", 12),
-    ("proofs", 125),
+    ("proofs", 129),
     ("layers", 125),
 ];
 

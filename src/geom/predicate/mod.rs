@@ -24,10 +24,12 @@ use std::ops::Neg;
 use super::Light;
 use accumulator::Accumulator;
 use filter::{EPSILON, Row, rounded_det, sign_of_det};
+pub(crate) use way::{Passage, Way};
 
 mod accumulator;
 mod filter;
 mod integer;
+mod way;
 
 /// The sign of a real number, known exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

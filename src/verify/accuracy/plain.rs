@@ -9,12 +9,12 @@ use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ray::{Ray, safe_inverse};
 use obvhs::triangle::Triangle;
 
-use crate::geom::Light;
-use crate::geom::bvh::Below;
-use crate::oracle::Oracle;
+use crate::geom::bvh::{Below, Bvh};
+use crate::geom::{Aabb, Light};
+use crate::mesh::Mesh;
 
-/// The tree of the exact oracle in the layout of obvhs, so that the two differ by their arithmetic alone. (Its own
-/// builders take the square of the number of faces where all boxes are equal.)
+/// The tree from which that of the exact oracle is made, in the layout of obvhs. (Its own builders take the square of the
+/// number of faces where all boxes are equal.)
 pub(super) struct PlainTree {
     tree: Bvh2,
     leaves: Vec<Triangle>,
@@ -24,8 +24,12 @@ pub(super) struct PlainTree {
 const DEPTH: usize = 128;
 
 impl PlainTree {
-    pub(super) fn of(oracle: &Oracle) -> Self {
-        let (tree, triangles) = oracle.parts();
+    pub(super) fn build(mesh: &Mesh) -> Self {
+        let corners = |face: &[u32; 3]| face.map(|vertex| mesh.positions()[vertex as usize]);
+        let boxes: Vec<Aabb> = mesh.triangles().iter().map(|face| Aabb::around(corners(face))).collect();
+        let tree = Bvh::build(&boxes);
+        let triangles: Vec<[[f32; 3]; 3]> =
+            tree.order().iter().map(|&face| corners(&mesh.triangles()[face as usize])).collect();
         let leaf = |corners: &[[f32; 3]; 3]| {
             let [v0, v1, v2] = corners.map(Vec3A::from);
             Triangle { v0, v1, v2 }

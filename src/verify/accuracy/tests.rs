@@ -129,7 +129,7 @@ fn accuracy_counts_a_fault_of_visibility_in_every_batch() {
     let (truth, all_faces) = visibility::truth(&mesh, &oracle, &lights, &points, &|_| {});
     assert!(all_faces > 100, "{all_faces}");
     let turn = |verdict| if verdict == Verdict::Lit { Verdict::Shadowed } else { Verdict::Lit };
-    let plain = PlainTree::of(&oracle);
+    let plain = PlainTree::build(&mesh);
     let all = visibility::contenders(&plain, &oracle, &lights, &points, 5);
     let mut all: Vec<_> = all.into_iter().map(|contender| spoiled(contender, turn)).collect();
     let methods = compare(&truth, &mut all, 1, &|_| {});
@@ -189,7 +189,7 @@ fn accuracy_plain_tree_finds_what_the_exact_one_finds_where_nothing_is_aimed_at(
     let many = Mesh::concat(&vec![solid::tetrahedron(); 50]).unwrap();
     for mesh in [solid::torus_knot(2, 3, 60, 8, 0.3), solid::tetrahedron(), many] {
         let (lights, oracle) = (lights(), Oracle::build(&mesh));
-        let plain = PlainTree::of(&oracle);
+        let plain = PlainTree::build(&mesh);
         let points = points::draw(&mesh, &lights, &FEW);
         let mut shadowed = 0;
         for (light, points) in lights.iter().zip(&points[0]) {

@@ -22,10 +22,11 @@ pub(super) fn measure(mesh: &Mesh, given: &[Light], options: &Options, progress:
     let points = points::draw(mesh, &lights, options);
     let (oracle, prepare_ns) = prepared(mesh.face_count(), || Oracle::build(mesh));
     let (strata, judged_by_all_faces) = truth(mesh, &oracle, &lights, &points, progress);
-    let plain = PlainTree::of(&oracle);
+    let (plain, prepare_plain_ns) = prepared(mesh.face_count(), || PlainTree::build(mesh));
     let every = options.queries.div_ceil(SAMPLE).max(1) as usize;
     let mut contenders = contenders(&plain, &oracle, &lights, &points, every);
-    contenders[..2].iter_mut().for_each(|contender| contender.prepare_ns = Some(prepare_ns));
+    contenders[0].prepare_ns = Some(prepare_plain_ns);
+    contenders[1].prepare_ns = Some(prepare_ns);
     let methods = compare(&strata, &mut contenders, options.rounds, progress);
     Accuracy { methods, judged_by_all_faces: Some(judged_by_all_faces) }
 }

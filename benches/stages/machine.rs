@@ -68,7 +68,8 @@ fn bandwidth(bytes: usize) -> (f64, f64) {
     (median(into_touched), median(into_fresh))
 }
 
-fn cpu() -> String {
+/// The processor's name.
+pub(crate) fn cpu() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
     name.map_or("unknown".to_owned(), |(_, name)| name.trim().to_owned())

@@ -19,8 +19,10 @@ fn reader(bench: &mut Bench<'_>, mesh: &str, faces: usize, file: &File) {
     let File { name, kind, bytes, vertices } = file;
     let newlines = bytes.iter().filter(|&&byte| byte == b'\n').count();
     let contenders = vec![
-        Contender::new("copy of the bytes", || timed(|| bytes.clone(), |copy| format!("bytes={}", copy.len())))
-            .moves(2.0),
+        Contender::new("copy of the bytes", || {
+            timed(|| bytes.clone(), |copy| format!("bytes={}", copy.len()))
+        })
+        .moves(2.0),
         Contender::new("newlines counted", || {
             let count = || bytes.iter().filter(|&&byte| byte == b'\n').count();
             timed(count, |count| format!("newlines={count}"))

@@ -18,10 +18,10 @@ use umbrage::topology::{GpuTopology, GpuTopologyBuilder, Topology};
 use umbrage::volume::{Caps, GpuExtrusion, GpuVolume, ShadowVolume, VolumeShaders};
 
 use crate::canvas::Canvas;
-use crate::chart::Curve;
 use crate::gpu::{submit, wait};
 use crate::head;
 use crate::measure::{Bench, Contender, Group, Target, timed};
+use crate::plot::Curve;
 
 const SIDE: u32 = 512;
 

@@ -37,7 +37,7 @@ impl fmt::Display for Machine {
         writeln!(f, "cores      {cores} to this process; every row uses one thread")?;
         writeln!(f, "system     {} {}", std::env::consts::OS, std::env::consts::ARCH)?;
         writeln!(f, "compiler   {}", compiler())?;
-        writeln!(f, "umbrage    {} {}", env!("CARGO_PKG_VERSION"), commit())?;
+        writeln!(f, "umbrage    {}", commit())?;
         writeln!(f, "sizes      {}", if self.quick { "quick (times mean nothing)" } else { "full" })?;
         writeln!(
             f,
@@ -68,7 +68,8 @@ fn bandwidth(bytes: usize) -> (f64, f64) {
     (median(into_touched), median(into_fresh))
 }
 
-fn cpu() -> String {
+/// The processor's name.
+pub(crate) fn cpu() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
     name.map_or("unknown".to_owned(), |(_, name)| name.trim().to_owned())
@@ -93,8 +94,8 @@ fn commit() -> String {
     let commit = line("git", &["rev-parse", "--short=12", "HEAD"]);
     let changed = !line("git", &["status", "--porcelain", "--untracked-files=no"]).is_empty();
     match commit.as_str() {
-        "" => String::new(),
-        _ => format!("at {commit}{}", if changed { " with changes" } else { "" }),
+        "" => "unknown".to_owned(),
+        _ => format!("{commit}{}", if changed { " with changes" } else { "" }),
     }
 }
 

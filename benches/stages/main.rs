@@ -5,15 +5,19 @@ mod canvas;
 #[cfg(feature = "gpu")]
 mod chart;
 mod facing;
+mod files;
 #[cfg(feature = "gpu")]
 mod frames;
 #[cfg(feature = "gpu")]
 mod gpu;
 #[cfg(feature = "gpu")]
 mod gpu_topology;
+mod growth;
 mod light;
 mod machine;
 mod measure;
+mod plot;
+mod read;
 mod report;
 mod screen;
 mod shadow;
@@ -37,7 +41,8 @@ cargo bench --bench stages -- [OPTIONS]
 --filter NAME  only stages whose name holds NAME
 --csv OUT      the rows as a table for other programs
 --chart OUT    the frame rates as a chart (SVG)
---record       the rows, the machine and the chart, dated, into benches/record/
+--growth OUT   time over size as a chart (SVG)
+--record       the rows, the machine and the charts, dated, into benches/record/
 ";
 
 #[derive(Debug, Default)]
@@ -46,6 +51,7 @@ struct Options {
     filter: String,
     csv: Option<PathBuf>,
     chart: Option<PathBuf>,
+    growth: Option<PathBuf>,
     record: bool,
 }
 
@@ -74,6 +80,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options
             "--filter" => options.filter = value()?,
             "--csv" => options.csv = Some(value()?.into()),
             "--chart" => options.chart = Some(value()?.into()),
+            "--growth" => options.growth = Some(value()?.into()),
             "--record" => options.record = true,
             "--bench" => {} // what `cargo bench` itself adds
             "--help" | "-h" => return Ok(None),
@@ -96,6 +103,7 @@ fn run(options: &Options) -> Result<(), String> {
         shadow::run,
         light::run,
         visibility::run,
+        read::run,
     ];
     for stage in stages {
         stage(&mut bench);
@@ -108,6 +116,7 @@ fn run(options: &Options) -> Result<(), String> {
     let chart = frames::run(&mut bench).map(|frames| chart::svg(&frames.adapter, &frames.curves));
     #[cfg(not(feature = "gpu"))]
     let chart: Option<String> = None;
+    let growth = growth::run(&mut bench).map(|growth| growth.svg(&machine::cpu()));
     if bench.rows.is_empty() {
         return Err(format!("no stage is named {}; see benches/README.md", options.filter));
     }
@@ -115,15 +124,20 @@ fn run(options: &Options) -> Result<(), String> {
     if let Some(path) = &options.csv {
         report::save(path, &csv)?;
     }
-    if let (Some(path), Some(chart)) = (&options.chart, &chart) {
-        report::save(path, chart)?;
+    let charts = [(&chart, &options.chart, "frames"), (&growth, &options.growth, "growth")];
+    for (chart, path, _) in charts {
+        if let (Some(path), Some(chart)) = (path, chart) {
+            report::save(path, chart)?;
+        }
     }
     if options.record {
         let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/benches/record"));
         report::save(&folder.join(format!("{}.csv", machine.date)), &csv)?;
         report::save(&folder.join(format!("{}.txt", machine.date)), &machine.to_string())?;
-        if let Some(chart) = &chart {
-            report::save(&folder.join(format!("{}-frames.svg", machine.date)), chart)?;
+        for (chart, _, name) in charts {
+            if let Some(chart) = chart {
+                report::save(&folder.join(format!("{}-{name}.svg", machine.date)), chart)?;
+            }
         }
     }
     Ok(())

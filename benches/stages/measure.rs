@@ -129,11 +129,19 @@ impl<'a> Bench<'a> {
     }
 
     /// Runs a group and prints its rows.
+    pub(crate) fn run(&mut self, group: Group<'_>) {
+        let rounds = if self.quick { 2 } else { 9 };
+        let table = report::table(self.measure(group, rounds));
+        // A reader who closes the pipe has seen enough; the answers are still asserted.
+        let _ = report::print(&table);
+    }
+
+    /// Runs a group, for its rows.
     ///
     /// One round to warm up, then rounds in which every contender runs once (a short one several times), each
     /// round in another order, so that no contender always follows the same one.
-    pub(crate) fn run(&mut self, mut group: Group<'_>) {
-        let (rounds, least) = if self.quick { (2, 0.0) } else { (9, 2e7) };
+    pub(crate) fn measure(&mut self, mut group: Group<'_>, rounds: usize) -> &[Row] {
+        let least = if self.quick { 0.0 } else { 2e7 };
         let count = group.contenders.len();
         let repeats: Vec<u32> = group
             .contenders
@@ -173,8 +181,7 @@ impl<'a> Bench<'a> {
                 answer: contender.expected.expect("it ran"),
             });
         }
-        // A reader who closes the pipe has seen enough; the answers are still asserted.
-        let _ = report::print(&report::table(&self.rows[first..]));
+        &self.rows[first..]
     }
 }
 

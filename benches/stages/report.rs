@@ -17,10 +17,13 @@ pub(crate) fn table(rows: &[Row]) -> String {
     );
     for row in rows {
         let spread = format!("{} .. {}", time(row.min), time(row.max));
-        let ratio = row.ratio.map_or(String::new(), |ratio| format!("{ratio:.2}"));
+        let ratio = row.ratio.map_or(String::new(), |ratio| {
+            if ratio < 0.1 { format!("{ratio:.3}") } else { format!("{ratio:.2}") }
+        });
         let limit = row.limit.map_or(String::new(), |limit| format!("{limit:.2}"));
         let target = match (row.target, row.meets_target()) {
             (Target::Time(most), met) => format!("<= {} {}", time(most), word(met)),
+            (Target::Ratio(most), met) if most < 0.2 => format!("<= 1/{:.0}× {}", 1.0 / most, word(met)),
             (Target::Ratio(most), met) => format!("<= {most}× {}", word(met)),
             (Target::Best(most), met) => format!("<= {most}× best {}", word(met)),
             (Target::Limits(most), met) => format!("<= {most} limits {}", word(met)),

@@ -3,7 +3,8 @@
 #[path = "../../benches/stages/chart.rs"]
 mod drawn;
 
-use drawn::{Curve, svg};
+use crate::plot::Curve;
+use drawn::svg;
 
 fn curves() -> Vec<Curve> {
     let curve = |name: &str, factor: f64| Curve {

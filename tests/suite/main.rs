@@ -20,6 +20,8 @@ mod hard;
 mod metamorphic;
 mod oracle;
 mod picture;
+#[path = "../../benches/stages/plot.rs"]
+mod plot;
 mod read;
 mod screen;
 mod silhouette;

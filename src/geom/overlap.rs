@@ -14,6 +14,8 @@ use crate::parallel;
 const LEAF: usize = 8;
 /// Levels below a task's node: a task is some thousand boxes.
 const TASK_LEVELS: u32 = 7;
+/// Tasks are not divided further once there are more.
+const MOST_TASKS: usize = 1 << 18;
 /// Parts of so many boxes are halved all the way at once, while the cache holds them.
 const CHUNK: usize = 4096;
 
@@ -116,6 +118,9 @@ impl Overlaps {
     pub(crate) fn tasks(&self) -> Vec<Task> {
         let mut tasks = vec![Task(1, 1)];
         for _ in TASK_LEVELS..self.leaves.len().ilog2() {
+            if tasks.len() > MOST_TASKS {
+                break; // everything reaches everywhere: the list itself would be too long
+            }
             let mut finer = Vec::new();
             tasks.iter().for_each(|&task| self.within(task, |task| finer.push(task)));
             tasks = finer;
@@ -136,15 +141,17 @@ impl Overlaps {
         }
     }
 
-    /// Calls `visit` with the places in [`Overlaps::order`] of each two boxes of a task that overlap, until it breaks.
+    /// Calls `visit` with the places in [`Overlaps::order`] of each two boxes of a task that overlap, until it breaks;
+    /// and with `None` for each two nodes that are looked into, so that work which finds nothing can be counted too.
     pub(crate) fn for_each_pair(
         &self,
         task: Task,
-        mut visit: impl FnMut([usize; 2]) -> ControlFlow<()>,
+        mut visit: impl FnMut(Option<[usize; 2]>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let width = self.leaves.len();
         let mut open = vec![task];
         while let Some(Task(a, b)) = open.pop() {
+            visit(None)?;
             if (a as usize) < width {
                 self.within(Task(a, b), |task| open.push(task));
                 continue;
@@ -162,7 +169,7 @@ impl Overlaps {
                     hits &= !1 << i; // each two once, and none with itself
                 }
                 while hits != 0 {
-                    visit([LEAF * a + i, LEAF * b + hits.trailing_zeros() as usize])?;
+                    visit(Some([LEAF * a + i, LEAF * b + hits.trailing_zeros() as usize]))?;
                     hits &= hits - 1;
                 }
             }
@@ -199,6 +206,7 @@ mod tests {
         let mut pairs = Vec::new();
         for task in tree.tasks() {
             let _ = tree.for_each_pair(task, |places| {
+                let Some(places) = places else { return ControlFlow::Continue(()) };
                 let [i, j] = places.map(|place| tree.order()[place]);
                 pairs.push([i.min(j), i.max(j)]);
                 ControlFlow::Continue(())
@@ -256,5 +264,29 @@ mod tests {
         let mut tree = Overlaps::of(&boxes);
         tree.nodes[2].high = tree.nodes[2].low; // the sabotage
         assert_ne!(found(&tree), naive(&boxes));
+    }
+
+    #[test]
+    fn overlaps_count_work_that_finds_nothing() {
+        // Thin rods along all axes: next to none overlap, but the boxes around eight of them nearly all do.
+        let mut random = SplitMix64(5);
+        let mut unit = || random.below(1 << 20) as f32 / (1 << 20) as f32;
+        let boxes: Vec<Aabb> = (0..4096)
+            .map(|i| {
+                let low = [(); 3].map(|()| unit());
+                let mut high = low.map(|x| x + 1e-7);
+                high[i % 3] += 1.0;
+                Aabb { low, high }
+            })
+            .collect();
+        let tree = Overlaps::of(&boxes);
+        let (mut looks, mut pairs) = (0, 0);
+        for task in tree.tasks() {
+            let _ = tree.for_each_pair(task, |places| {
+                *if places.is_some() { &mut pairs } else { &mut looks } += 1;
+                ControlFlow::Continue(())
+            });
+        }
+        assert!(looks > 50_000 && pairs < 100, "{looks} looks, {pairs} pairs");
     }
 }

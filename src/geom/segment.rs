@@ -144,7 +144,7 @@ impl Narrow {
         for i in 0..3 {
             let size = direction[i].abs();
             fits &= (origin[i].abs() < MOST) & (size < MOST) & ((size > LEAST) | (size == 0.0));
-            first[i] = 1.0 / direction[i];
+            first[i] = 1.0 / (direction[i] + 0.0); // never 1 / −0.0, which `turned` would not see
             last[i] = first[i] * widen;
             turned[i] = usize::from(direction[i] < 0.0);
         }

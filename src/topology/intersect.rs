@@ -66,7 +66,8 @@ struct Done {
 }
 
 /// The same among some faces, ascending, that all have area; it breaks as `visit` does, or when no tests are
-/// left.
+/// left: one is taken for two faces whose boxes overlap, and one for two nodes of the tree, as slivers across everything
+/// keep those busy for nothing.
 /// Of faces that all reach one place (those around one vertex, say) each is tested against all others.
 pub(crate) fn for_each_intersection_among(
     mesh: &Mesh,
@@ -92,7 +93,7 @@ pub(crate) fn for_each_intersection_among(
             // It breaks where it cannot be used any more.
             let _ = tree.for_each_pair(window[task], |places| {
                 done.tests += 1;
-                if intersect(places) {
+                if let Some(places) = places.filter(|&places| intersect(places)) {
                     done.more = done.pairs.len() == MOST_HELD;
                     if !done.more {
                         done.pairs.push(pair(places));
@@ -109,7 +110,7 @@ pub(crate) fn for_each_intersection_among(
             if done.more {
                 tree.for_each_pair(task, |places| {
                     *tests = tests.saturating_sub(1);
-                    if intersect(places) {
+                    if let Some(places) = places.filter(|&places| intersect(places)) {
                         visit(pair(places))?;
                     }
                     if *tests == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

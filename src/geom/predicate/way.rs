@@ -5,11 +5,12 @@
 //! rounded once), the three edges pass the line on the hands −q, −u, −v, the start is on the side −T of the plane and
 //! the light on the side u + v + q − wT. They share their differences and cross products.
 //!
-//! With D the largest |dᵢ| and M no less than any coordinate of a corner, a permanent is at most 6DM² (for T 6M³), so
-//! by bound A of [`filter`](super::filter) (the same products and sums in the same order, a row in the place of a
-//! column) u, v and q err by at most 7·6·ε·DM²·(1 + 16ε) < 43ε·DM², and T by less than 43ε·M³. The light's side adds
-//! up three of the former, each at most 6DM², and T, at most 6M³, with three roundings of sums of at most 12DM²,
-//! 18DM² and 18DM² + 6M³: less than (129 + 48)ε·DM² + (43 + 6)ε·M³ + O(ε²) < 178ε·(D + M)·M².
+//! With D the largest |dᵢ| and M no less than any coordinate of a corner, a permanent is at most 6DM² (for T 6M³). Each of
+//! its six products of at most DM² has six roundings (three differences, the inner product, the inner difference, the
+//! outer product), and the two outer sums, of at most 4DM² and 6DM², one each: u, v and q err by at most
+//! (36 + 4 + 6)·ε·DM²·(1 + 16ε) < 47ε·DM², and T by less than 47ε·M³. The light's side adds up three of the former, each
+//! at most 6DM², and T, at most 6M³, with three roundings of sums of at most 12DM², 18DM² and 18DM² + 6M³: less than
+//! (141 + 48)ε·DM² + (47 + 6)ε·M³ + O(ε²) < 190ε·(D + M)·M².
 
 use super::filter::{EPSILON, Row, sign_of_det};
 use super::{Homogeneous, Sign, side_of_point};
@@ -40,7 +41,7 @@ pub(crate) enum Passage {
 }
 
 /// In units of [`EPSILON`]: of the hands and of the sides.
-const BOUNDS: [f64; 2] = [44.0, 180.0];
+const BOUNDS: [f64; 2] = [48.0, 192.0];
 
 impl Way {
     /// From `p` to `to`; no corner's coordinate will differ from that of `p` by more than `reach`.

@@ -222,8 +222,8 @@ impl SelfIntersections {
     /// Where counting stops: 67,108,864 pairs, some ten seconds. Where all faces overlap all others, their
     /// number is no longer news.
     pub const MOST: usize = 1 << 26;
-    /// Where looking stops: after so many tests of two faces, and 256 more a face; less than a minute. Only faces that
-    /// nearly all reach into one place take as many.
+    /// Where looking stops: after so many tests of two faces or of two nodes of the tree, and 256 more a face; less than a
+    /// minute. Only faces that nearly all reach into one place, or slivers across everything, take as many.
     pub const MOST_TESTS: u64 = 1 << 27;
 }
 

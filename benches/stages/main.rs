@@ -56,6 +56,9 @@ struct Options {
 }
 
 fn main() -> ExitCode {
+    // What would share its work is measured on one thread, too.
+    #[cfg(feature = "parallel")]
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("nothing has asked for threads yet");
     let result = match options(std::env::args().skip(1)) {
         Ok(Some(options)) => run(&options),
         Ok(None) => write!(io::stdout(), "{USAGE}").map_err(|error| error.to_string()),

@@ -121,7 +121,6 @@ fn verdicts(
         let count = |wanted| verdicts.iter().filter(|&&verdict| verdict == wanted).count();
         format!("shadowed={} grazing={}", count(Verdict::Shadowed), count(Verdict::Grazing))
     };
-    let threads = Alone::new();
     let towards = glam::Vec3A::from(light.xyz());
     let shadowed = |&p: &[f32; 3]| {
         let origin = glam::Vec3A::from(p);
@@ -156,7 +155,7 @@ fn verdicts(
         Contender::new("Oracle::verdicts_into", || {
             let work = || {
                 let mut found = vec![Verdict::Lit; points.len()];
-                threads.run(|| oracle.verdicts_into(points, light, &mut found));
+                oracle.verdicts_into(points, light, &mut found);
                 found
             };
             timed(work, |found| {
@@ -168,32 +167,4 @@ fn verdicts(
         .aims_at(Target::Ratio(1.25)),
     ];
     bench.run(Group { stage: VERDICT, mesh, units: points.len(), unit: "query", contenders });
-}
-
-/// One thread, where there may be more.
-struct Alone {
-    #[cfg(feature = "parallel")]
-    pool: rayon::ThreadPool,
-}
-
-#[cfg(feature = "parallel")]
-impl Alone {
-    fn new() -> Self {
-        Self { pool: rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread") }
-    }
-
-    fn run(&self, work: impl FnOnce() + Send) {
-        self.pool.install(work);
-    }
-}
-
-#[cfg(not(feature = "parallel"))]
-impl Alone {
-    fn new() -> Self {
-        Self {}
-    }
-
-    fn run(&self, work: impl FnOnce()) {
-        work();
-    }
 }

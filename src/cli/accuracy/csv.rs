@@ -4,7 +4,7 @@ use umbrage::verify::accuracy::Question;
 
 use super::FileResult;
 
-const HEADER: &str = "file,what,faces,method,exact,dominated,stratum,queries,ties,judged,wrong,bound_95,median_ns,min_ns,max_ns\r\n";
+const HEADER: &str = "file,what,faces,method,exact,dominated,stratum,queries,ties,judged,wrong,bound_95,median_ns,min_ns,max_ns,prepare_ns_per_face\r\n";
 
 /// A row for each file, method and stratum, and one for all strata together.
 pub(super) fn table(results: &[FileResult], question: Question) -> String {
@@ -30,6 +30,7 @@ pub(super) fn table(results: &[FileResult], question: Question) -> String {
                     time(row.time.median),
                     time(row.time.min),
                     time(row.time.max),
+                    method.prepare_ns.map_or(String::new(), time),
                 ];
                 text += &cells.map(cell).join(",");
                 text += "\r\n";

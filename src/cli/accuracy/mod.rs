@@ -43,7 +43,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     lights: LightArgs,
 
-    /// About how many queries for each stratum [default: 1000000 for facing, 10000 for visibility]
+    /// About how many queries for each stratum, at most 10000000; of facing no more than 4096 for each face
+    /// [default: 1000000 for facing, 10000 for visibility]
     ///
     /// 10000, 10_000 and 1e4 are the same. Of facing a query is a face and a light, and every light is asked about all
     /// faces; of visibility it is a point and a light.

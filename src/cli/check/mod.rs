@@ -49,7 +49,7 @@ pub(crate) struct Args {
     #[arg(long)]
     fast: bool,
 
-    /// Also look for faces that meet where they should not; some microseconds a face
+    /// Also look for faces that meet where they should not; about a microsecond a face
     #[arg(long)]
     self_intersections: bool,
 

@@ -145,6 +145,9 @@ fn accuracy_csv_has_a_row_for_each_file_method_and_stratum() {
         for record in &records[1..] {
             let number = |name: &str| record[column(name)].parse::<f64>().unwrap();
             assert!(number("min_ns") <= number("median_ns") && number("median_ns") <= number("max_ns"));
+            let method = record[column("method")].as_str();
+            let prepared = method == "filtered planes" || (what == "visibility" && method != "whole numbers");
+            assert_eq!(!record[column("prepare_ns_per_face")].is_empty(), prepared, "{method}");
             assert!(number("wrong") <= number("judged") && number("judged") <= number("queries"));
             assert_eq!(
                 record[column("bound_95")].is_empty(),

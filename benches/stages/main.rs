@@ -16,6 +16,7 @@ mod growth;
 mod light;
 mod machine;
 mod measure;
+mod obvhs_triangles;
 mod plot;
 mod read;
 mod report;
@@ -26,7 +27,6 @@ mod topology;
 mod visibility;
 mod weld;
 
-use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -59,18 +59,7 @@ fn main() -> ExitCode {
     // What would share its work is measured on one thread, too.
     #[cfg(feature = "parallel")]
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("nothing has asked for threads yet");
-    let result = match options(std::env::args().skip(1)) {
-        Ok(Some(options)) => run(&options),
-        Ok(None) => write!(io::stdout(), "{USAGE}").map_err(|error| error.to_string()),
-        Err(problem) => Err(format!("{problem}\n\n{USAGE}")),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(problem) => {
-            eprintln!("{problem}");
-            ExitCode::from(2)
-        }
-    }
+    report::exit(options(std::env::args().skip(1)), USAGE, run)
 }
 
 /// `None` where only help is wanted.

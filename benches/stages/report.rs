@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::Path;
+use std::process::ExitCode;
 
 use crate::measure::{Row, Target};
 
@@ -88,6 +89,26 @@ pub(crate) fn print(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes())?;
     out.flush()
+}
+
+/// Runs what the options ask for, or prints the help; what went wrong ends on standard error.
+pub(crate) fn exit<T>(
+    options: Result<Option<T>, String>,
+    usage: &str,
+    run: impl FnOnce(&T) -> Result<(), String>,
+) -> ExitCode {
+    let result = match options {
+        Ok(Some(options)) => run(&options),
+        Ok(None) => print(usage).map_err(|error| error.to_string()),
+        Err(problem) => Err(format!("{problem}\n\n{usage}")),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("{problem}");
+            ExitCode::from(2)
+        }
+    }
 }
 
 /// The whole file or none.

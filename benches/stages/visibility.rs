@@ -11,6 +11,7 @@ use umbrage::mesh::Mesh;
 use umbrage::oracle::{Oracle, Verdict};
 
 use crate::measure::{Bench, Contender, Group, Scatter, Target, timed};
+use crate::obvhs_triangles::obvhs_triangles;
 
 pub(crate) fn run(bench: &mut Bench<'_>) {
     let wanted = [BUILD, VERDICT].map(|stage| bench.wants(stage));
@@ -18,12 +19,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
         return;
     }
     for mesh in [crate::ordered(bench.quick), crate::scattered(bench.quick), crate::head(bench.quick)] {
-        let triangles: Vec<Triangle> = mesh
-            .triangles()
-            .iter()
-            .map(|corners| corners.map(|vertex| mesh.positions()[vertex as usize].into()))
-            .map(|[v0, v1, v2]| Triangle { v0, v1, v2 })
-            .collect();
+        let triangles = obvhs_triangles(&mesh);
         if wanted[0] {
             build(bench, &mesh, &triangles);
         }

@@ -9,6 +9,8 @@ mod machine;
 #[expect(dead_code, reason = "shared with the stages, which have limits")]
 #[path = "../../stages/measure.rs"]
 mod measure;
+#[path = "../../stages/obvhs_triangles.rs"]
+mod obvhs_triangles;
 #[path = "../../stages/report.rs"]
 mod report;
 
@@ -17,7 +19,6 @@ mod rays;
 mod read;
 mod weld;
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -49,18 +50,7 @@ struct Subject {
 }
 
 fn main() -> ExitCode {
-    let result = match options(std::env::args().skip(1)) {
-        Ok(Some(options)) => run(&options),
-        Ok(None) => write!(io::stdout(), "{USAGE}").map_err(|error| error.to_string()),
-        Err(problem) => Err(format!("{problem}\n\n{USAGE}")),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(problem) => {
-            eprintln!("{problem}");
-            ExitCode::from(2)
-        }
-    }
+    report::exit(options(std::env::args().skip(1)), USAGE, run)
 }
 
 /// `None` where only help is wanted.

@@ -16,14 +16,10 @@ use umbrage::oracle::{Oracle, Verdict};
 
 use crate::edges::parry;
 use crate::measure::{Bench, Contender, Group, Scatter, Target, timed};
+use crate::obvhs_triangles::obvhs_triangles;
 
 pub(crate) fn run(bench: &mut Bench<'_>, mesh: &Mesh) {
-    let triangles: Vec<Triangle> = mesh
-        .triangles()
-        .iter()
-        .map(|corners| corners.map(|vertex| mesh.positions()[vertex as usize].into()))
-        .map(|[v0, v1, v2]| Triangle { v0, v1, v2 })
-        .collect();
+    let triangles = obvhs_triangles(mesh);
     if bench.wants("tree") {
         trees(bench, mesh, &triangles);
     }

@@ -8,6 +8,7 @@ use crate::random::SplitMix64;
 use crate::silhouette::{Casters, FacePlanes, Facing, Silhouette, classify};
 use crate::topology::Topology;
 use crate::verify::judge::Cast;
+use crate::verify::point::Sampler;
 use crate::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof, WindingIndex, WindingTable, stands_on};
 
 /// Where tests spoil what a judge works with, to show that the fault is seen.
@@ -70,6 +71,18 @@ pub(super) struct Found {
 }
 
 impl<'a> Prepared<'a> {
+    /// What draws points around the mesh and its light.
+    pub(super) fn sampler(&self) -> Sampler<'_> {
+        let [low, high] = self.mesh.bounds().expect("a drawn mesh has a face");
+        Sampler {
+            mesh: self.mesh,
+            topology: &self.topology,
+            silhouette: &self.silhouette,
+            light: self.light,
+            bounds: Aabb { low, high },
+        }
+    }
+
     /// `signs` is what random signs are drawn from; their volume has to be closed as well. With `half` the halved
     /// volume is judged beside the general one.
     pub(super) fn new(mesh: &'a Mesh, light: &'a Light, signs: u64, half: bool, seam: Seam) -> Self {

@@ -36,7 +36,6 @@ pub use case::{Case, CaseError, Ruling};
 use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
-use crate::verify::point::Sampler;
 use bench::{Prepared, Seam};
 use stratum::{RECIPES, Recipe};
 
@@ -257,14 +256,7 @@ impl Tally {
         let prepared = Prepared::new(&mesh, &light, signs, round.is_multiple_of(HALF_EVERY), seam);
 
         // 2. Points.
-        let [low, high] = mesh.bounds().expect("a drawn mesh has a face");
-        let sampler = Sampler {
-            mesh: &mesh,
-            topology: &prepared.topology,
-            silhouette: &prepared.silhouette,
-            light: &light,
-            bounds: Aabb { low, high },
-        };
+        let sampler = prepared.sampler();
         let aims = RECIPES[stratum].aims;
         let points: Vec<[f32; 3]> = (0..points)
             .map(|_| {

@@ -226,18 +226,15 @@ fn torture_points_on_surface_are_there() {
     let mesh = crate::mesh::solid::cube();
     let light = Light::point([0.1, 0.2, 5.0]).unwrap();
     let prepared = Prepared::new(&mesh, &light, 1, false, Seam::SOUND);
-    let [low, high] = mesh.bounds().unwrap();
-    let sampler = Sampler {
-        mesh: &mesh,
-        topology: &prepared.topology,
-        silhouette: &prepared.silhouette,
-        light: &light,
-        bounds: Aabb { low, high },
-    };
+    let sampler = prepared.sampler();
     let mut random = SplitMix64(1);
     for _ in 0..500 {
         let p = Aim::Surface.draw(&sampler, &mut random);
         // A cube's faces are axis-aligned: no rounding leads off them.
-        assert!(sampler.bounds.contains(p) && (0..3).any(|i| p[i] == low[i] || p[i] == high[i]), "{p:?}");
+        assert!(
+            sampler.bounds.contains(p)
+                && (0..3).any(|i| p[i] == sampler.bounds.low[i] || p[i] == sampler.bounds.high[i]),
+            "{p:?}"
+        );
     }
 }

@@ -9,7 +9,7 @@ use super::error::Failure;
 use super::output::say;
 
 /// For commands that may be long.
-#[derive(Clone, Copy, Debug, clap::Args)]
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub(crate) struct ThreadArgs {
     /// How many threads work, from 1 to 1024; the result is the same for any number [default: one a core]
     #[arg(long, value_name = "N", value_parser = parse_threads, allow_negative_numbers = true)]
@@ -22,6 +22,11 @@ impl ThreadArgs {
         let Some(threads) = self.threads else { return Ok(()) };
         start(threads)
             .map_err(|problem| Failure::new(format!("--threads {threads}: {problem}"), "leave it out"))
+    }
+
+    /// The same with one thread where nothing was said.
+    pub(crate) fn apply_or_one(self) -> Result<(), Failure> {
+        Self { threads: self.threads.or(Some(1)) }.apply()
     }
 }
 

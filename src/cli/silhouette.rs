@@ -17,7 +17,7 @@ use umbrage::topology::Topology;
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
 use super::lights;
-use super::machine::AdapterArgs;
+use super::machine::{AdapterArgs, ThreadArgs};
 use super::output::{self, Output, Table, plain};
 use super::progress::Progress;
 use super::source::{Source, SourceArgs};
@@ -46,6 +46,9 @@ pub(crate) struct Args {
     /// Print one JSON document instead of a table: `file`, `format`, and `lights` with an object for each light
     #[arg(long)]
     json: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -136,6 +139,7 @@ struct Found {
 }
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+    args.threads.apply()?;
     let adapter = match args.method {
         Method::Gpu => Some(args.adapter.open("--method gpu")?),
         Method::Auto | Method::Scan | Method::Tree => {

@@ -13,6 +13,7 @@ use umbrage::write::{self, Elements, Layer, Model, Target};
 
 use super::lights;
 use super::load;
+use super::machine::ThreadArgs;
 use super::output::{self, Output, Table, counted, plain, short, significant};
 use super::progress::Progress;
 use super::source::{Source, SourceArgs};
@@ -53,6 +54,9 @@ pub(crate) struct Args {
     /// At most 1000 shells a light are listed.
     #[arg(long)]
     json: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -107,6 +111,7 @@ struct Built {
 }
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+    args.threads.apply()?;
     if let Some(path) = &args.output {
         Target::from_path(path)?;
     } else if args.far.is_some() {

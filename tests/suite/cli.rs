@@ -214,7 +214,7 @@ fn cli_refuses_values_that_mean_nothing() {
         ("volume cube.obj --far 0", "0"),
         ("volume cube.obj --far -3", "above 0"),
         ("check cube.obj --limit -1", "write a whole number"),
-        ("verify cube.obj --points 1e3", "write a whole number"),
+        ("verify cube.obj --points many", "write a whole number"),
         ("verify cube.obj --size 64x64", "add --gpu"),
         ("verify cube.obj --eye 1,2,3 --target 0,0,0", "add --gpu"),
         ("verify cube.obj --eye 1,2,3 --target 0,0,0 --fov 40", "add --gpu"),
@@ -226,6 +226,10 @@ fn cli_refuses_values_that_mean_nothing() {
         ("verify cube.obj --gpu --eye 1,2,3 --target 1,2,3", "1,2,3"),
         ("verify cube.obj --seed -1", "write a whole number"),
         ("verify cube.obj --threads 0", "from 1 to 1024"),
+        ("check cube.obj --threads 0", "from 1 to 1024"),
+        ("silhouette cube.obj --threads 0", "from 1 to 1024"),
+        ("volume cube.obj --threads 0", "from 1 to 1024"),
+        ("accuracy facing cube.obj --threads 0", "from 1 to 1024"),
         ("verify cube.obj --threads 1025", "from 1 to 1024"),
         ("verify cube.obj --threads 99999999999999999999", "from 1 to 1024"),
         ("render cube.obj -o a.png --eye 1,2,3 --target 0,0,0 --fov wide", "write a number of degrees"),
@@ -255,6 +259,21 @@ fn cli_refuses_values_that_mean_nothing() {
         assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
     }
     assert_eq!(folder.names(), ["cube.obj", "folder", "garbled.stl", "open.obj"]);
+}
+
+#[test]
+fn cli_prints_the_same_on_any_number_of_threads() {
+    let folder = Folder::with_cubes();
+    folder.mesh("knot.obj", &solid::torus(40, 30, 2.0, 1.9));
+    for command in ["check --self-intersections", "silhouette", "volume", "verify --points 1e3"] {
+        let run = |threads: u32| folder.run(&format!("{command} knot.obj --json --threads {threads}"));
+        let (one, more) = (run(1), run(3));
+        assert_eq!((one.code, &one.stdout), (0, &more.stdout), "{command}: {}", one.stderr);
+        assert!(one.stdout.len() > 200, "{command}: {}", one.stdout);
+    }
+    // The sabotage: another mesh.
+    let of = |file: &str| folder.run(&format!("check {file} --json --threads 1")).stdout;
+    assert_ne!(of("cube.obj"), of("knot.obj"));
 }
 
 #[test]

@@ -15,11 +15,16 @@ use umbrage::write::write_atomic;
 
 use super::lights::LightArgs;
 use super::load::MeshArgs;
+use super::machine::ThreadArgs;
 use super::output::{self, Output};
 use super::progress::Progress;
 use super::source::{Source, SourceArgs};
 use super::values::{large, refuse_overwriting, require_folder, seed};
 use super::{Failure, Outcome};
+
+/// What `--threads` means where times are measured.
+const THREADS: &str =
+    "How many threads read and prepare, from 1 to 1024; what is asked is timed on one [default: 1]";
 
 /// Error against time: how often each way to decide is wrong, beside what it costs
 ///
@@ -28,6 +33,7 @@ use super::{Failure, Outcome};
 /// rounding decides; where two answers are right (a tie), plain methods may give either, and exact ones must say so. A
 /// wrong answer of an exact method is a bug in umbrage.
 #[derive(Clone, Debug, clap::Args)]
+#[command(mut_arg("threads", |threads| threads.help(THREADS)))]
 pub(crate) struct Args {
     /// What is decided
     #[arg(value_enum)]
@@ -70,6 +76,9 @@ pub(crate) struct Args {
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -122,6 +131,7 @@ struct Asked {
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let asked = refuse(&args)?;
+    args.threads.apply_or_one()?;
     let mut out = Output::new();
     let mut outcome = Outcome::Sound;
     let mut results = Vec::new();

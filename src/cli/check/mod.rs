@@ -16,6 +16,7 @@ use umbrage::topology::{Counts, CrackReport, Defect, DefectKind, NearMiss, Shell
 use umbrage::write::{self, Model};
 
 use super::load::{self, MeshArgs, WeldedMesh};
+use super::machine::ThreadArgs;
 use super::output::{self, Output};
 use super::progress::Progress;
 use super::values::{refuse_overwriting, whole};
@@ -63,6 +64,9 @@ pub(crate) struct Args {
     /// decided which shell lies in which, and no other is cracked. At most 1000 shells a mesh and 64 faces a place are listed.
     #[arg(long)]
     json: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
 
     /// Draw the mesh with its defects over it, 960x540 pixels; for one input file
     /// [default: nothing is drawn]
@@ -180,6 +184,7 @@ const FACES_LISTED: usize = 64;
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     refuse(&args)?;
+    args.threads.apply()?;
     if args.fast {
         return fast::run(&args);
     }
@@ -238,6 +243,7 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
         self_intersections: true,
         limit: 5,
         json: false,
+        threads: ThreadArgs::default(),
         picture: None,
         mark: None,
     };

@@ -16,7 +16,7 @@ use super::output::Output;
 use super::progress::Progress;
 use super::render::require_png;
 use super::source::{Source, SourceArgs};
-use super::values::{refuse_overwriting, seed, whole};
+use super::values::{large, refuse_overwriting, seed};
 use super::view::ViewArgs;
 use super::{Failure, Outcome};
 use pixels::Pixels;
@@ -35,9 +35,9 @@ pub(crate) struct Args {
     #[command(flatten)]
     source: SourceArgs,
 
-    /// How many points for each light, spread evenly over the strata
-    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = whole, allow_negative_numbers = true)]
-    points: usize,
+    /// How many points for each light, spread evenly over the strata; 1000000 and 1e6 are the same
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = large, allow_negative_numbers = true)]
+    points: u64,
 
     /// What the points are drawn from; the same seed gives the same points
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
@@ -76,7 +76,7 @@ pub(crate) struct Args {
 const SHOWN: usize = 10;
 
 /// The points of one run stay in memory: 16 bytes each.
-const MOST_POINTS: usize = 100_000_000;
+const MOST_POINTS: u64 = 100_000_000;
 
 impl Args {
     /// Refuses what is about the stencil pass if none was asked for.
@@ -121,8 +121,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let progress = Progress::spinner("topology, proofs and tree");
     let verifier = Verifier::new(mesh);
     drop(progress);
-    let options = Options { points: args.points, seed: args.seed, keep: SHOWN };
-    let progress = Progress::bar("judging points", (lights.len() * args.points) as u64);
+    let points = args.points as usize; // at most MOST_POINTS
+    let options = Options { points, seed: args.seed, keep: SHOWN };
+    let progress = Progress::bar("judging points", lights.len() as u64 * args.points);
     let results: Vec<Verification> = lights
         .iter()
         .map(|light| verifier.verify(&light.light, &options, &|points| progress.done(points)))

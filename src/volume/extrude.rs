@@ -206,7 +206,9 @@ impl Extruder {
     ///
     /// # Panics
     ///
-    /// As [`Extruder::extrude_into`]; what the buffer then holds is not told.
+    /// As [`Extruder::extrude_into`], and if the mesh has more than 2³¹ vertices and the light is a point: then
+    /// `n + v` has no place in 32 bits, while [`Extruder::extrude_into`] numbers only vertices that are used. What the
+    /// buffer then holds is not told.
     pub fn write_indices(
         &mut self,
         cast: &Cast<'_>,
@@ -215,7 +217,8 @@ impl Extruder {
         let parts = self.parts(cast);
         let (needed, room) = (parts.triangle_count(), buffer.len());
         let buffer = buffer.get_mut(..needed).ok_or(BufferTooSmall { needed, room })?;
-        self.write(cast, &parts, |v| v, cast.mesh.vertex_count() as u32, buffer);
+        let first = first_at_infinity(cast.mesh.vertex_count(), cast.light.is_directional());
+        self.write(cast, &parts, |v| v, first, buffer);
         Ok(parts)
     }
 
@@ -275,6 +278,16 @@ impl Extruder {
             sides(cast, number, count, side);
         }
     }
+}
+
+/// The number of the first vertex at infinity, behind all others.
+fn first_at_infinity(vertices: usize, directional: bool) -> u32 {
+    let at_infinity = if directional { 1 } else { vertices };
+    assert!(
+        vertices as u64 + at_infinity as u64 <= 1 << 32,
+        "{vertices} vertices and as many at infinity have no 32-bit numbers"
+    );
+    vertices as u32 // a mesh has fewer than 2³² − 1
 }
 
 /// |m| copies of the quad of each silhouette edge. Its diagonal goes by the positions of its ends, so that coincident
@@ -490,5 +503,12 @@ mod tests {
         assert!(agrees(&mut extruder, &cast, &mut empty(light)));
         extruder.whole = true;
         assert!(!agrees(&mut extruder, &cast, &mut empty(light)));
+    }
+
+    #[test]
+    fn extrude_numbers_no_more_vertices_than_thirty_two_bits_hold() {
+        assert_eq!(first_at_infinity(1 << 31, false), 1 << 31);
+        assert_eq!(first_at_infinity(u32::MAX as usize - 1, true), u32::MAX - 1);
+        assert!(std::panic::catch_unwind(|| first_at_infinity((1 << 31) + 1, false)).is_err());
     }
 }

@@ -10,11 +10,12 @@
 //! between strips and no face. Other elements are skipped with a note, other properties in silence.
 
 mod header;
+mod plain;
 mod values;
 
 use std::io::{BufRead, Seek};
 
-use header::{Element, Encoding, Header, Kind};
+use header::{Element, Encoding, Header, Kind, Number};
 use values::{Binary, Text, Values};
 
 use super::fan::Fan;
@@ -81,7 +82,17 @@ impl Ply {
         // The header's claim was checked against the file's size: at most 12 bytes for 3 of the file.
         let reserved = self.positions.try_reserve_exact(element.count as usize);
         reserved.map_err(|_| unheld(Format::Ply, element.count, "vertex"))?;
-        for index in 0..element.count {
+        let plain = plain::Points::of(element, axes);
+        loop {
+            if let Some(points) = &plain {
+                let left = element.count - self.read_vertices();
+                let bytes = points.read(values.at_hand(), left, &mut self.positions);
+                values.pass(bytes);
+            }
+            let index = self.read_vertices();
+            if index == element.count {
+                return Ok(());
+            }
             values.begin(&element.name, index)?;
             let mut position = [0.0; 3];
             for (at, property) in element.properties.iter().enumerate() {
@@ -101,26 +112,30 @@ impl Ply {
             values.end()?;
             self.positions.push(position);
         }
-        Ok(())
+    }
+
+    fn read_vertices(&self) -> u64 {
+        self.positions.len() as u64
     }
 
     fn faces(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
-        for_each_list(element, values, |values, number, length| {
+        let plain = plain::Triangles::of(element, self.vertex_count);
+        self.lists(element, values, plain.as_ref(), |ply, values, number, length| {
             if length < 3 {
                 return Err(values.error(format!("a face needs three corners, this one has {length}")));
             }
-            self.n_gons += u64::from(length > 3);
+            ply.n_gons += u64::from(length > 3);
             let mut fan = Fan::default();
             for _ in 0..length {
                 let vertex = values.number(number)?;
-                fan.corner(self.vertex(vertex, values)?, &mut self.triangles);
+                fan.corner(ply.vertex(vertex, values)?, &mut ply.triangles);
             }
             Ok(())
         })
     }
 
     fn strips(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
-        for_each_list(element, values, |values, number, length| {
+        self.lists(element, values, None, |ply, values, number, length| {
             let (mut before, mut corners) = ([0; 2], 0_u64);
             for _ in 0..length {
                 let value = values.number(number)?;
@@ -128,20 +143,56 @@ impl Ply {
                     corners = 0;
                     continue;
                 }
-                let vertex = self.vertex(value, values)?;
+                let vertex = ply.vertex(value, values)?;
                 let [a, b] = before;
                 match corners {
-                    0 => self.strips += 1,
+                    0 => ply.strips += 1,
                     1 => {}
-                    _ if a == b || b == vertex || a == vertex => self.stitches += 1,
-                    _ if corners % 2 == 0 => self.triangles.push([a, b, vertex]),
-                    _ => self.triangles.push([b, a, vertex]),
+                    _ if a == b || b == vertex || a == vertex => ply.stitches += 1,
+                    _ if corners % 2 == 0 => ply.triangles.push([a, b, vertex]),
+                    _ => ply.triangles.push([b, a, vertex]),
                 }
                 before = [b, vertex];
                 corners += 1;
             }
             Ok(())
         })
+    }
+
+    /// Calls `each` for the list of vertex indices of each item, with the numbers' type and the list's length; it must
+    /// read them all. Triangles that `plain` can read do not come to it.
+    fn lists<V: Values>(
+        &mut self,
+        element: &Element,
+        values: &mut V,
+        plain: Option<&plain::Triangles>,
+        each: impl Fn(&mut Self, &mut V, Number, u64) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        let list = element.index_list()?;
+        let mut index = 0;
+        loop {
+            if let Some(plain) = plain {
+                let before = self.triangles.len();
+                let bytes = plain.read(values.at_hand(), element.count - index, &mut self.triangles);
+                values.pass(bytes);
+                index += (self.triangles.len() - before) as u64;
+            }
+            if index == element.count {
+                return Ok(());
+            }
+            values.begin(&element.name, index)?;
+            for (at, property) in element.properties.iter().enumerate() {
+                match property.kind {
+                    Kind::List { length, item } if at == list => {
+                        let length = values.length(length)?;
+                        each(self, values, item, length)?;
+                    }
+                    kind => kind.skip(values)?,
+                }
+            }
+            values.end()?;
+            index += 1;
+        }
     }
 
     fn skip(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
@@ -167,30 +218,6 @@ impl Ply {
         let vertices = counted(self.vertex_count, "vertex");
         Err(values.error(format!("a face names vertex {value}, but the file has {vertices}")))
     }
-}
-
-/// Calls `each` for the list of vertex indices of each item, with the numbers' type and the list's length;
-/// it must read them all.
-fn for_each_list<V: Values>(
-    element: &Element,
-    values: &mut V,
-    mut each: impl FnMut(&mut V, header::Number, u64) -> Result<(), ReadError>,
-) -> Result<(), ReadError> {
-    let list = element.index_list()?;
-    for index in 0..element.count {
-        values.begin(&element.name, index)?;
-        for (at, property) in element.properties.iter().enumerate() {
-            match property.kind {
-                Kind::List { length, item } if at == list => {
-                    let length = values.length(length)?;
-                    each(values, item, length)?;
-                }
-                kind => kind.skip(values)?,
-            }
-        }
-        values.end()?;
-    }
-    Ok(())
 }
 
 /// An error that concerns the file as a whole.

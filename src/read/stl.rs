@@ -71,18 +71,23 @@ fn read_binary<R: BufRead>(mut source: Source<R>, count: Option<u32>) -> Result<
             _ => unreadable(Format::Stl, Place::Byte(HEADER + RECORD * done), &error),
         })?;
         for record in chunk.chunks_exact(RECORD as usize) {
-            let number = |at: usize| f32::from_le_bytes(std::array::from_fn(|byte| record[at + byte]));
-            let corners: [[f32; 3]; 3] =
-                std::array::from_fn(|corner| std::array::from_fn(|axis| number(12 + 12 * corner + 4 * axis)));
-            if let Some(bad) = corners.as_flattened().iter().position(|value| !value.is_finite()) {
+            // Spelt out, so that it becomes a few vector instructions.
+            let mut numbers = [0.0_f32; 9];
+            let mut finite = true;
+            for (number, bytes) in numbers.iter_mut().zip(record[12..48].as_chunks().0) {
+                *number = f32::from_le_bytes(*bytes);
+                finite &= number.is_finite();
+            }
+            if !finite {
+                let bad = numbers.iter().position(|number| !number.is_finite()).expect("one is not");
                 let face = positions.len() as u64 / 3;
-                let value = corners.as_flattened()[bad];
+                let value = numbers[bad];
                 let problem =
                     format!("triangle {face} has the coordinate {value}, which is not a finite number");
                 let place = Place::Byte(HEADER + RECORD * face + 12 + 4 * bad as u64);
                 return Err(ReadError::new(Format::Stl, place, problem));
             }
-            positions.extend_from_slice(&corners);
+            positions.extend_from_slice(numbers.as_chunks().0);
         }
         done += records;
     }

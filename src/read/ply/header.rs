@@ -219,7 +219,7 @@ impl Number {
         !matches!(self, Self::F32 | Self::F64)
     }
 
-    fn bytes(self) -> u64 {
+    pub(super) fn bytes(self) -> u64 {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,

@@ -17,6 +17,14 @@ pub(super) trait Values {
     /// An error at the current item.
     fn error(&self, problem: String) -> ReadError;
 
+    /// Bytes that come next, as many as are at hand, where numbers are stored lowest byte first; else none.
+    fn at_hand(&mut self) -> &[u8] {
+        &[]
+    }
+
+    /// Passes over so many of the bytes at hand.
+    fn pass(&mut self, _bytes: usize) {}
+
     /// The next number, as the length of a list.
     fn length(&mut self, number: Number) -> Result<u64, ReadError> {
         let value = self.number(number)?;
@@ -137,7 +145,7 @@ impl<R: BufRead, const BIG_ENDIAN: bool> Binary<R, BIG_ENDIAN> {
 
 impl<R: BufRead, const BIG_ENDIAN: bool> Values for Binary<R, BIG_ENDIAN> {
     fn begin(&mut self, element: &str, index: u64) -> Result<(), ReadError> {
-        if index == 0 {
+        if self.element != element {
             element.clone_into(&mut self.element);
         }
         self.index = index;
@@ -160,6 +168,16 @@ impl<R: BufRead, const BIG_ENDIAN: bool> Values for Binary<R, BIG_ENDIAN> {
 
     fn end(&mut self) -> Result<(), ReadError> {
         Ok(())
+    }
+
+    fn at_hand(&mut self) -> &[u8] {
+        // What is wrong with the file comes again when a number is read.
+        if BIG_ENDIAN { &[] } else { self.reader.fill_buf().unwrap_or(&[]) }
+    }
+
+    fn pass(&mut self, bytes: usize) {
+        self.reader.consume(bytes);
+        self.position += bytes as u64;
     }
 
     #[cold]

@@ -296,3 +296,101 @@ fn ply_binary_errors_name_the_item() {
         ],
     );
 }
+
+/// A file of many vertices and faces in either byte order, larger than what is read at a time: rare items among plain ones.
+fn large(big: bool, signed: bool, quads: bool, seed: u64) -> Vec<u8> {
+    // A linear congruential generator, its upper half (Donald E. Knuth, *MMIX*).
+    let mut state = seed;
+    let mut below = move |end: u32| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 32) * u64::from(end) >> 32) as u32
+    };
+    let (vertices, faces) = (9_000 + below(1000), 30_000);
+    let (extra, index) = (below(3) as usize, if signed { "int" } else { "uint" });
+    // Headers of the same length, so that everything stands at the same place.
+    let order = if big { "comment be\nformat binary_big" } else { "comment\nformat binary_little" };
+    let mut bytes = format!("ply\n{order}_endian 1.0\nelement vertex {vertices}\nproperty uchar a\n");
+    bytes += "property float z\nproperty float x\nproperty float y\n";
+    bytes += &"property short b\n".repeat(extra);
+    bytes += &format!("element face {faces}\nproperty list uchar {index} vertex_indices\nend_header\n");
+    let mut bytes = bytes.into_bytes();
+    let mut put = |number: &mut [u8]| {
+        if big {
+            number.reverse();
+        }
+        bytes.extend_from_slice(number);
+    };
+    for _ in 0..vertices {
+        put(&mut [below(256) as u8]);
+        for _ in 0..3 {
+            put(&mut (below(1000) as f32 / 7.0).to_le_bytes());
+        }
+        for _ in 0..extra {
+            put(&mut (below(1 << 16) as u16).to_le_bytes());
+        }
+    }
+    for _ in 0..faces {
+        let corners = if quads && below(50) == 0 { 4 + below(3) } else { 3 };
+        put(&mut [corners as u8]);
+        for _ in 0..corners {
+            put(&mut below(vertices).to_le_bytes());
+        }
+    }
+    bytes
+}
+
+#[test]
+fn ply_runs_of_plain_items_agree_with_items_read_one_by_one() {
+    let folder = tempfile::tempdir().unwrap();
+    for seed in 0..8 {
+        let (signed, quads) = (seed % 2 == 0, seed % 4 < 2);
+        // In the other byte order nothing is read in runs.
+        let [mut little, big] = [false, true].map(|order| large(order, signed, quads, seed));
+        let (run, single) = (mesh(&little, "a.ply"), mesh(&big, "a.ply"));
+        assert!(run.face_count() >= 30_000 && (run.face_count() > 30_000) == quads);
+        assert_eq!(
+            (run.positions(), run.triangles()),
+            (single.positions(), single.triangles()),
+            "seed {seed}"
+        );
+        // A file comes in pieces, which end anywhere in an item.
+        let path = folder.path().join("a.ply");
+        std::fs::write(&path, &little).unwrap();
+        assert_eq!(umbrage::read::read(&path).unwrap().meshes[0], run);
+        // The sabotage: one bit of the last index.
+        let last = little.len() - 4;
+        little[last] ^= 1;
+        assert_ne!(mesh(&little, "a.ply").triangles(), single.triangles());
+    }
+}
+
+#[test]
+fn ply_runs_end_before_what_is_wrong() {
+    let [little, big] = [false, true].map(|order| large(order, true, false, 1));
+    let start = little.windows(11).position(|window| window == b"end_header\n").unwrap() + 11;
+    let faces = little.len() - 30_000 * 13;
+    let vertex = (faces - start) / mesh(&little, "a.ply").vertex_count();
+    let error = |mut bytes: Vec<u8>, at: usize, number: [u8; 4]| {
+        bytes[at..at + 4].copy_from_slice(&number);
+        error(bytes, "a.ply")
+    };
+    for item in [0, 1, 5_000, 8_999] {
+        let at = start + item * vertex + 1;
+        let text = error(little.clone(), at, f32::NAN.to_le_bytes());
+        assert!(text.contains(&format!("element vertex, item {item} ")), "{text}");
+        assert_eq!(text, error(big.clone(), at, f32::NAN.to_be_bytes()));
+    }
+    for item in [0, 1, 20_000, 29_999] {
+        let at = faces + 13 * item + 5;
+        for index in [10_000_i32, -1, i32::MIN] {
+            let text = error(little.clone(), at, index.to_le_bytes());
+            assert!(text.contains(&format!("element face, item {item} ")), "{text}");
+            assert_eq!(text, error(big.clone(), at, index.to_be_bytes()));
+        }
+        for cut in [0, 1, 12] {
+            let [little, big] =
+                [&little, &big].map(|bytes| super::error(&bytes[..faces + 13 * item + cut], "a.ply"));
+            assert_eq!(little, big);
+        }
+    }
+}

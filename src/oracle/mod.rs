@@ -68,7 +68,7 @@ pub struct Hit {
     pub t: f64,
 }
 
-/// The faces of a mesh in a tree, ready for exact queries. Owns what it needs: 40 bytes a face, and the tree.
+/// The faces of a mesh in a tree, ready for exact queries. Owns what it needs: about 50 bytes a face, 8 of them the tree.
 #[derive(Clone, Debug)]
 pub struct Oracle {
     tree: WideBvh,
@@ -116,7 +116,7 @@ impl Oracle {
             return Verdict::Shadowed;
         }
         let mut verdict = Verdict::Lit;
-        self.meetings(p, light, &way, |slot, meeting| match meeting {
+        self.meetings::<false>(p, light, &way, |slot, meeting| match meeting {
             Meeting::Crossing(_) => {
                 *first = slot;
                 verdict = Verdict::Shadowed;
@@ -130,10 +130,16 @@ impl Oracle {
         verdict
     }
 
-    /// Calls `visit` with the slot of every face that is met, as far as it wants to go.
+    /// Calls `visit` with the slot of every face that is met, as far as it wants to go; `NEAREST` as in [`WideBvh::walk`].
     #[inline(always)]
-    fn meetings(&self, p: [f32; 3], light: &Light, way: &Way, mut visit: impl FnMut(usize, Meeting) -> Step) {
-        self.tree.walk(p, light, |slot| {
+    fn meetings<const NEAREST: bool>(
+        &self,
+        p: [f32; 3],
+        light: &Light,
+        way: &Way,
+        mut visit: impl FnMut(usize, Meeting) -> Step,
+    ) {
+        self.tree.walk::<NEAREST>(p, light, |slot| {
             let triangle = &self.triangles[slot];
             match way.passes(triangle) {
                 Passage::Missed => Step::On,
@@ -166,7 +172,7 @@ impl Oracle {
     #[must_use]
     pub fn crossings(&self, p: [f32; 3], light: &Light) -> Crossings {
         let mut crossings = Crossings::default();
-        self.meetings(p, light, &self.way(p, light), |_, meeting| {
+        self.meetings::<false>(p, light, &self.way(p, light), |_, meeting| {
             match meeting {
                 Meeting::Crossing(Facing::Front) => crossings.front += 1,
                 Meeting::Crossing(_) => crossings.back += 1,
@@ -179,7 +185,7 @@ impl Oracle {
 
     /// Visits every face that the open segment from `p` to `light` crosses or touches.
     pub fn for_each_meeting(&self, p: [f32; 3], light: &Light, mut visit: impl FnMut(FaceId, Meeting)) {
-        self.meetings(p, light, &self.way(p, light), |slot, meeting| {
+        self.meetings::<false>(p, light, &self.way(p, light), |slot, meeting| {
             visit(FaceId(self.order[slot]), meeting);
             Step::On
         });

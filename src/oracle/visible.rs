@@ -63,7 +63,7 @@ impl Oracle {
     fn first_slot(&self, origin: [f32; 3], direction: [f32; 3], nearest: f64) -> Option<(usize, f64)> {
         let towards = Light::directional(direction.map(|x| -x)).ok()?;
         let mut first: Option<(f64, u32, usize)> = None;
-        self.meetings(origin, &towards, &self.way(origin, &towards), |slot, meeting| {
+        self.meetings::<true>(origin, &towards, &self.way(origin, &towards), |slot, meeting| {
             let triangle = self.triangles[slot];
             if meeting == Meeting::Touching && side_of_point(triangle, origin).is_zero() {
                 return Step::On;

@@ -8,6 +8,8 @@ mod batch;
 mod meet;
 #[cfg(feature = "reference")]
 mod reference;
+#[cfg(test)]
+mod tests;
 mod visible;
 
 pub use meet::{Meeting, meet};

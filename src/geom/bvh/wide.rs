@@ -217,6 +217,16 @@ mod tests {
     use super::*;
     use crate::random::SplitMix64;
 
+    impl WideBvh {
+        /// A fault for those who use the tree.
+        pub(crate) fn round_inwards(&mut self) {
+            for node in &mut self.nodes {
+                node.bounds[0] = node.bounds[0].map(|steps| steps.saturating_add(1));
+                node.bounds[3] = node.bounds[3].map(|steps| steps.saturating_sub(1));
+            }
+        }
+    }
+
     fn boxes(n: usize, scale: f32) -> Vec<Aabb> {
         let mut random = SplitMix64(9);
         let mut next = |most: f64| (random.unit() * most) as f32 * scale;

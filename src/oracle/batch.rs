@@ -57,7 +57,7 @@ impl Oracle {
     }
 }
 
-/// One way after the other. (Not worth choosing for a single way: the choice takes as long as it saves.)
+/// One way after the other, with AVX2's instructions where the processor has them.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]
 fn verdicts_in_a_row(
     oracle: &Oracle,

@@ -19,6 +19,8 @@ pub use reference::{Reference, reference};
 pub(crate) use reference::{WholeLight, WholePlane};
 pub use visible::Visible;
 
+use multiversion::multiversion;
+
 use crate::geom::bvh::{Bvh, Step, WideBvh};
 use crate::geom::predicate::{Homogeneous, Passage, Sign, Way};
 use crate::geom::{Aabb, Light};
@@ -106,8 +108,7 @@ impl Oracle {
     /// ```
     #[must_use]
     pub fn verdict(&self, p: [f32; 3], light: &Light) -> Verdict {
-        let mut none = usize::MAX;
-        self.verdict_trying(p, light, &mut none)
+        verdict(self, p, light)
     }
 
     /// Asks the face in slot `first` before all others; leaves the one there that was crossed, if any.
@@ -198,6 +199,13 @@ impl Oracle {
     pub fn bounds(&self) -> Aabb {
         self.tree.bounds()
     }
+}
+
+/// The walk, with AVX2's instructions where the processor has them: a third fewer for a node.
+#[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]
+fn verdict(oracle: &Oracle, p: [f32; 3], light: &Light) -> Verdict {
+    let mut none = usize::MAX;
+    oracle.verdict_trying(p, light, &mut none)
 }
 
 /// Out of the way of what is certain.

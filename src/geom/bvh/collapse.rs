@@ -72,7 +72,7 @@ impl Plan {
                     choice &= !(15 << (4 * (children - 1)));
                 }
             }
-            choices[at] = Choice(choice | u32::from(as_leaf <= as_node) * AS_LEAF);
+            choices[at] = Choice(if as_leaf <= as_node { choice | AS_LEAF } else { choice });
             costs.push(cost);
         }
         Self(choices)

@@ -32,6 +32,8 @@ pub(super) struct Node {
     pub(super) leaves: [u8; WIDTH],
 }
 
+const _: () = assert!(size_of::<Node>() == 80);
+
 impl Node {
     /// Without children.
     pub(super) const EMPTY: Self = Self {

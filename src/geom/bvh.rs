@@ -6,15 +6,16 @@
 //! over the boxes, whatever they are. (Builders that join nearest neighbours from the bottom take n passes where all
 //! boxes are equal, or each is larger than the one before.)
 
-#[cfg(feature = "reference")]
 use std::ops::Range;
 
 use super::{Aabb, Segment};
 
+mod collapse;
+mod node;
 mod split;
 mod wide;
 
-use split::{Hull, Item, half_area, split};
+use split::{Hull, Item, split};
 pub(crate) use wide::{Step, WideBvh};
 
 /// A tree over axis-aligned boxes, stored in depth-first order with skip links: a walk needs no stack.
@@ -132,10 +133,19 @@ impl Bvh {
         }
     }
 
-    /// The same tree with several children a node, and [`Bvh::order`].
+    fn is_leaf(&self, at: usize) -> bool {
+        self.nodes[at].skip as usize == at + 1
+    }
+
+    fn slots_below(&self, at: usize) -> Range<usize> {
+        let node = &self.nodes[at];
+        node.first as usize..self.nodes[node.skip as usize].first as usize
+    }
+
+    /// The same tree with several children a node, and the boxes' indices in the order of its leaves.
     pub(crate) fn into_wide(mut self) -> (WideBvh, Vec<u32>) {
         self.nodes.shrink_to_fit();
-        (WideBvh::of(&self), self.primitives)
+        WideBvh::of(&self)
     }
 
     /// Visits the index of every box that may meet `segment` (and of some that do not).

@@ -1,5 +1,7 @@
 //! The part of a line that a query looks along, and a box test that never misses.
 
+use glam::Vec4;
+
 use super::{Aabb, Light};
 
 /// From a point towards another one (`t` in 0 ..= 1) or along a direction without end.
@@ -97,10 +99,11 @@ impl Segment {
 /// by less than 4.01u of itself, or by 2⁻¹⁵⁰ where the product is subnormal. An entry that truly comes no later than an
 /// exit is found later by a factor of less than 1 + 8.1u: widening the inverse for exits by 1 + 16u, itself rounded once,
 /// never loses a box, and the smallest normal number on top is more than what products lose below it. A box behind the
-/// origin has an exit whose sign is right. (Boxes are lost at 1 + 2u.) Ranges: with coordinates below 2⁶⁰ and parts of
-/// the direction in 2⁻⁶⁰ .. 2⁶⁰, inverses are normal and parameters stay below 2¹²², that is, finite. A part that is 0
-/// has an infinite inverse, whose products are infinite of the right sign, or NaN where the origin lies in a plane of the
-/// box: comparisons are written so that NaN changes nothing.
+/// origin has an exit whose sign is right. (Boxes are lost at 1 + 2u.) Ranges: with coordinates below 2⁶⁰, planes that were
+/// rounded outwards below 2⁶¹, and parts of the direction in 2⁻⁶⁰ .. 2⁶⁰, inverses are normal and parameters stay below 2¹²²,
+/// that is, finite. A part that is 0 has an infinite inverse, whose products are infinite of the right sign, or NaN where the
+/// origin lies in a plane of the box. Of two numbers one of which is NaN, `max` and `min` of vectors may give either: a bound
+/// is forgotten, or becomes NaN, and then no comparison says that the box is missed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Narrow {
     origin: [f32; 3],
@@ -160,9 +163,8 @@ impl Narrow {
     /// Where the way enters a box, roughly; `None` only if it does not meet it.
     #[inline]
     pub(crate) fn entry(&self, aabb: &Aabb) -> Option<[f32; 3]> {
-        let Aabb { low, high } = aabb;
-        let bounds = [[low[0]], [high[0]], [low[1]], [high[1]], [low[2]], [high[2]]];
-        let ([t], hits) = self.entries(&bounds);
+        let ([t], hits) = self.entries(|plane| [Vec4::splat([aabb.low, aabb.high][plane % 2][plane / 2])]);
+        let t = t.x;
         (hits != 0).then(|| {
             let at = |i: usize| self.origin[i] + if t > 0.0 { t / self.first[i] } else { 0.0 };
             [at(0), at(1), at(2)]
@@ -171,24 +173,25 @@ impl Narrow {
 
     /// Where boxes are entered, rounded, and a bit for each that may be met; no bit is missing.
     ///
-    /// `bounds`: low x, high x, low y, high y, low z, high z of each box; infinite, the low ones above the high ones,
-    /// where there is none.
+    /// `plane` tells low x, high x, low y, high y, low z, high z of each box, four boxes a vector.
     #[inline(always)]
-    pub(crate) fn entries<const N: usize>(&self, bounds: &[[f32; N]; 6]) -> ([f32; N], u32) {
-        let (mut entry, mut exit) = ([0.0_f32; N], [self.end; N]);
+    pub(crate) fn entries<const N: usize>(&self, plane: impl Fn(usize) -> [Vec4; N]) -> ([Vec4; N], u32) {
+        let (mut entry, mut exit) = ([Vec4::ZERO; N], [Vec4::splat(self.end); N]);
         for axis in 0..3 {
             let turned = self.turned[axis] & 1;
-            let (first, last) = (&bounds[2 * axis + turned], &bounds[2 * axis + (turned ^ 1)]);
+            let (first, last) = (plane(2 * axis + turned), plane(2 * axis + (turned ^ 1)));
+            let origin = Vec4::splat(self.origin[axis]);
             for i in 0..N {
-                let t0 = (first[i] - self.origin[axis]) * self.first[axis];
-                let t1 = (last[i] - self.origin[axis]) * self.last[axis];
-                entry[i] = if t0 > entry[i] { t0 } else { entry[i] };
-                exit[i] = if t1 < exit[i] { t1 } else { exit[i] };
+                let t0 = (first[i] - origin) * Vec4::splat(self.first[axis]);
+                let t1 = (last[i] - origin) * Vec4::splat(self.last[axis]);
+                (entry[i], exit[i]) = (t0.max(entry[i]), t1.min(exit[i]));
             }
         }
         let mut hits = 0;
         for i in 0..N {
-            hits |= u32::from(entry[i] <= exit[i] + f32::MIN_POSITIVE) << i;
+            // (A box is met unless it is surely missed: see above on NaN.)
+            let misses = entry[i].cmpgt(exit[i] + Vec4::splat(f32::MIN_POSITIVE));
+            hits |= (misses.bitmask() ^ 15) << (4 * i);
         }
         (entry, hits)
     }
@@ -274,8 +277,7 @@ mod tests {
             false => Light::point(at(n)).unwrap(),
         };
         let narrow = Narrow::widened(at(0.0), &light, widen).expect("numbers are in range");
-        let box_at = |[x, y, z]: [f32; 3]| [[x; 2], [x; 2], [y; 2], [y; 2], [z; 2], [z; 2]];
-        narrow.entries(&box_at(at(k))).1 == 3
+        narrow.entries(|plane| [Vec4::splat(at(k)[plane / 2])]).1 == 15
     }
 
     #[test]

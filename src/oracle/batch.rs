@@ -5,6 +5,8 @@
 //! 1966, by where they enter the box around all faces), and each tries the face first that shadowed the one before:
 //! any proper crossing is a shadow, so the order changes no answer.
 
+use multiversion::multiversion;
+
 use super::{Oracle, Verdict};
 use crate::geom::{Aabb, Light};
 
@@ -47,14 +49,26 @@ impl Oracle {
         }
         let mut found = vec![(0, Verdict::Lit); ways.len()];
         crate::parallel::rows(&mut found, RUN, |run, found| {
-            let mut last = usize::MAX;
-            for (&(_, index), found) in ways[run * RUN..].iter().zip(found) {
-                *found = (index, self.verdict_trying(points[index as usize], light, &mut last));
-            }
+            verdicts_in_a_row(self, points, light, &ways[run * RUN..], found);
         });
         for (index, verdict) in found {
             verdicts[index as usize] = verdict;
         }
+    }
+}
+
+/// One way after the other, with AVX2's instructions where the processor has them.
+#[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]
+fn verdicts_in_a_row(
+    oracle: &Oracle,
+    points: &[[f32; 3]],
+    light: &Light,
+    ways: &[(u32, u32)],
+    found: &mut [(u32, Verdict)],
+) {
+    let mut last = usize::MAX;
+    for (&(_, index), found) in ways.iter().zip(found) {
+        *found = (index, oracle.verdict_trying(points[index as usize], light, &mut last));
     }
 }
 

@@ -8,6 +8,8 @@ mod batch;
 mod meet;
 #[cfg(feature = "reference")]
 mod reference;
+#[cfg(test)]
+mod tests;
 mod visible;
 
 pub use meet::{Meeting, meet};
@@ -16,6 +18,8 @@ pub use reference::{Reference, reference};
 #[cfg(feature = "reference")]
 pub(crate) use reference::{WholeLight, WholePlane};
 pub use visible::Visible;
+
+use multiversion::multiversion;
 
 use crate::geom::bvh::{Bvh, Step, WideBvh};
 use crate::geom::predicate::{Homogeneous, Passage, Sign, Way};
@@ -68,7 +72,7 @@ pub struct Hit {
     pub t: f64,
 }
 
-/// The faces of a mesh in a tree, ready for exact queries. Owns what it needs: 40 bytes a face, and the tree.
+/// The faces of a mesh in a tree, ready for exact queries. Owns what it needs: about 50 bytes a face, 8 of them the tree.
 #[derive(Clone, Debug)]
 pub struct Oracle {
     tree: WideBvh,
@@ -104,8 +108,7 @@ impl Oracle {
     /// ```
     #[must_use]
     pub fn verdict(&self, p: [f32; 3], light: &Light) -> Verdict {
-        let mut none = usize::MAX;
-        self.verdict_trying(p, light, &mut none)
+        verdict(self, p, light)
     }
 
     /// Asks the face in slot `first` before all others; leaves the one there that was crossed, if any.
@@ -116,7 +119,7 @@ impl Oracle {
             return Verdict::Shadowed;
         }
         let mut verdict = Verdict::Lit;
-        self.meetings(p, light, &way, |slot, meeting| match meeting {
+        self.meetings::<false>(p, light, &way, |slot, meeting| match meeting {
             Meeting::Crossing(_) => {
                 *first = slot;
                 verdict = Verdict::Shadowed;
@@ -130,10 +133,16 @@ impl Oracle {
         verdict
     }
 
-    /// Calls `visit` with the slot of every face that is met, as far as it wants to go.
+    /// Calls `visit` with the slot of every face that is met, as far as it wants to go; `NEAREST` as in [`WideBvh::walk`].
     #[inline(always)]
-    fn meetings(&self, p: [f32; 3], light: &Light, way: &Way, mut visit: impl FnMut(usize, Meeting) -> Step) {
-        self.tree.walk(p, light, |slot| {
+    fn meetings<const NEAREST: bool>(
+        &self,
+        p: [f32; 3],
+        light: &Light,
+        way: &Way,
+        mut visit: impl FnMut(usize, Meeting) -> Step,
+    ) {
+        self.tree.walk::<NEAREST>(p, light, |slot| {
             let triangle = &self.triangles[slot];
             match way.passes(triangle) {
                 Passage::Missed => Step::On,
@@ -166,7 +175,7 @@ impl Oracle {
     #[must_use]
     pub fn crossings(&self, p: [f32; 3], light: &Light) -> Crossings {
         let mut crossings = Crossings::default();
-        self.meetings(p, light, &self.way(p, light), |_, meeting| {
+        self.meetings::<false>(p, light, &self.way(p, light), |_, meeting| {
             match meeting {
                 Meeting::Crossing(Facing::Front) => crossings.front += 1,
                 Meeting::Crossing(_) => crossings.back += 1,
@@ -179,7 +188,7 @@ impl Oracle {
 
     /// Visits every face that the open segment from `p` to `light` crosses or touches.
     pub fn for_each_meeting(&self, p: [f32; 3], light: &Light, mut visit: impl FnMut(FaceId, Meeting)) {
-        self.meetings(p, light, &self.way(p, light), |slot, meeting| {
+        self.meetings::<false>(p, light, &self.way(p, light), |slot, meeting| {
             visit(FaceId(self.order[slot]), meeting);
             Step::On
         });
@@ -190,6 +199,13 @@ impl Oracle {
     pub fn bounds(&self) -> Aabb {
         self.tree.bounds()
     }
+}
+
+/// The walk, with AVX2's instructions where the processor has them: a third fewer for a node.
+#[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]
+fn verdict(oracle: &Oracle, p: [f32; 3], light: &Light) -> Verdict {
+    let mut none = usize::MAX;
+    oracle.verdict_trying(p, light, &mut none)
 }
 
 /// Out of the way of what is certain.

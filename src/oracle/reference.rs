@@ -50,7 +50,7 @@ impl Oracle {
     pub fn verdict_in_whole_numbers(&self, p: [f32; 3], light: &Light) -> Verdict {
         let (start, step, endless) = way(p, light);
         let mut verdict = Verdict::Lit;
-        self.tree.walk(p, light, |slot| {
+        self.tree.walk::<false>(p, light, |slot| {
             let corners = self.triangles[slot];
             if !apart(p, light, corners) {
                 match meeting(&start, &step, endless, &corners.map(vector)) {

@@ -1,5 +1,7 @@
 //! What an eye sees along a ray, and the point that stands for it.
 
+use multiversion::multiversion;
+
 use super::meet::Meeting;
 use super::{Hit, Oracle};
 use crate::geom::Light;
@@ -30,7 +32,7 @@ impl Oracle {
     /// `None` also for a direction that is zero or not finite.
     #[must_use]
     pub fn first_hit(&self, origin: [f32; 3], direction: [f32; 3]) -> Option<Hit> {
-        self.first_slot(origin, direction, 0.0).map(|(slot, t)| Hit { face: FaceId(self.order[slot]), t })
+        first_slot(self, origin, direction, 0.0).map(|(slot, t)| Hit { face: FaceId(self.order[slot]), t })
     }
 
     /// What the eye at `origin` sees along `direction`: [`Oracle::first_hit`] with its visible point.
@@ -52,32 +54,33 @@ impl Oracle {
         direction: [f32; 3],
         nearest: f64,
     ) -> Option<Visible> {
-        let (slot, t) = self.first_slot(origin, direction, nearest)?;
+        let (slot, t) = first_slot(self, origin, direction, nearest)?;
         let corners = self.triangles[slot];
         let side = side_of_point(corners, origin);
         let point = before(corners, side, origin, direction, t);
         Some(Visible { face: FaceId(self.order[slot]), corners, side, t, point })
     }
+}
 
-    /// The place in `triangles` of the first face, and its distance.
-    fn first_slot(&self, origin: [f32; 3], direction: [f32; 3], nearest: f64) -> Option<(usize, f64)> {
-        let towards = Light::directional(direction.map(|x| -x)).ok()?;
-        let mut first: Option<(f64, u32, usize)> = None;
-        self.meetings(origin, &towards, &self.way(origin, &towards), |slot, meeting| {
-            let triangle = self.triangles[slot];
-            if meeting == Meeting::Touching && side_of_point(triangle, origin).is_zero() {
-                return Step::On;
-            }
-            let (t, face) = (distance(origin, &towards, triangle), self.order[slot]);
-            // Of equal distances the lowest face, whatever the order of the tree.
-            if t >= nearest && first.is_none_or(|(least, id, _)| (t, face) < (least, id)) {
-                first = Some((t, face, slot));
-                return Step::NoFarther(t * NEARLY);
-            }
-            Step::On
-        });
-        first.map(|(t, _, slot)| (slot, t))
-    }
+/// The place in `triangles` of the first face, and its distance. The walk has AVX2's instructions where the processor has them.
+#[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]
+fn first_slot(oracle: &Oracle, origin: [f32; 3], direction: [f32; 3], nearest: f64) -> Option<(usize, f64)> {
+    let towards = Light::directional(direction.map(|x| -x)).ok()?;
+    let mut first: Option<(f64, u32, usize)> = None;
+    oracle.meetings::<true>(origin, &towards, &oracle.way(origin, &towards), |slot, meeting| {
+        let triangle = oracle.triangles[slot];
+        if meeting == Meeting::Touching && side_of_point(triangle, origin).is_zero() {
+            return Step::On;
+        }
+        let (t, face) = (distance(origin, &towards, triangle), oracle.order[slot]);
+        // Of equal distances the lowest face, whatever the order of the tree.
+        if t >= nearest && first.is_none_or(|(least, id, _)| (t, face) < (least, id)) {
+            first = Some((t, face, slot));
+            return Step::NoFarther(t * NEARLY);
+        }
+        Step::On
+    });
+    first.map(|(t, _, slot)| (slot, t))
 }
 
 /// The first `f32` point, going from the hit at `t` back to the eye, on its `side` of the face: steps of one unit

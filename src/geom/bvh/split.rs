@@ -3,7 +3,7 @@
 use super::super::Aabb;
 
 /// Most primitives in a leaf, and what a box test costs against a primitive's.
-const LEAF: usize = 4;
+pub(super) const LEAF: usize = 4;
 const BOX_COST: f64 = 1.0;
 /// More levels than scattered boxes need.
 const DEEPEST_BY_AREA: u32 = 64;

@@ -1,0 +1,98 @@
+//! Verdicts through the tree beside a loop over all faces, where boxes are flat, huge, tiny, or met in a plane or an edge.
+
+use super::*;
+use crate::mesh::solid;
+use crate::random::SplitMix64;
+
+/// Triangles of corners on a coarse grid, some of them lines or points, at several scales beside each other.
+fn soup(random: &mut SplitMix64, faces: usize, scales: &[f32]) -> Mesh {
+    let mut positions = Vec::new();
+    for _ in 0..faces {
+        let scale = scales[random.below(scales.len())];
+        let mut number = |most: usize| (random.below(2 * most + 1) as f32 - most as f32) / 16.0;
+        let middle = [(); 3].map(|()| number(12));
+        positions.extend([(); 3].map(|()| middle.map(|x| (x + number(4)) * scale)));
+    }
+    let triangles = (0..faces as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect();
+    Mesh::new(positions, triangles).unwrap()
+}
+
+fn meshes() -> Vec<Mesh> {
+    let mut random = SplitMix64(8);
+    let torus = solid::torus(20, 10, 2.0, 0.75);
+    let flat = torus.positions().iter().map(|&[x, y, _]| [x, y, 0.5]).collect();
+    let mut meshes = vec![
+        solid::menger_sponge(1),
+        solid::double_sheet(),
+        solid::translated(&solid::icosphere(2), [1e6, -3.0, 0.0]),
+        Mesh::new(flat, torus.triangles().to_vec()).unwrap(),
+        soup(&mut random, 300, &[1.0, 1e-3, 1e3]),
+        soup(&mut random, 300, &[1.0, 1e-30, 3e17]),
+        soup(&mut random, 300, &[3.4e38, 1e38, 1.0]),
+    ];
+    for scale in [1e-42, 1e-38, 1e-20, 1e17, 2e18, 1e37] {
+        meshes.push(solid::scaled(&torus, scale));
+        meshes.push(soup(&mut random, 200, &[scale]));
+    }
+    meshes
+}
+
+/// How many crossings, verdicts of one point and verdicts of many are not those of a loop over all faces; and how many
+/// are lit, in shadow, grazing.
+fn wrong(fault: impl Fn(&mut WideBvh)) -> (usize, [usize; 3]) {
+    let mut random = SplitMix64(9);
+    let (mut wrong, mut kinds) = (0, [0; 3]);
+    for mesh in meshes() {
+        let mut oracle = Oracle::build(&mesh);
+        fault(&mut oracle.tree);
+        let vertices = mesh.positions();
+        let mut vertex = || vertices[random.below(vertices.len())];
+        let largest = vertices.iter().flatten().fold(0.0_f32, |most, x| most.max(x.abs()));
+        let [l, a, b] = [vertex(), vertex(), vertex()];
+        let finite = |x: f64| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32;
+        let beyond = [0, 1, 2].map(|i| finite(f64::from(l[i]) * 3.0 - f64::from(a[i])));
+        let between = [0, 1, 2].map(|i| 0.25 * a[i] + 0.75 * b[i]);
+        let mut lights = vec![Light::point(l), Light::point(beyond), Light::point([0.0, 0.0, largest])];
+        for direction in [[0.0, -1.0, 0.0], [0.0, 0.0, largest], [1.0, 0.0, -1.0], between] {
+            lights.extend((direction != [0.0; 3]).then(|| Light::directional(direction)));
+        }
+        for light in lights.into_iter().map(Result::unwrap) {
+            let mut points = vec![[0.0; 3], between, light.xyz()];
+            for _ in 0..40 {
+                let v = vertex();
+                // At a vertex, as far behind it as the light is before it, and beside it.
+                let towards = light.xyz().map(f64::from);
+                points.extend([
+                    v,
+                    [v[0], 0.5 * v[1], v[2]],
+                    [0, 1, 2].map(|i| finite(2.0 * f64::from(v[i]) - towards[i])),
+                ]);
+            }
+            let mut many = vec![Verdict::Lit; points.len()];
+            oracle.verdicts_into(&points, &light, &mut many);
+            for (&p, &of_many) in points.iter().zip(&many) {
+                let mut truth = Crossings::default();
+                for face in mesh.triangles() {
+                    match meet(p, &light, face.map(|vertex| vertices[vertex as usize])) {
+                        Meeting::None => {}
+                        Meeting::Touching => truth.touching += 1,
+                        Meeting::Crossing(Facing::Front) => truth.front += 1,
+                        Meeting::Crossing(_) => truth.back += 1,
+                    }
+                }
+                let verdict = truth.verdict();
+                kinds[verdict as usize] += 1;
+                let found = (oracle.crossings(p, &light), oracle.verdict(p, &light), of_many);
+                wrong += usize::from(found != (truth, verdict, verdict));
+            }
+        }
+    }
+    (wrong, kinds)
+}
+
+#[test]
+fn oracle_verdicts_are_those_of_a_loop_over_all_faces_and_boxes_rounded_inwards_are_caught() {
+    let (wrong_ones, kinds) = wrong(|_| {});
+    assert!(wrong_ones == 0 && kinds.iter().all(|&count| count > 1000), "{wrong_ones} wrong, {kinds:?}");
+    assert!(wrong(WideBvh::round_inwards).0 > 0);
+}

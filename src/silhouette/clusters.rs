@@ -311,9 +311,8 @@ mod tests {
     #[test]
     fn facing_by_clusters_with_boxes_that_are_too_small_is_caught() {
         assert!(caught(|clusters| {
-            for row in clusters.levels.iter_mut().flatten().flat_map(|node| &mut node.0) {
-                let (low, high) = row.split_at_mut(WIDE);
-                low.copy_from_slice(high);
+            for [low, high] in clusters.levels.iter_mut().flatten().flat_map(|node| &mut node.0) {
+                *low = *high;
             }
         }));
     }

@@ -231,9 +231,7 @@ impl SilhouetteFinder {
                 if let Some(moving) = moving.as_mut().filter(|_| short) {
                     moving.wait();
                 }
-                let (silhouette, search) = tree.search(mesh, topology, light, self.casters);
-                self.list = silhouette;
-                match search {
+                match tree.search_into(mesh, topology, light, self.casters, &mut self.list) {
                     TreeSearch::Scanned => (SilhouetteMethod::Scan, SilhouetteReason::Ties),
                     TreeSearch::Crowded => (SilhouetteMethod::Scan, SilhouetteReason::Crowded),
                     TreeSearch::Searched { .. } if short => {

@@ -179,14 +179,10 @@ impl FacePlanes {
         self.reach
     }
 
-    /// Unit normals, and offsets over the reach: those of a face together, since they are picked in no order.
-    pub(super) fn together(&self) -> Vec<[f64; 4]> {
+    /// Unit normals and offsets: those of a face together, since they are picked in no order.
+    pub(super) fn together(&self) -> Vec<[f32; 4]> {
         let [x, y, z] = &self.normal;
-        let of = |face: usize| {
-            let offset = f64::from(self.offset[face]) / f64::from(self.reach);
-            [x[face].into(), y[face].into(), z[face].into(), offset]
-        };
-        (0..self.offset.len()).map(of).collect()
+        (0..self.offset.len()).map(|face| [x[face], y[face], z[face], self.offset[face]]).collect()
     }
 
     /// Without the error of the planes: what a test must notice.

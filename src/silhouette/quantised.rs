@@ -60,9 +60,9 @@ pub(super) fn of_light(light: &Light, origin: [f32; 3], reach: f32) -> (Quantise
     (direction.map(|x| nearest(x * MOST)), direction)
 }
 
-/// The nearest whole number; never −32768.
+/// The nearest whole number; never −32768, and 0 of no number.
 #[inline(always)]
-fn nearest(x: f64) -> i16 {
+pub(super) fn nearest(x: f64) -> i16 {
     ((x + 0.5_f64.copysign(x)) as i16).max(-i16::MAX)
 }
 

@@ -217,12 +217,27 @@ impl SilhouetteTree {
         light: &Light,
         casters: Casters,
     ) -> (Silhouette, TreeSearch) {
+        let mut silhouette = Silhouette::default();
+        let search = self.search_into(mesh, topology, light, casters, &mut silhouette);
+        (silhouette, search)
+    }
+
+    /// As [`SilhouetteTree::search`], in place of what was found before, whose memory is kept.
+    pub(super) fn search_into(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        light: &Light,
+        casters: Casters,
+        silhouette: &mut Silhouette,
+    ) -> TreeSearch {
         assert_eq!(mesh.face_count(), self.planes.offset.len(), "the tree is of another mesh");
         assert_eq!(topology.edge_count(), self.edge_count, "the tree is of another topology");
         if let Waiting(left @ 1.., _, Some(why)) = &mut self.waiting {
             *left -= 1;
             let why = *why;
-            return (self.scan(mesh, topology, light, casters).0, why);
+            self.scan(mesh, topology, light, casters, silhouette);
+            return why;
         }
         let local = self.planes.local(light);
         let walk = if self.is_idle() {
@@ -235,18 +250,19 @@ impl SilhouetteTree {
             Ok([nodes, leaves]) => {
                 self.waiting = Waiting::default();
                 let (singles, exact) = self.settle(mesh, topology, &local, casters);
-                (self.gather(&singles, casters), TreeSearch::Searched { nodes, leaves, exact })
+                self.gather(&singles, casters, silhouette);
+                TreeSearch::Searched { nodes, leaves, exact }
             }
             Err(mut why) => {
                 self.work.found.drain(|_, _, _| ());
                 self.work.open = Vec::new();
-                let (silhouette, ties) = self.scan(mesh, topology, light, casters);
+                let ties = self.scan(mesh, topology, light, casters, silhouette);
                 if ties > self.limits.open {
                     why = TreeSearch::Scanned;
                 }
                 let wait = (2 * self.waiting.1).clamp(1, PATIENCE);
                 self.waiting = Waiting(wait, wait, Some(why));
-                (silhouette, why)
+                why
             }
         }
     }
@@ -258,11 +274,13 @@ impl SilhouetteTree {
         topology: &Topology,
         light: &Light,
         casters: Casters,
-    ) -> (Silhouette, usize) {
+        silhouette: &mut Silhouette,
+    ) -> usize {
         let Work { facing, signs, .. } = &mut self.work;
         let exact = self.planes.classify_into(mesh, light, facing);
         casters.signs_into(facing, signs);
-        (Silhouette::extract(topology, signs), exact)
+        silhouette.extract_into(topology, signs);
+        exact
     }
 
     /// The edges that are decided one by one and are silhouette, ascending; how often the exact predicate was asked.
@@ -315,18 +333,19 @@ impl SilhouetteTree {
     }
 
     /// What was found and the single edges, in order.
-    fn gather(&mut self, singles: &[SilhouetteEdge], casters: Casters) -> Silhouette {
+    fn gather(&mut self, singles: &[SilhouetteEdge], casters: Casters, silhouette: &mut Silhouette) {
         // One face in front and one behind.
         let magnitude = if casters == Casters::All { 2 } else { 1 };
-        let mut edges = Vec::with_capacity(self.work.found.len() + singles.len());
+        let edges = &mut silhouette.edges;
+        edges.clear();
+        edges.reserve(self.work.found.len() + singles.len());
         self.work.found.drain(|first, present, negative| {
             for bit in Bits(present) {
                 let multiplicity = magnitude - 2 * magnitude * (negative >> bit & 1) as i32;
                 edges.push(SilhouetteEdge { edge: EdgeId(first + bit), multiplicity });
             }
         });
-        merge(&mut edges, singles);
-        Silhouette { edges }
+        merge(edges, singles);
     }
 }
 

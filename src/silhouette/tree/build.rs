@@ -44,7 +44,7 @@ pub(super) fn build(mesh: &Mesh, topology: &Topology) -> SilhouetteTree {
         }
     }
     let edges = arrange(slots);
-    let fine = planes.together();
+    let (fine, reach) = (planes.together(), f64::from(planes.reach()));
     let mut leaves = vec![None; edges.len().div_ceil(LEAF)];
     const LEAVES: usize = GRAIN / LEAF;
     parallel::rows(&mut leaves, LEAVES, |row, leaves| {
@@ -55,7 +55,8 @@ pub(super) fn build(mesh: &Mesh, topology: &Topology) -> SilhouetteTree {
                 let edge = edges.get(place).unwrap_or(&edges[0]);
                 let faces = pair(topology, *edge).expect("it was one before");
                 for (side, face) in pairs.iter_mut().zip(faces) {
-                    side[column(place)] = fine[face];
+                    let [x, y, z, offset] = fine[face].map(f64::from);
+                    side[column(place)] = [x, y, z, offset / reach];
                     bound = bound.around(&Bound { low: numbers[face], high: numbers[face] });
                 }
             }

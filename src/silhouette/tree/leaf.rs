@@ -1,7 +1,7 @@
 //! Thirty-two edges whose planes are near each other, and which of them are silhouette.
 
 use super::super::plane::LocalLight;
-use super::super::quantised::Quantised;
+use super::super::quantised::{self, Quantised};
 
 /// Edges in a leaf.
 pub(in crate::silhouette) const LEAF: usize = 32;
@@ -99,18 +99,21 @@ impl Leaf {
     /// Of 32 planes of faces along edges and 32 of faces against, all given as in the bound above.
     pub(super) fn new(planes: &[[[f64; 4]; LEAF]; 2]) -> Self {
         let all = planes.as_flattened();
-        let middle = [0, 1, 2, 3].map(|i| {
-            let ends = all.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], plane| {
-                [low.min(plane[i]), high.max(plane[i])]
-            });
-            ((ends[0] + ends[1]) / 2.0) as f32
-        });
-        let off = |plane: &[f64; 4]| [0, 1, 2, 3].map(|i| plane[i] - f64::from(middle[i]));
-        let widest = all.iter().flat_map(off).fold(LEAST_RADIUS, |widest: f64, x| widest.max(x.abs()));
+        let (mut low, mut high) = (all[0], all[0]);
+        for plane in all {
+            for i in 0..4 {
+                low[i] = if plane[i] < low[i] { plane[i] } else { low[i] };
+                high[i] = if plane[i] > high[i] { plane[i] } else { high[i] };
+            }
+        }
+        let middle = [0, 1, 2, 3].map(|i| ((low[i] + high[i]) / 2.0) as f32);
+        let off = |x: f64, i: usize| x - f64::from(middle[i]);
+        let widest = (0..4)
+            .fold(LEAST_RADIUS, |widest: f64, i| widest.max(off(low[i], i).abs()).max(off(high[i], i).abs()));
         let mut numbers = [[0; 2 * LEAF]; 4];
         for (place, plane) in all.iter().enumerate() {
-            for (row, x) in numbers.iter_mut().zip(off(plane)) {
-                row[place] = (x / widest * MOST[0]).round() as i16;
+            for i in 0..4 {
+                numbers[i][place] = quantised::nearest(off(plane[i], i) / widest * MOST[0]);
             }
         }
         Self { numbers, middle, factor: (MOST[0] * MOST[1] / 65536.0 / widest) as f32 }
@@ -143,7 +146,7 @@ impl Leaf {
         let [x, y, z, w] = self.middle.map(f64::from);
         let sum = (x * direction[0] + y * direction[1]) + (z * direction[2] + w * direction[3]);
         let base = (f64::from(self.factor) * sum).clamp(-MOST[1], MOST[1]);
-        (base + 0.5_f64.copysign(base)) as i16 // 0 of no number
+        quantised::nearest(base) // 0 of no number
     }
 }
 

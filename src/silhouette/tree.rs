@@ -44,7 +44,7 @@ const PATIENCE: u32 = 8;
 
 /// A tree over the edges of a mesh, for many lights while the mesh rests.
 ///
-/// Holds the [`FacePlanes`] of the mesh, and for each edge 20 bytes and a share of the nodes.
+/// Holds the [`FacePlanes`] of the mesh, and for each edge 22 bytes and a share of the nodes.
 ///
 /// ```
 /// use umbrage::{geom::Light, mesh::solid, topology::Topology};

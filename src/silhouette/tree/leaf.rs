@@ -65,7 +65,7 @@ impl Codes {
             let (a_front, a_back, b_front, b_back) = (a >= FRONT, a <= BACK, b >= FRONT, b <= BACK);
             let known = (a_front | a_back) & (b_front | b_back);
             let open = 3 * u8::from(!known);
-            codes[place] = u8::from(a_front & b_back) | 2 * u8::from(a_back & b_front) | open;
+            codes[place] = u8::from(a_front & b_back) | (u8::from(a_back & b_front) << 1) | open;
         }
         // Four edges of eight places each in a byte.
         let mut packed = [0; 8];

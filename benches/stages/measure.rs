@@ -40,12 +40,19 @@ pub(crate) struct Contender<'a> {
     expected: Option<String>,
     bytes: Option<f64>,
     target: Target,
+    repeats: Option<&'static str>,
     run: Box<dyn FnMut() -> Sample + 'a>,
 }
 
 impl<'a> Contender<'a> {
     pub(crate) fn new(name: &'static str, run: impl FnMut() -> Sample + 'a) -> Self {
-        Self { name, expected: None, bytes: None, target: Target::None, run: Box::new(run) }
+        Self { name, expected: None, bytes: None, target: Target::None, repeats: None, run: Box::new(run) }
+    }
+
+    /// The same as an earlier contender, made once more: its ratio over that one tells how far ratios are to be believed,
+    /// and nothing else is compared with it.
+    pub(crate) fn repeats(self, name: &'static str) -> Self {
+        Self { repeats: Some(name), ..self }
     }
 
     /// What the answer must be. Without this it must only stay the same.
@@ -139,11 +146,12 @@ impl<'a> Bench<'a> {
     /// Runs a group, for its rows.
     ///
     /// One round to warm up, then rounds in which every contender runs once (a short one several times), each
-    /// round in another order, so that no contender always follows the same one.
+    /// round in another order, so that no contender always follows the same one. A short one runs once more before
+    /// that, untimed: a scan of everything empties the caches, and whoever follows it would pay for that.
     pub(crate) fn measure(&mut self, mut group: Group<'_>, rounds: usize) -> &[Row] {
         let least = if self.quick { 0.0 } else { 2e7 };
         let count = group.contenders.len();
-        let repeats: Vec<u32> = group
+        let runs: Vec<u32> = group
             .contenders
             .iter_mut()
             .map(|c| (least / c.sample()).ceil().clamp(1.0, 32.0) as u32)
@@ -154,14 +162,26 @@ impl<'a> Bench<'a> {
                 let step = if round % 2 == 0 { step } else { count - 1 - step };
                 let index = (step + round / 2) % count;
                 let contender = &mut group.contenders[index];
-                let total: f64 = (0..repeats[index]).map(|_| contender.sample()).sum();
-                times[index].push(total / f64::from(repeats[index]) / group.units as f64);
+                if runs[index] > 1 {
+                    contender.sample();
+                }
+                let total: f64 = (0..runs[index]).map(|_| contender.sample()).sum();
+                times[index].push(total / f64::from(runs[index]) / group.units as f64);
             }
         }
         let first = self.rows.len();
+        let names: Vec<_> = group.contenders.iter().map(|contender| contender.name).collect();
+        let repeats: Vec<_> = group
+            .contenders
+            .iter()
+            .map(|contender| names.iter().position(|&name| Some(name) == contender.repeats))
+            .collect();
         for (index, contender) in group.contenders.into_iter().enumerate() {
-            let baseline = match contender.target {
-                Target::Best(_) => best_but(&times, index),
+            let baseline = match (repeats[index], contender.target) {
+                (Some(same), _) => same,
+                (None, Target::Best(_)) => {
+                    best_of(&times, |other| other != index && repeats[other].is_none())
+                }
                 _ => 0,
             };
             let ratios = times[index].iter().zip(&times[baseline]).map(|(time, baseline)| time / baseline);
@@ -185,11 +205,10 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Which contender but one has the least median.
-fn best_but(times: &[Vec<f64>], one: usize) -> usize {
+/// Which of these contenders has the least median.
+fn best_of(times: &[Vec<f64>], is_one: impl Fn(usize) -> bool) -> usize {
     let of = |&index: &usize| median(times[index].iter().copied());
-    let others = (0..times.len()).filter(|&index| index != one);
-    others.min_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or(0)
+    (0..times.len()).filter(|&index| is_one(index)).min_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or(0)
 }
 
 /// The middle value; of an even number the mean of the two in the middle.

@@ -132,8 +132,10 @@ impl SilhouetteMethod {
 #[derive(Clone, Debug)]
 pub struct SilhouetteFinder {
     casters: Casters,
-    /// The last light, and how its silhouette was found.
-    last: Option<(Light, (SilhouetteMethod, SilhouetteReason))>,
+    last: Option<Light>,
+    /// How the silhouette of the last light was found, and how many edges it has.
+    way: (SilhouetteMethod, SilhouetteReason),
+    edge_count: usize,
     /// Of the last light, if it was not found by certificates.
     list: Silhouette,
     ways: Ways,
@@ -142,7 +144,7 @@ pub struct SilhouetteFinder {
 #[derive(Clone, Debug)]
 enum Ways {
     Scan { planes: Box<FacePlanes>, facing: Vec<Facing>, signs: Vec<i8>, reason: SilhouetteReason },
-    Tree { tree: Box<SilhouetteTree>, moving: Option<Box<KineticSilhouette>>, followed: bool },
+    Tree { tree: Box<SilhouetteTree>, moving: Option<Box<KineticSilhouette>>, followed: bool, short: f64 },
 }
 
 impl SilhouetteFinder {
@@ -161,11 +163,13 @@ impl SilhouetteFinder {
                 if tree.is_idle() {
                     scan(Box::new(tree.into_planes()), SilhouetteReason::OpenMesh)
                 } else {
-                    Ways::Tree { tree: Box::new(tree), moving: None, followed: false }
+                    let short = SHORT_MOVE * f64::from(tree.planes().reach());
+                    Ways::Tree { tree: Box::new(tree), moving: None, followed: false, short }
                 }
             }
         };
-        Self { casters, last: None, list: Silhouette::default(), ways }
+        let way = (SilhouetteMethod::Scan, SilhouetteReason::FewLights { lights }); // until there is a light
+        Self { casters, last: None, way, edge_count: 0, list: Silhouette::default(), ways }
     }
 
     /// Finds the silhouette for a light; how, and why so. For the light of the last time nothing is done, and the answer
@@ -173,19 +177,21 @@ impl SilhouetteFinder {
     ///
     /// # Panics
     ///
-    /// Panics if mesh or topology have other numbers of faces or edges than those it was made with.
+    /// Panics if mesh or topology have other numbers of faces or edges than those it was made with, and the light is
+    /// another one.
+    #[inline]
     pub fn find(
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
         light: &Light,
     ) -> (SilhouetteMethod, SilhouetteReason) {
-        if let Some((_, way)) = self.last.filter(|(last, _)| last == light) {
-            return way;
+        if self.last.as_ref() != Some(light) {
+            self.way = self.search(mesh, topology, light);
+            self.last = Some(*light);
+            self.edge_count = self.list.edges.len() + self.moving().map_or(0, KineticSilhouette::len);
         }
-        let way = self.search(mesh, topology, light);
-        self.last = Some((*light, way));
-        way
+        self.way
     }
 
     fn search(
@@ -194,7 +200,6 @@ impl SilhouetteFinder {
         topology: &Topology,
         light: &Light,
     ) -> (SilhouetteMethod, SilhouetteReason) {
-        let last = self.last.map(|(last, _)| last);
         match &mut self.ways {
             Ways::Scan { planes, facing, signs, reason } => {
                 planes.classify_into(mesh, light, facing);
@@ -202,17 +207,20 @@ impl SilhouetteFinder {
                 self.list.extract_into(topology, signs);
                 (SilhouetteMethod::Scan, *reason)
             }
-            Ways::Tree { tree, moving, followed } => {
-                let length = last.map_or(f64::INFINITY, |last| way(&last, light));
-                let short = length <= SHORT_MOVE * f64::from(tree.planes().reach());
+            Ways::Tree { tree, moving, followed, short } => {
+                let length = self.last.map_or(f64::INFINITY, |last| way(&last, light));
+                let short = length <= *short;
+                let was_followed = std::mem::replace(followed, false);
                 *followed = short && moving.as_ref().is_none_or(|moving| length <= moving.longest_step());
                 if *followed {
                     let moving = moving.get_or_insert_with(|| {
-                        let last = last.as_ref().expect("else the way were infinite");
+                        let last = self.last.as_ref().expect("else the way were infinite");
                         Box::new(KineticSilhouette::new(mesh, topology, tree, last, self.casters))
                     });
                     self.list.edges.clear();
-                    return match moving.step(mesh, topology, tree, light) {
+                    // Where certificates have stood still meanwhile, the way from there is another one.
+                    let length = if was_followed { length } else { way(&moving.light(), light) };
+                    return match moving.step_by(mesh, topology, tree, light, length) {
                         KineticStep::Rested | KineticStep::Followed { .. } => {
                             (SilhouetteMethod::Kinetic, SilhouetteReason::SmallMove)
                         }
@@ -223,9 +231,7 @@ impl SilhouetteFinder {
                 if let Some(moving) = moving.as_mut().filter(|_| short) {
                     moving.wait();
                 }
-                let (silhouette, search) = tree.search(mesh, topology, light, self.casters);
-                self.list = silhouette;
-                match search {
+                match tree.search_into(mesh, topology, light, self.casters, &mut self.list) {
                     TreeSearch::Scanned => (SilhouetteMethod::Scan, SilhouetteReason::Ties),
                     TreeSearch::Crowded => (SilhouetteMethod::Scan, SilhouetteReason::Crowded),
                     TreeSearch::Searched { .. } if short => {
@@ -244,9 +250,10 @@ impl SilhouetteFinder {
     }
 
     /// How many edges are silhouette for the last light.
+    #[inline]
     #[must_use]
     pub fn edge_count(&self) -> usize {
-        self.list.edges.len() + self.moving().map_or(0, KineticSilhouette::len)
+        self.edge_count
     }
 
     /// What holds the last silhouette, if it was found by certificates.

@@ -14,6 +14,10 @@ use super::{FacePlanes, Facing};
 use crate::geom::Light;
 use crate::mesh::{FaceId, Mesh};
 
+/// One face in so many may be left open before sides are found for all faces: an open one costs about as much as
+/// some tens of those that are not.
+const OPEN_SHARE: usize = 64;
+
 /// An order of the faces of a mesh in which most faces that a light is in front of stand together.
 ///
 /// Made for drawing: with the triangles in this order in an index buffer, and once more each reversed, both caps of a
@@ -48,7 +52,7 @@ pub struct FaceClusters {
 struct Cluster([[i16; LEAF]; 4]);
 
 /// The faces that a light is in front of, and those that it is behind.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 pub struct FacingRanges {
     /// Ranges of places in [`FaceClusters::order`] with the light in front of every face: ascending, none empty, none
     /// beginning where another ends.
@@ -59,7 +63,17 @@ pub struct FacingRanges {
     pub single: Vec<(FaceId, Facing)>,
     /// What is still to be looked at; kept for its memory.
     stack: Vec<Part>,
+    /// The sides of all faces, where clusters tell of too few; kept for its memory.
+    facing: Vec<Facing>,
 }
+
+impl PartialEq for FacingRanges {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.front, &self.back, &self.single) == (&other.front, &other.back, &other.single)
+    }
+}
+
+impl Eq for FacingRanges {}
 
 /// Places of a level: a node, or from level 0 on down a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,7 +132,8 @@ impl FaceClusters {
     /// Sorts the faces by the side that the light is on: exactly as [`classify`](super::classify). What `ranges` held is
     /// replaced, and its memory kept.
     ///
-    /// Takes a look at each cluster that has faces of both sides, or nearly, and at the nodes over it.
+    /// Takes a look at each cluster that has faces of both sides, or nearly, and at the nodes over it. Where many faces are
+    /// in a plane with the light it takes what [`FacePlanes::classify_into`] takes, and a look at each face.
     ///
     /// # Panics
     ///
@@ -126,12 +141,27 @@ impl FaceClusters {
     pub fn find(&self, mesh: &Mesh, planes: &FacePlanes, light: &Light, ranges: &mut FacingRanges) {
         assert_eq!(mesh.face_count(), self.order.len(), "the clusters are of another mesh");
         assert_eq!(planes.offset.len(), self.order.len(), "the planes are of another mesh");
+        if self.search(mesh, planes, light, ranges, self.order.len() / OPEN_SHARE).is_none() {
+            self.scan(mesh, planes, light, ranges);
+        }
+    }
+
+    /// By the tree of boxes; `None`, and nothing is told, if more faces than `most` are left open one by one.
+    fn search(
+        &self,
+        mesh: &Mesh,
+        planes: &FacePlanes,
+        light: &Light,
+        ranges: &mut FacingRanges,
+        most: usize,
+    ) -> Option<()> {
         let local = planes.local(light);
-        let FacingRanges { front, back, single, stack } = ranges;
+        let FacingRanges { front, back, single, stack, .. } = ranges;
         front.clear();
         back.clear();
         single.clear();
         stack.clear();
+        let mut open = 0;
         let height = self.levels.len() as u32;
         stack.extend((height > 0).then_some(Part { height, place: 0, facing: Facing::EdgeOn }));
         while let Some(part) = stack.pop() {
@@ -147,20 +177,13 @@ impl FaceClusters {
                     for (side, face) in
                         sides.iter_mut().zip(faces).filter(|(side, _)| **side == Facing::EdgeOn)
                     {
+                        open += 1;
                         *side = planes.side(mesh, face.index(), &local).0;
                     }
-                    match sides[0] {
-                        Facing::Front if sides.iter().all(|&side| side == Facing::Front) => {
-                            extend(front, places);
-                        }
-                        Facing::Back if sides.iter().all(|&side| side == Facing::Back) => {
-                            extend(back, places);
-                        }
-                        _ => {
-                            let known = faces.iter().copied().zip(sides.iter().copied());
-                            single.extend(known.filter(|(_, side)| *side != Facing::EdgeOn));
-                        }
+                    if open > most {
+                        return None;
                     }
+                    ranges_of(places, faces, sides, [&mut *front, &mut *back], single);
                 }
                 (Facing::EdgeOn, height) => {
                     let node = &self.levels[height as usize - 1][part.place as usize];
@@ -183,6 +206,25 @@ impl FaceClusters {
                     }));
                 }
             }
+        }
+        Some(())
+    }
+
+    /// By the sides of all faces, in the order of the mesh, where many are open: their planes, corners and ties then lie
+    /// side by side.
+    fn scan(&self, mesh: &Mesh, planes: &FacePlanes, light: &Light, ranges: &mut FacingRanges) {
+        let FacingRanges { front, back, single, facing, .. } = ranges;
+        front.clear();
+        back.clear();
+        single.clear();
+        planes.classify_into(mesh, light, facing);
+        for (first, faces) in (0..).step_by(LEAF).zip(self.order.chunks(LEAF)) {
+            let mut sides = [Facing::EdgeOn; LEAF];
+            for (side, face) in sides.iter_mut().zip(faces) {
+                *side = facing[face.index()];
+            }
+            let places = first..first + faces.len() as u32; // fewer than 2^32
+            ranges_of(places, faces, &sides[..faces.len()], [&mut *front, &mut *back], single);
         }
     }
 
@@ -207,6 +249,25 @@ impl Cluster {
                 _ => Facing::EdgeOn,
             };
         }
+    }
+}
+
+/// Adds the faces of a cluster whose sides are known: as a range if they are all on one, else each by itself.
+fn ranges_of(
+    places: Range<u32>,
+    faces: &[FaceId],
+    sides: &[Facing],
+    [front, back]: [&mut Vec<Range<u32>>; 2],
+    single: &mut Vec<(FaceId, Facing)>,
+) {
+    let all = |one| sides.iter().fold(true, |all, &side| all & (side == one));
+    if all(Facing::Front) {
+        extend(front, places);
+    } else if all(Facing::Back) {
+        extend(back, places);
+    } else if !all(Facing::EdgeOn) {
+        let known = faces.iter().copied().zip(sides.iter().copied());
+        single.extend(known.filter(|(_, side)| *side != Facing::EdgeOn));
     }
 }
 
@@ -240,7 +301,12 @@ mod tests {
         (planes, clusters): &(FacePlanes, FaceClusters),
         found: &mut FacingRanges,
     ) -> bool {
+        // Whichever way is taken, and by the boxes alone.
         clusters.find(mesh, planes, light, found);
+        let mut searched = FacingRanges::default();
+        if clusters.search(mesh, planes, light, &mut searched, usize::MAX).is_none() || searched != *found {
+            return false;
+        }
         let mut times = vec![0; mesh.face_count()];
         let mut sides = vec![Facing::EdgeOn; mesh.face_count()];
         let mut set = |face: FaceId, side| {
@@ -290,6 +356,22 @@ mod tests {
     }
 
     #[test]
+    fn facing_by_clusters_full_of_ties_is_found_by_a_scan() {
+        let mesh = solid::menger_sponge(2);
+        let (planes, clusters) = built(&mesh);
+        let [mut scanned, mut found] = [(); 2].map(|()| FacingRanges::default());
+        let [axis, skew] = [[0.0, 0.0, -1.0], [1.0, 2.0, 3.0]].map(|way| Light::directional(way).unwrap());
+        for (light, ties) in [(axis, true), (skew, false)] {
+            let most = clusters.order.len() / OPEN_SHARE;
+            let search = clusters.search(&mesh, &planes, &light, &mut found, most);
+            assert_eq!(search.is_none(), ties);
+            clusters.scan(&mesh, &planes, &light, &mut scanned);
+            clusters.find(&mesh, &planes, &light, &mut found);
+            assert_eq!(scanned, found);
+        }
+    }
+
+    #[test]
     fn facing_by_clusters_leaves_few_faces_of_a_sphere_alone() {
         let mesh = solid::icosphere(5);
         let (built, mut found) = (built(&mesh), FacingRanges::default());
@@ -311,9 +393,8 @@ mod tests {
     #[test]
     fn facing_by_clusters_with_boxes_that_are_too_small_is_caught() {
         assert!(caught(|clusters| {
-            for row in clusters.levels.iter_mut().flatten().flat_map(|node| &mut node.0) {
-                let (low, high) = row.split_at_mut(WIDE);
-                low.copy_from_slice(high);
+            for [low, high] in clusters.levels.iter_mut().flatten().flat_map(|node| &mut node.0) {
+                *low = *high;
             }
         }));
     }

@@ -41,15 +41,50 @@ impl EdgeSet {
         // Fewer than 2^32 edges, so that their numbers fit.
         words.flat_map(|word| Bits(self.words[word]).map(move |low| word as u32 * 64 + low))
     }
+}
 
-    /// Calls `visit` with every 64 edges of which some are in the set: the first one's number, and a bit for each. The
-    /// set is empty afterwards.
-    #[inline]
-    pub(super) fn drain(&mut self, mut visit: impl FnMut(u32, u64)) {
+/// A set of edges with a sign each, for one collection after another.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SignedEdges {
+    /// Of 64 edges which are in the set, and which of those are negative.
+    words: Vec<[u64; 2]>,
+    /// A bit for each pair of words that is not zero.
+    summary: Vec<u64>,
+    len: usize,
+}
+
+impl SignedEdges {
+    /// The empty set, for so many edges.
+    pub(super) fn new(edges: usize) -> Self {
+        let words = edges.div_ceil(64);
+        Self { words: vec![[0; 2]; words], summary: vec![0; words.div_ceil(64)], len: 0 }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Adds an edge that is not in the set, negative if `negative` is 1 and not if it is 0.
+    #[inline(always)]
+    pub(super) fn insert(&mut self, edge: u32, negative: u32) {
+        let word = edge as usize / 64;
+        let [present, signs] = &mut self.words[word];
+        *present |= 1 << (edge % 64);
+        *signs |= u64::from(negative) << (edge % 64);
+        self.summary[word / 64] |= 1 << (word % 64);
+        self.len += 1;
+    }
+
+    /// Calls `visit` with every 64 edges of which some are in the set: the first one's number, a bit for each, and a bit
+    /// for each that is negative. The set is empty afterwards.
+    #[inline(always)]
+    pub(super) fn drain(&mut self, mut visit: impl FnMut(u32, u64, u64)) {
+        self.len = 0;
         for (high, bits) in self.summary.iter_mut().enumerate() {
             for low in Bits(std::mem::take(bits)) {
                 let word = high * 64 + low as usize;
-                visit(word as u32 * 64, std::mem::take(&mut self.words[word]));
+                let [present, negative] = std::mem::take(&mut self.words[word]);
+                visit(word as u32 * 64, present, negative);
             }
         }
     }
@@ -95,10 +130,26 @@ mod tests {
             }
             let expected: Vec<u32> = expected.into_iter().collect();
             prop_assert_eq!(set.iter().collect::<Vec<_>>(), expected.clone());
-            let mut drained = Vec::new();
-            set.drain(|first, bits| drained.extend(Bits(bits).map(|bit| first + bit)));
-            prop_assert_eq!(drained, expected);
-            prop_assert_eq!(set.iter().count(), 0);
+        }
+
+        #[test]
+        fn edge_set_with_signs_is_drained_in_order_and_then_empty(
+            edges in prop::collection::btree_map(0_u32..9000, 0_u32..2, 0..200),
+            shuffled in any::<u64>(),
+        ) {
+            let mut set = SignedEdges::new(9000);
+            let mut inserted: Vec<(u32, u32)> = edges.clone().into_iter().collect();
+            inserted.sort_by_key(|(edge, _)| u64::from(*edge).wrapping_mul(shuffled | 1));
+            for _ in 0..2 {
+                inserted.iter().for_each(|&(edge, negative)| set.insert(edge, negative));
+                prop_assert_eq!(set.len(), edges.len());
+                let mut drained = Vec::new();
+                set.drain(|first, present, negative| {
+                    drained.extend(Bits(present).map(|bit| (first + bit, (negative >> bit & 1) as u32)));
+                });
+                prop_assert!(drained.into_iter().eq(edges.clone()));
+                prop_assert_eq!(set.len(), 0);
+            }
         }
     }
 }

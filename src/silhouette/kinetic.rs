@@ -158,7 +158,9 @@ impl KineticSilhouette {
     ///
     /// # Panics
     ///
-    /// Panics if mesh, topology or tree have other numbers of faces or edges than those it was made with.
+    /// Panics if mesh, topology or tree have other numbers of faces or edges than those it was made with, and the light
+    /// has moved.
+    #[inline]
     pub fn step(
         &mut self,
         mesh: &Mesh,
@@ -166,12 +168,24 @@ impl KineticSilhouette {
         tree: &mut SilhouetteTree,
         light: &Light,
     ) -> KineticStep {
-        assert_eq!(mesh.face_count(), self.face_edges.len(), "the silhouette is of another mesh");
-        self.changes.clear();
         if *light == self.light {
+            self.changes.clear();
             return KineticStep::Rested;
         }
-        let length = way(&self.light, light);
+        self.step_by(mesh, topology, tree, light, way(&self.light, light))
+    }
+
+    /// A step to another light, whose length is known.
+    pub(super) fn step_by(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        tree: &mut SilhouetteTree,
+        light: &Light,
+        length: f64,
+    ) -> KineticStep {
+        assert_eq!(mesh.face_count(), self.face_edges.len(), "the silhouette is of another mesh");
+        self.changes.clear();
         self.light = *light;
         self.certificates.advance(length);
         if self.renewed && length.is_finite() {

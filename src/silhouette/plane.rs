@@ -51,6 +51,8 @@ pub struct FacePlanes {
 pub(super) struct LocalLight {
     light: Light,
     pub(super) quantised: Quantised,
+    /// What `quantised` is rounded from.
+    pub(super) direction: [f64; 4],
     l: [f32; 3],
     w: f32,
     /// `|lx| + |ly| + |lz| + w·r`.
@@ -61,6 +63,11 @@ pub(super) struct LocalLight {
 }
 
 impl LocalLight {
+    /// The light as it is.
+    pub(super) fn light(&self) -> &Light {
+        &self.light
+    }
+
     /// `s` and `E` of one plane.
     #[inline(always)]
     pub(super) fn height(&self, [x, y, z]: [f32; 3], d: f32, e: f32) -> (f32, f32) {
@@ -172,6 +179,12 @@ impl FacePlanes {
         self.reach
     }
 
+    /// Unit normals and offsets: those of a face together, since they are picked in no order.
+    pub(super) fn together(&self) -> Vec<[f32; 4]> {
+        let [x, y, z] = &self.normal;
+        (0..self.offset.len()).map(|face| [x[face], y[face], z[face], self.offset[face]]).collect()
+    }
+
     /// Without the error of the planes: what a test must notice.
     #[cfg(all(test, feature = "gpu"))]
     pub(crate) fn forget_errors(&mut self) {
@@ -276,8 +289,9 @@ impl FacePlanes {
         };
         // (1 + 4u) covers the rounding of this sum.
         let scale = (l[0].abs() + l[1].abs() + l[2].abs() + w * self.reach) * (1.0 + 2.0 * f32::EPSILON);
-        let quantised = quantised::of_light(light, self.origin, self.reach);
-        LocalLight { light: *light, quantised, l, w, scale, evaluation: EVALUATION, underflow: UNDERFLOW }
+        let (quantised, direction) = quantised::of_light(light, self.origin, self.reach);
+        let (evaluation, underflow) = (EVALUATION, UNDERFLOW);
+        LocalLight { light: *light, quantised, direction, l, w, scale, evaluation, underflow }
     }
 
     /// The side of one face that whole numbers leave open, and whether the predicate was asked for it.

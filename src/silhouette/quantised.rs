@@ -44,8 +44,9 @@ pub(super) fn of_plane([x, y, z]: [f32; 3], offset: f32, error: f32, reach: f32)
     [of(x.into()), of(y.into()), of(z.into()), of(f64::from(offset) / f64::from(reach))]
 }
 
-/// A light as seen from the local origin of planes.
-pub(super) fn of_light(light: &Light, origin: [f32; 3], reach: f32) -> Quantised {
+/// A light as seen from the local origin of planes, and the same before it is rounded: `lᵢ` over the largest magnitude
+/// among them, with `l₃ = w·r`.
+pub(super) fn of_light(light: &Light, origin: [f32; 3], reach: f32) -> (Quantised, [f64; 4]) {
     let xyz = light.xyz().map(f64::from);
     let [x, y, z, w] = if light.is_directional() {
         [xyz[0], xyz[1], xyz[2], 0.0]
@@ -53,14 +54,15 @@ pub(super) fn of_light(light: &Light, origin: [f32; 3], reach: f32) -> Quantised
         let [x, y, z] = [0, 1, 2].map(|i| xyz[i] - f64::from(origin[i]));
         [x, y, z, f64::from(reach)]
     };
-    let scale = MOST / [x, y, z, w].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let scale = 1.0 / [x, y, z, w].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     // Without a scale all are NaN or zero, and come out as zero.
-    [x, y, z, w].map(|x| nearest(x * scale))
+    let direction = [x, y, z, w].map(|x| x * scale);
+    (direction.map(|x| nearest(x * MOST)), direction)
 }
 
-/// The nearest whole number; never −32768.
+/// The nearest whole number; never −32768, and 0 of no number.
 #[inline(always)]
-fn nearest(x: f64) -> i16 {
+pub(super) fn nearest(x: f64) -> i16 {
     ((x + 0.5_f64.copysign(x)) as i16).max(-i16::MAX)
 }
 
@@ -188,9 +190,9 @@ mod tests {
         ];
         assert_eq!(unknown, [[0; 4]; 3]);
         let origin = Light::point([0.0; 3]).unwrap();
-        assert_eq!(of_light(&origin, [0.0; 3], 0.0), [0; 4]);
-        assert_eq!(of_light(&origin, [0.0; 3], f32::INFINITY), [0; 4]);
+        assert_eq!(of_light(&origin, [0.0; 3], 0.0).0, [0; 4]);
+        assert_eq!(of_light(&origin, [0.0; 3], f32::INFINITY).0, [0; 4]);
         let far = Light::point([f32::MAX, f32::MIN, 0.0]).unwrap();
-        assert_eq!(of_light(&far, [f32::MIN, f32::MAX, 0.0], 1.0), [32767, -32767, 0, 0]);
+        assert_eq!(of_light(&far, [f32::MIN, f32::MAX, 0.0], 1.0).0, [32767, -32767, 0, 0]);
     }
 }

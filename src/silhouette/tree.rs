@@ -6,24 +6,28 @@
 //! Hao Zhang, *Silhouette Extraction in Hough Space*, 2006, for a tree in it). A tree of boxes over such segments needs
 //! no halo, since every edge brings both its planes, and no geometry but theirs.
 //!
-//! All of it is done in the whole numbers of `quantised.rs`. Departures from the papers: edges lie in
-//! leaves of 32 whose two planes stand side by side, so that a leaf is evaluated by vector instructions without a single
-//! gather; nodes have eight children; and what the numbers leave open is decided exactly.
+//! Departures from the papers: boxes are of the whole numbers of `quantised.rs`; edges lie in leaves of 32 whose two planes
+//! stand side by side, in numbers about a middle of their own, so that a leaf is evaluated by vector instructions without
+//! a single gather; nodes have eight children; and what the numbers leave open is decided exactly.
 
 pub(super) mod build;
+mod leaf;
+mod node;
 
-use super::edge_set::{Bits, EdgeSet};
+use multiversion::multiversion;
+
+use super::edge_set::{Bits, SignedEdges};
 use super::plane::LocalLight;
-use super::quantised::{self, BACK, FRONT, Quantised};
-use super::{Casters, FacePlanes, Silhouette, SilhouetteEdge};
+use super::quantised::{self, BACK, FRONT};
+use super::{Casters, FacePlanes, Silhouette, SilhouetteEdge, facing_of};
 use crate::geom::Light;
 use crate::mesh::{EdgeId, FaceId, Mesh};
 use crate::topology::Topology;
+pub(super) use leaf::LEAF;
+use leaf::{Codes, Leaf};
+use node::{Heights, undecided_child};
+pub(super) use node::{Node, WIDE};
 
-/// Edges in a leaf.
-pub(super) const LEAF: usize = 32;
-/// Children of a node.
-pub(super) const WIDE: usize = 8;
 /// One edge in so many may be left open, or lie outside the tree, before a scan of everything is cheaper.
 const OPEN_SHARE: usize = 64;
 /// One leaf in so many may have to be looked at,
@@ -32,13 +36,15 @@ const CROWDED_LEAVES: usize = 4;
 const CROWDED_EDGES: usize = 40;
 /// Leaves that are looked at before what was found in them is collected.
 const BATCH: usize = 64;
+/// Faces that the exact predicate has decided and that are remembered for their next edge.
+const KNOWN: usize = 256;
 /// After searches that were given up, so many lights at most are scanned for before the tree is tried again: trying costs
 /// up to a fifth of a scan.
 const PATIENCE: u32 = 8;
 
 /// A tree over the edges of a mesh, for many lights while the mesh rests.
 ///
-/// Holds the [`FacePlanes`] of the mesh, and for each edge 20 bytes and a share of the nodes.
+/// Holds the [`FacePlanes`] of the mesh, and for each edge 22 bytes and a share of the nodes.
 ///
 /// ```
 /// use umbrage::{geom::Light, mesh::solid, topology::Topology};
@@ -55,21 +61,45 @@ const PATIENCE: u32 = 8;
 pub struct SilhouetteTree {
     planes: FacePlanes,
     edge_count: usize,
+    store: Store,
+    /// Edges with other faces than two in opposite directions, or with a face whose plane is not known well: looked at
+    /// one by one for every light.
+    apart: Vec<u32>,
+    limits: Limits,
+    waiting: Waiting,
+    work: Work,
+}
+
+/// The edges that lie in the tree.
+#[derive(Clone, Debug)]
+struct Store {
     leaves: Vec<Leaf>,
     /// The edges of the leaves, 32 each but for the last.
     edges: Vec<u32>,
     /// Nodes over leaves, over those nodes, and so on to one that stands over all.
     levels: Vec<Vec<Node>>,
-    /// Edges with other faces than two in opposite directions, or with a face whose plane is not known well: looked at
-    /// one by one for every light.
-    apart: Vec<u32>,
-    /// How many edges may be left open or lie apart before a scan is cheaper.
-    most_open: usize,
-    /// How many leaves may be looked at, and how many edges found in them.
-    most_leaves: usize,
-    most_found: usize,
-    waiting: Waiting,
-    work: Work,
+}
+
+/// More than this, and a scan is cheaper.
+#[derive(Clone, Copy, Debug)]
+struct Limits {
+    /// Edges that are left open or lie apart.
+    open: usize,
+    /// Leaves that are looked at.
+    leaves: usize,
+    /// Edges that are found in them.
+    found: usize,
+}
+
+impl Limits {
+    /// Of so many edges, and so many in the tree.
+    fn new(edges: usize, in_tree: usize) -> Self {
+        Self {
+            open: edges / OPEN_SHARE,
+            leaves: in_tree.div_ceil(LEAF) / CROWDED_LEAVES,
+            found: edges / CROWDED_EDGES,
+        }
+    }
 }
 
 /// How many lights are still to be scanned for before the tree is tried again, how many that were at first, and why.
@@ -79,17 +109,21 @@ struct Waiting(u32, u32, Option<TreeSearch>);
 /// What a search leaves behind, kept for its memory.
 #[derive(Clone, Debug)]
 struct Work {
-    found: EdgeSet,
-    /// Of an edge in `found`: whether its multiplicity is negative.
-    negative: Vec<u64>,
-    found_count: usize,
-    /// Edges on their way into `found`, doubled, plus 1 if negative.
-    hits: Vec<u32>,
+    found: SignedEdges,
     open: Vec<u32>,
     nodes: Vec<u32>,
     next: Vec<u32>,
+    heights: Vec<Heights>,
     facing: Vec<super::Facing>,
     signs: Vec<i8>,
+}
+
+impl Work {
+    fn new(edges: usize) -> Self {
+        let found = SignedEdges::new(edges);
+        let (heights, facing, signs) = (vec![], vec![], vec![]);
+        Self { found, open: vec![], nodes: vec![], next: vec![], heights, facing, signs }
+    }
 }
 
 /// How a search went.
@@ -109,14 +143,6 @@ pub enum TreeSearch {
     /// By a scan, since the silhouette runs through too many leaves, or did for a light shortly before.
     Crowded,
 }
-
-/// The planes of 32 edges: of the faces that run along them, and of those against.
-#[derive(Clone, Debug)]
-struct Leaf([[[i16; LEAF]; 4]; 2]);
-
-/// The lower bounds of eight children and then the upper ones, component by component.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Node(pub(super) [[i16; 2 * WIDE]; 4]);
 
 impl SilhouetteTree {
     /// Builds the tree. Takes the time of some hundred looks at all edges: worth it for many lights.
@@ -144,7 +170,8 @@ impl SilhouetteTree {
     pub(super) fn face_order(&self, topology: &Topology) -> Vec<FaceId> {
         let mut placed = vec![false; topology.face_count()];
         let mut order = Vec::with_capacity(topology.face_count());
-        let of_edges = self.edges.iter().flat_map(|&edge| topology.uses(EdgeId(edge))).map(|(face, _)| face);
+        let of_edges =
+            self.store.edges.iter().flat_map(|&edge| topology.uses(EdgeId(edge))).map(|(face, _)| face);
         for face in of_edges.chain(topology.faces()) {
             if !std::mem::replace(&mut placed[face.index()], true) {
                 order.push(face);
@@ -156,7 +183,7 @@ impl SilhouetteTree {
     /// Whether so many edges lie outside the tree that it never searches.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.apart.len() > self.most_open
+        self.apart.len() > self.limits.open
     }
 
     /// The silhouette for a light: what [`Silhouette::extract`] finds for the signs of the exact sides.
@@ -190,30 +217,52 @@ impl SilhouetteTree {
         light: &Light,
         casters: Casters,
     ) -> (Silhouette, TreeSearch) {
+        let mut silhouette = Silhouette::default();
+        let search = self.search_into(mesh, topology, light, casters, &mut silhouette);
+        (silhouette, search)
+    }
+
+    /// As [`SilhouetteTree::search`], in place of what was found before, whose memory is kept.
+    pub(super) fn search_into(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        light: &Light,
+        casters: Casters,
+        silhouette: &mut Silhouette,
+    ) -> TreeSearch {
         assert_eq!(mesh.face_count(), self.planes.offset.len(), "the tree is of another mesh");
         assert_eq!(topology.edge_count(), self.edge_count, "the tree is of another topology");
         if let Waiting(left @ 1.., _, Some(why)) = &mut self.waiting {
             *left -= 1;
             let why = *why;
-            return (self.scan(mesh, topology, light, casters).0, why);
+            self.scan(mesh, topology, light, casters, silhouette);
+            return why;
         }
         let local = self.planes.local(light);
-        let walk = if self.is_idle() { Err(TreeSearch::Scanned) } else { self.walk(&local.quantised) };
+        let walk = if self.is_idle() {
+            Err(TreeSearch::Scanned)
+        } else {
+            let limits = Limits { open: self.limits.open - self.apart.len(), ..self.limits };
+            walk(&self.store, &limits, &local, &mut self.work)
+        };
         match walk {
             Ok([nodes, leaves]) => {
                 self.waiting = Waiting::default();
                 let (singles, exact) = self.settle(mesh, topology, &local, casters);
-                (self.gather(&singles, casters), TreeSearch::Searched { nodes, leaves, exact })
+                self.gather(&singles, casters, silhouette);
+                TreeSearch::Searched { nodes, leaves, exact }
             }
             Err(mut why) => {
-                (self.work.hits, self.work.open) = (Vec::new(), Vec::new());
-                let (silhouette, ties) = self.scan(mesh, topology, light, casters);
-                if ties > self.most_open {
+                self.work.found.drain(|_, _, _| ());
+                self.work.open = Vec::new();
+                let ties = self.scan(mesh, topology, light, casters, silhouette);
+                if ties > self.limits.open {
                     why = TreeSearch::Scanned;
                 }
                 let wait = (2 * self.waiting.1).clamp(1, PATIENCE);
                 self.waiting = Waiting(wait, wait, Some(why));
-                (silhouette, why)
+                why
             }
         }
     }
@@ -225,76 +274,13 @@ impl SilhouetteTree {
         topology: &Topology,
         light: &Light,
         casters: Casters,
-    ) -> (Silhouette, usize) {
+        silhouette: &mut Silhouette,
+    ) -> usize {
         let Work { facing, signs, .. } = &mut self.work;
         let exact = self.planes.classify_into(mesh, light, facing);
         casters.signs_into(facing, signs);
-        (Silhouette::extract(topology, signs), exact)
-    }
-
-    /// Collects the edges that are surely silhouette and those left open. How many nodes and leaves it looked at; or why
-    /// it gave up, since they are too many.
-    fn walk(&mut self, light: &Quantised) -> Result<[usize; 2], TreeSearch> {
-        let Self { leaves, edges, levels, most_leaves, most_found, work, .. } = self;
-        let most_open = self.most_open.saturating_sub(self.apart.len());
-        let mut looked = 0;
-        work.nodes.clear();
-        work.nodes.extend(levels.last().map(|_| 0));
-        for level in (0..levels.len()).rev() {
-            let children = if level == 0 { leaves.len() } else { levels[level - 1].len() };
-            looked += work.nodes.len();
-            work.next.clear();
-            for &node in &work.nodes {
-                let first = node * WIDE as u32; // fewer than there are edges
-                let undecided = levels[level][node as usize].undecided(light);
-                let undecided = Bits(undecided).map(|bit| first + bit / 8);
-                work.next.extend(undecided.filter(|&child| (child as usize) < children));
-            }
-            std::mem::swap(&mut work.nodes, &mut work.next);
-        }
-        if work.nodes.len() > *most_leaves {
-            return Err(TreeSearch::Crowded);
-        }
-        let mut batch_codes = [[QUIET; LEAF]; BATCH];
-        for (batches, batch) in (1..).zip(work.nodes.chunks(BATCH)) {
-            // No branch here depends on what is found, so that the next leaves are fetched meanwhile.
-            for (&leaf, codes) in batch.iter().zip(&mut batch_codes) {
-                *codes = leaves[leaf as usize].codes(light);
-            }
-            for (&leaf, codes) in batch.iter().zip(&batch_codes) {
-                let first = leaf as usize * LEAF;
-                let edges = &edges[first..edges.len().min(first + LEAF)];
-                for (eight, codes) in codes.as_chunks::<8>().0.iter().enumerate() {
-                    let codes = u64::from_le_bytes(*codes);
-                    // A code has two bits; one of them is enough to find it, and then it stands alone in its byte.
-                    for bit in Bits((codes | codes >> 1) & 0x0101_0101_0101_0101) {
-                        // Beyond the last edge of the last leaf nothing is found.
-                        let Some(&edge) = edges.get(eight * 8 + bit as usize / 8) else { break };
-                        match (codes >> bit) as u8 & 3 {
-                            OPEN => work.open.push(edge),
-                            // Edges number less than 2^31.
-                            code => work.hits.push(edge << 1 | u32::from(code == AGAINST)),
-                        }
-                    }
-                }
-            }
-            if work.open.len() > most_open {
-                return Err(TreeSearch::Scanned);
-            }
-            // As it goes on like this.
-            let found = work.hits.len().saturating_mul(work.nodes.len()) / (batches * BATCH);
-            if batches >= 4 && found > *most_found {
-                return Err(TreeSearch::Crowded);
-            }
-        }
-        for hit in work.hits.drain(..) {
-            let edge = hit >> 1;
-            work.found.insert(edge);
-            let (word, bit) = (&mut work.negative[edge as usize / 64], edge % 64);
-            *word = *word & !(1 << bit) | u64::from(hit & 1) << bit;
-            work.found_count += 1;
-        }
-        Ok([looked, work.nodes.len()])
+        silhouette.extract_into(topology, signs);
+        exact
     }
 
     /// The edges that are decided one by one and are silhouette, ascending; how often the exact predicate was asked.
@@ -306,19 +292,32 @@ impl SilhouetteTree {
         casters: Casters,
     ) -> (Vec<SilhouetteEdge>, usize) {
         let (mut singles, mut exact) = (Vec::new(), 0);
-        for &edge in self.work.open.iter().chain(&self.apart) {
+        let mut settle = |edge: u32, side: &mut dyn FnMut(FaceId) -> super::Facing| {
             let edge = EdgeId(edge);
-            let multiplicity = topology
-                .uses(edge)
-                .map(|(face, direction)| {
-                    let (facing, asked) = self.side(mesh, face, light);
-                    exact += usize::from(asked);
-                    direction * i32::from(casters.sign(facing))
-                })
-                .sum();
+            let sides = topology.uses(edge).map(|(face, direction)| (direction, side(face)));
+            let multiplicity = sides.map(|(direction, side)| direction * i32::from(casters.sign(side))).sum();
             if multiplicity != 0 {
                 singles.push(SilhouetteEdge { edge, multiplicity });
             }
+        };
+        let mut known = [(FaceId(u32::MAX), super::Facing::EdgeOn); KNOWN];
+        for &edge in &self.work.open {
+            // The numbers of the leaf are about as fine as those of the planes. A face with one edge here has more.
+            settle(edge, &mut |face| {
+                let known = &mut known[face.index() % KNOWN];
+                if known.0 != face {
+                    exact += 1;
+                    *known = (face, facing_of(mesh, face, light.light()));
+                }
+                known.1
+            });
+        }
+        for &edge in &self.apart {
+            settle(edge, &mut |face| {
+                let (facing, asked) = self.side(mesh, face, light);
+                exact += usize::from(asked);
+                facing
+            });
         }
         self.work.open.clear();
         singles.sort_unstable_by_key(|single| single.edge);
@@ -334,102 +333,105 @@ impl SilhouetteTree {
     }
 
     /// What was found and the single edges, in order.
-    fn gather(&mut self, singles: &[SilhouetteEdge], casters: Casters) -> Silhouette {
+    fn gather(&mut self, singles: &[SilhouetteEdge], casters: Casters, silhouette: &mut Silhouette) {
         // One face in front and one behind.
         let magnitude = if casters == Casters::All { 2 } else { 1 };
-        let Work { found, negative, found_count, .. } = &mut self.work;
-        let mut edges = Vec::with_capacity(std::mem::take(found_count) + singles.len());
-        let mut singles = singles.iter().copied().peekable();
-        found.drain(|first, bits| {
-            let negative = negative[first as usize / 64];
-            for bit in Bits(bits) {
-                let edge = EdgeId(first + bit);
-                while let Some(single) = singles.next_if(|single| single.edge < edge) {
-                    edges.push(single);
-                }
+        let edges = &mut silhouette.edges;
+        edges.clear();
+        edges.reserve(self.work.found.len() + singles.len());
+        self.work.found.drain(|first, present, negative| {
+            for bit in Bits(present) {
                 let multiplicity = magnitude - 2 * magnitude * (negative >> bit & 1) as i32;
-                edges.push(SilhouetteEdge { edge, multiplicity });
+                edges.push(SilhouetteEdge { edge: EdgeId(first + bit), multiplicity });
             }
         });
-        edges.extend(singles);
-        Silhouette { edges }
+        merge(edges, singles);
     }
 }
 
-/// Both faces on one side.
-const QUIET: u8 = 0;
-/// The face along the edge is in front, the other behind.
-const ALONG: u8 = 1;
-/// The face against the edge is in front, the other behind.
-const AGAINST: u8 = 2;
-/// A face whose side the numbers leave open.
-const OPEN: u8 = 3;
-
-impl Leaf {
-    const EMPTY: Self = Self([[[0; LEAF]; 4]; 2]);
-
-    /// What is known of each edge, in the lowest two bits of a byte.
-    #[inline]
-    fn codes(&self, light: &Quantised) -> [u8; LEAF] {
-        let mut heights = [[0; LEAF]; 2];
-        for (planes, heights) in self.0.iter().zip(&mut heights) {
-            quantised::heights(planes.each_ref().map(|row| &row[..]), light, heights);
+/// Puts edges into a list without them, both ascending.
+fn merge(edges: &mut Vec<SilhouetteEdge>, singles: &[SilhouetteEdge]) {
+    let mut from = edges.len();
+    edges.extend(singles);
+    let mut to = edges.len();
+    // From the end, so that nothing is overwritten that is still to be moved.
+    for single in singles.iter().rev() {
+        while from > 0 && edges[from - 1].edge > single.edge {
+            from -= 1;
+            to -= 1;
+            edges[to] = edges[from];
         }
-        let mut codes = [QUIET; LEAF];
-        compare(&heights[0], &heights[1], &mut codes);
-        codes
+        to -= 1;
+        edges[to] = *single;
     }
 }
 
-/// Codes of edges from the heights of their faces.
-#[inline(never)]
-fn compare(along: &[i16], against: &[i16], codes: &mut [u8]) {
-    for ((&a, &b), known) in along.iter().zip(against).zip(codes) {
-        let open = ((a < FRONT) & (a > BACK)) | ((b < FRONT) & (b > BACK));
-        let differ = (a < FRONT) != (b < FRONT);
-        let side = if a > b { ALONG } else { AGAINST };
-        *known = if open {
-            OPEN
-        } else if differ {
-            side
-        } else {
-            QUIET
-        };
-    }
-}
-
-impl Node {
-    /// One bit at the foot of a byte for each child that may hold a silhouette edge, or an open one.
-    ///
-    /// The height of a plane never falls when a number of it grows whose counterpart of the light is not negative, and
-    /// never rises otherwise. So one corner of the box is the lowest that any plane within reaches, in the very numbers
-    /// that decide a plane, and another corner the highest: nothing but the bound of [`Quantised`] is needed.
-    fn undecided(&self, light: &Quantised) -> u64 {
-        self.decided(light)[0]
-    }
-
-    /// The same, and one bit for each child whose planes all have the light in front.
-    #[inline(never)]
-    pub(super) fn decided(&self, light: &Quantised) -> [u64; 2] {
-        let mut corners = self.0;
-        for (row, &number) in corners.iter_mut().zip(light) {
-            if number < 0 {
-                let (low, high) = row.split_at_mut(WIDE);
-                low.swap_with_slice(high);
+/// Collects the edges that are surely silhouette and those left open. How many nodes and leaves it looked at; or why
+/// it gave up, since they are too many.
+#[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt+popcnt"))]
+fn walk(
+    Store { leaves, edges, levels }: &Store,
+    limits: &Limits,
+    light: &LocalLight,
+    work: &mut Work,
+) -> Result<[usize; 2], TreeSearch> {
+    let Work { found, open, nodes, next, heights, .. } = work;
+    let mut looked = 0;
+    nodes.clear();
+    nodes.extend(levels.last().map(|_| 0));
+    for level in (0..levels.len()).rev() {
+        let children = if level == 0 { leaves.len() } else { levels[level - 1].len() };
+        looked += nodes.len();
+        // By themselves, since they become vector instructions where they are written to memory.
+        heights.resize(nodes.len(), Heights::default());
+        for (&node, heights) in nodes.iter().zip(&mut *heights) {
+            levels[level][node as usize].heights(&light.quantised, heights);
+        }
+        next.resize(nodes.len() * WIDE, 0);
+        let mut count = 0;
+        for (&node, heights) in nodes.iter().zip(&*heights) {
+            let first = node * WIDE as u32; // fewer than there are edges
+            for place in 0..WIDE {
+                let child = first + place as u32;
+                next[count] = child;
+                count += usize::from((child as usize) < children) & undecided_child(heights, place);
             }
         }
-        let mut heights = [0; 2 * WIDE];
-        quantised::heights(corners.each_ref().map(|row| &row[..]), light, &mut heights);
-        let (least, most) = heights.split_at(WIDE);
-        let (mut undecided, mut in_front) = ([0_u8; WIDE], [0_u8; WIDE]);
-        for (((undecided, in_front), &least), &most) in
-            undecided.iter_mut().zip(&mut in_front).zip(least).zip(most)
-        {
-            *undecided = u8::from((least < FRONT) & (most > BACK));
-            *in_front = u8::from(least >= FRONT);
-        }
-        [undecided, in_front].map(u64::from_le_bytes)
+        next.truncate(count);
+        std::mem::swap(nodes, next);
     }
+    if nodes.len() > limits.leaves {
+        return Err(TreeSearch::Crowded);
+    }
+    let mut batch_codes = [Codes::default(); BATCH];
+    for (batches, batch) in (1..).zip(nodes.chunks(BATCH)) {
+        // No branch here depends on what is found, so that the next leaves are fetched meanwhile.
+        for (&leaf, codes) in batch.iter().zip(&mut batch_codes) {
+            *codes = leaves[leaf as usize].codes(light);
+        }
+        for (&leaf, codes) in batch.iter().zip(&batch_codes) {
+            let first = leaf as usize * LEAF;
+            let edges = &edges[first..edges.len().min(first + LEAF)];
+            for bit in Bits(codes.changes()) {
+                // Beyond the last edge of the last leaf nothing is found.
+                let Some(&edge) = edges.get(bit as usize / 2) else { break };
+                found.insert(edge, codes.against(bit));
+            }
+            if codes.open() != 0 {
+                let places = Bits(codes.open()).map(|bit| bit as usize / 2);
+                open.extend(places.map_while(|place| edges.get(place)));
+            }
+        }
+        if open.len() > limits.open {
+            return Err(TreeSearch::Scanned);
+        }
+        // As it goes on like this.
+        let in_all = found.len().saturating_mul(nodes.len()) / (batches * BATCH);
+        if batches >= 4 && in_all > limits.found {
+            return Err(TreeSearch::Crowded);
+        }
+    }
+    Ok([looked, nodes.len()])
 }
 
 #[cfg(test)]
@@ -440,11 +442,13 @@ mod tests {
     use super::*;
     use crate::mesh::solid;
 
+    const NONE: Limits = Limits { open: usize::MAX, leaves: usize::MAX, found: usize::MAX };
+
     /// A tree that searches whatever is left open.
     fn built(mesh: &Mesh) -> (Topology, SilhouetteTree) {
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let mut tree = SilhouetteTree::new(mesh, &topology);
-        (tree.most_open, tree.most_leaves, tree.most_found) = (usize::MAX, usize::MAX, usize::MAX);
+        tree.limits = NONE;
         (topology, tree)
     }
 
@@ -476,12 +480,12 @@ mod tests {
             assert!(agrees(&mesh, &topology, &mut tree, light), "{light}");
         }
         // Also after a search that was given up.
-        tree.most_open = 0;
+        tree.limits.open = 0;
         let on_vertex = Light::point(mesh.positions()[7]).unwrap();
         let (given_up, search) = tree.search(&mesh, &topology, &on_vertex, Casters::All);
         assert_eq!(search, TreeSearch::Scanned);
         assert!(given_up == scan(&mesh, &topology, &on_vertex, Casters::All));
-        (tree.most_open, tree.waiting) = (usize::MAX, Waiting::default());
+        (tree.limits, tree.waiting) = (NONE, Waiting::default());
         assert!(trial::lights(&mesh).iter().all(|light| agrees(&mesh, &topology, &mut tree, light)));
     }
 
@@ -494,20 +498,20 @@ mod tests {
         else {
             panic!("nothing is left open")
         };
-        assert!(leaves * 5 < tree.leaves.len(), "{leaves} of {}", tree.leaves.len());
+        assert!(leaves * 5 < tree.store.leaves.len(), "{leaves} of {}", tree.store.leaves.len());
     }
 
     #[test]
     fn silhouette_tree_that_was_given_up_is_tried_again_and_is_right_all_the_while() {
         let mesh = solid::torus(40, 30, 2.0, 0.75);
         let (topology, mut tree) = built(&mesh);
-        tree.most_leaves = 0;
+        tree.limits.leaves = 0;
         let light = Light::point([3.0, 4.0, 5.0]).unwrap();
         let expected = scan(&mesh, &topology, &light, Casters::All);
         let mut went = Vec::new();
         for i in 0..20 {
             if i == 5 {
-                tree.most_leaves = usize::MAX;
+                tree.limits = NONE;
             }
             let (silhouette, search) = tree.search(&mesh, &topology, &light, Casters::All);
             assert_eq!(silhouette, expected);
@@ -530,8 +534,8 @@ mod tests {
     #[test]
     fn silhouette_tree_whose_edges_lack_their_second_plane_is_caught() {
         assert!(caught(&solid::icosphere(3), |tree| {
-            for Leaf([along, against]) in &mut tree.leaves {
-                *against = *along;
+            for row in tree.store.leaves.iter_mut().flat_map(|leaf| &mut leaf.numbers) {
+                row.copy_within(..LEAF, LEAF);
             }
         }));
     }
@@ -541,7 +545,7 @@ mod tests {
         // For lights one unit in the last place off a plane: 16 of an offset make up to 8 of a height, more than the
         // bound forgives.
         assert!(caught(&solid::icosphere(3), |tree| {
-            for offsets in tree.leaves.iter_mut().flat_map(|leaf| &mut leaf.0).map(|planes| &mut planes[3]) {
+            for offsets in tree.store.leaves.iter_mut().map(|leaf| &mut leaf.numbers[3]) {
                 offsets.iter_mut().for_each(|offset| *offset += 16);
             }
         }));
@@ -550,9 +554,8 @@ mod tests {
     #[test]
     fn silhouette_tree_with_boxes_that_are_too_small_is_caught() {
         assert!(caught(&solid::icosphere(3), |tree| {
-            for row in tree.levels.iter_mut().flatten().flat_map(|node| &mut node.0) {
-                let (low, high) = row.split_at_mut(WIDE);
-                low.copy_from_slice(high);
+            for [low, high] in tree.store.levels.iter_mut().flatten().flat_map(|node| &mut node.0) {
+                *low = *high;
             }
         }));
     }

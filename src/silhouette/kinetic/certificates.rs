@@ -24,6 +24,7 @@ pub(super) struct Certificates {
 
 /// Normals, offsets and errors of a run of faces. They lie together, since a step reads few runs.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 struct Planes([[f32; RUN]; 5]);
 
 impl Certificates {

@@ -1,20 +1,18 @@
 //! Builds the tree: edges whose planes are near each other side by side, then leaves, then boxes over boxes.
 
-use super::{
-    CROWDED_EDGES, CROWDED_LEAVES, LEAF, Leaf, Node, OPEN_SHARE, SilhouetteTree, WIDE, Waiting, Work,
-};
+use super::leaf::{Leaf, column};
+use super::{LEAF, Limits, Node, SilhouetteTree, Store, WIDE, Waiting, Work};
 use crate::mesh::Mesh;
 use crate::parallel;
 use crate::silhouette::FacePlanes;
-use crate::silhouette::edge_set::EdgeSet;
 use crate::silhouette::quantised::Quantised;
 use crate::topology::{Entry, Topology};
 
 /// Edges that are arranged by one thread: some milliseconds.
 const GRAIN: usize = 1 << 14;
 
-/// A place among planes, and whose it is.
-type Slot = (Quantised, u32);
+/// A place, and whose it is.
+type Slot<const N: usize> = ([i16; N], u32);
 
 /// A box of planes.
 #[derive(Clone, Copy, Debug)]
@@ -31,54 +29,49 @@ pub(super) fn build(mesh: &Mesh, topology: &Topology) -> SilhouetteTree {
     let edge_count = topology.edge_count();
     let (mut slots, mut apart) = (Vec::with_capacity(edge_count), Vec::new());
     for edge in 0..edge_count as u32 {
-        match ends(topology, &numbers, edge) {
+        let ends = pair(topology, edge).map(|faces| faces.map(|face| numbers[face]));
+        match ends.filter(|ends| ends.iter().all(|plane| *plane != [0; 4])) {
             Some([a, b]) => {
-                let middle = [0, 1, 2, 3].map(|i| ((i32::from(a[i]) + i32::from(b[i])) / 2) as i16);
-                slots.push((middle, edge));
+                // The middle of the two and half of what is between them: long ones do not widen the boxes of short ones.
+                let mut place = [0; 8];
+                for i in 0..4 {
+                    let (a, b) = (i32::from(a[i]), i32::from(b[i]));
+                    (place[i], place[4 + i]) = (((a + b) / 2) as i16, ((a - b).abs() / 2) as i16);
+                }
+                slots.push((place, edge));
             }
             None => apart.push(edge),
         }
     }
     let edges = arrange(slots);
-    let mut leaves = vec![(Leaf::EMPTY, Bound::NOTHING); edges.len().div_ceil(LEAF)];
+    let (fine, reach) = (planes.together(), f64::from(planes.reach()));
+    let mut leaves = vec![None; edges.len().div_ceil(LEAF)];
     const LEAVES: usize = GRAIN / LEAF;
     parallel::rows(&mut leaves, LEAVES, |row, leaves| {
-        for ((leaf, bound), edges) in leaves.iter_mut().zip(edges[row * LEAVES * LEAF..].chunks(LEAF)) {
-            for (place, &edge) in edges.iter().enumerate() {
-                let ends = ends(topology, &numbers, edge).expect("it had them before");
-                for (side, plane) in leaf.0.iter_mut().zip(ends) {
-                    for (row, number) in side.iter_mut().zip(plane) {
-                        row[place] = number;
-                    }
-                    *bound = bound.around(&Bound { low: plane, high: plane });
+        for (leaf, edges) in leaves.iter_mut().zip(edges[row * LEAVES * LEAF..].chunks(LEAF)) {
+            let (mut bound, mut pairs) = (Bound::NOTHING, [[[0.0; 4]; LEAF]; 2]);
+            for place in 0..LEAF {
+                // The first edge fills what is left of the last leaf.
+                let edge = edges.get(place).unwrap_or(&edges[0]);
+                let faces = pair(topology, *edge).expect("it was one before");
+                for (side, face) in pairs.iter_mut().zip(faces) {
+                    let [x, y, z, offset] = fine[face].map(f64::from);
+                    side[column(place)] = [x, y, z, offset / reach];
+                    bound = bound.around(&Bound { low: numbers[face], high: numbers[face] });
                 }
             }
+            *leaf = Some((Leaf::new(&pairs), bound));
         }
     });
-    let (leaves, bounds) = leaves.into_iter().unzip();
-    let work = Work {
-        found: EdgeSet::new(edge_count),
-        negative: vec![0; edge_count.div_ceil(64)],
-        found_count: 0,
-        hits: Vec::new(),
-        open: Vec::new(),
-        nodes: Vec::new(),
-        next: Vec::new(),
-        facing: Vec::new(),
-        signs: Vec::new(),
-    };
+    let (leaves, bounds) = leaves.into_iter().map(|leaf| leaf.expect("all are made")).unzip();
     SilhouetteTree {
         planes,
         edge_count,
-        most_open: edge_count / OPEN_SHARE,
-        most_leaves: edges.len().div_ceil(LEAF) / CROWDED_LEAVES,
-        most_found: edge_count / CROWDED_EDGES,
+        limits: Limits::new(edge_count, edges.len()),
         waiting: Waiting::default(),
-        leaves,
-        edges,
-        levels: levels(bounds),
+        store: Store { leaves, edges, levels: levels(bounds) },
         apart,
-        work,
+        work: Work::new(edge_count),
     }
 }
 
@@ -102,7 +95,7 @@ fn over(children: &[Bound]) -> Node {
     let mut node = Node::default();
     for (place, bound) in children.iter().enumerate() {
         for i in 0..4 {
-            (node.0[i][place], node.0[i][WIDE + place]) = (bound.low[i], bound.high[i]);
+            (node.0[i][0][place], node.0[i][1][place]) = (bound.low[i], bound.high[i]);
         }
     }
     node
@@ -126,8 +119,8 @@ impl Bound {
     }
 }
 
-/// The planes of the face along an edge and of the face against it, if there are just these and both are known well.
-fn ends(topology: &Topology, planes: &[Quantised], edge: u32) -> Option<[Quantised; 2]> {
+/// The face along an edge and the face against it, if there are just these.
+fn pair(topology: &Topology, edge: u32) -> Option<[usize; 2]> {
     let (offsets, entries) = topology.table();
     let entries = &entries[offsets[edge as usize] as usize..offsets[edge as usize + 1] as usize];
     let &[a, b]: &[Entry; 2] = entries.try_into().ok()?;
@@ -135,20 +128,19 @@ fn ends(topology: &Topology, planes: &[Quantised], edge: u32) -> Option<[Quantis
         return None;
     }
     let (along, against) = if a.against() == 0 { (a, b) } else { (b, a) };
-    let ends = [along, against].map(|entry| planes[entry.face()]);
-    ends.iter().all(|plane| *plane != [0; 4]).then_some(ends)
+    Some([along.face(), against.face()])
 }
 
 /// Orders what has a place so that neighbours in a leaf, in eight leaves, in 64 and so on are near each other: halves at
 /// the middle of the widest component, at a whole number of the largest node that fits more than once.
 ///
 /// Halves are arranged each by itself, on threads if they are large; which they are does not depend on that.
-pub(in crate::silhouette) fn arrange(mut slots: Vec<Slot>) -> Vec<u32> {
+pub(in crate::silhouette) fn arrange<const N: usize>(mut slots: Vec<Slot<N>>) -> Vec<u32> {
     arrange_part(&mut slots);
     slots.into_iter().map(|slot| slot.1).collect()
 }
 
-fn arrange_part(slots: &mut [Slot]) {
+fn arrange_part<const N: usize>(slots: &mut [Slot<N>]) {
     if slots.len() <= GRAIN {
         let mut parts = vec![slots];
         while let Some(part) = parts.pop() {
@@ -159,7 +151,7 @@ fn arrange_part(slots: &mut [Slot]) {
     }
 }
 
-fn halve(part: &mut [Slot]) -> Option<[&mut [Slot]; 2]> {
+fn halve<const N: usize>(part: &mut [Slot<N>]) -> Option<[&mut [Slot<N>]; 2]> {
     if part.len() <= LEAF {
         return None;
     }
@@ -167,9 +159,13 @@ fn halve(part: &mut [Slot]) -> Option<[&mut [Slot]; 2]> {
     while unit * WIDE < part.len() {
         unit *= WIDE;
     }
-    let bound = Bound::of(part.iter().map(|slot| slot.0));
-    let width = |i: usize| i32::from(bound.high[i]) - i32::from(bound.low[i]);
-    let widest = [0, 1, 2, 3].into_iter().max_by_key(|&i| width(i)).expect("four");
+    let (mut low, mut high) = ([i16::MAX; N], [i16::MIN; N]);
+    for (place, _) in &*part {
+        for i in 0..N {
+            (low[i], high[i]) = (low[i].min(place[i]), high[i].max(place[i]));
+        }
+    }
+    let widest = (0..N).max_by_key(|&i| i32::from(high[i]) - i32::from(low[i])).expect("some");
     let half = (part.len() / 2).div_ceil(unit) * unit;
     part.select_nth_unstable_by_key(half, |slot| (slot.0[widest], slot.1));
     let (left, right) = part.split_at_mut(half);

@@ -107,30 +107,13 @@ impl Memory {
         provide(&mut self.entries, sum as usize + SLACK);
         provide(&mut self.offsets, sum as usize + 1 + SLACK);
         let Self { entries, offsets, ends, lows, block } = self;
-        let larger = &mut offsets[1..];
         if bits == 0 {
-            scatter(
-                triangles,
-                |smaller| smaller as usize,
-                ends,
-                |at, _, half_edge, vertex| {
-                    (entries[at], larger[at]) = (half_edge, vertex);
-                },
-            );
+            scatter::<false>(triangles, 0, ends, entries, &mut offsets[1..], &mut []);
             receiver.receive(0, ends, entries, offsets);
             return collapsed;
         }
-        provide(lows, sum as usize);
-        let low = (1_u32 << bits) - 1;
-        scatter(
-            triangles,
-            |smaller| (smaller >> bits) as usize,
-            ends,
-            |at, smaller, half_edge, vertex| {
-                (entries[at], larger[at]) = (half_edge, vertex);
-                lows[at] = (smaller & low) as u16;
-            },
-        );
+        provide(lows, entries.len());
+        scatter::<true>(triangles, bits, ends, entries, &mut offsets[1..], lows);
         let mut start = 0;
         for (number, &end) in ends.iter().enumerate() {
             let vertices = (vertex_count - (number << bits)).min(1 << bits);
@@ -151,8 +134,8 @@ impl Memory {
 
 impl Block {
     /// The other digit of the sort: by vertex, within a block that starts at place `start`.
-    #[inline(never)]
     fn sort(&mut self, start: u32, vertices: usize, lows: &[u16], entries: &mut [u32], larger: &mut [u32]) {
+        let larger = &mut larger[..entries.len()];
         self.entries.clear();
         self.entries.extend_from_slice(entries);
         self.larger.clear();
@@ -177,7 +160,6 @@ impl Block {
 }
 
 /// Counts the half-edges of each block of 2^`bits` vertices; gives the number of collapsed faces.
-#[inline(never)]
 fn count(vertex_count: usize, triangles: &[[u32; 3]], bits: u32, counts: &mut [u32]) -> usize {
     let mut collapsed = 0;
     for triangle in triangles {
@@ -197,37 +179,48 @@ fn count(vertex_count: usize, triangles: &[[u32; 3]], bits: u32, counts: &mut [u
     collapsed
 }
 
-/// Writes each half-edge to the next place of its smaller vertex's list: `write(place, smaller, entry, larger)`.
-#[inline(always)]
-fn scatter(
+/// Writes each half-edge to the next place in the list of its smaller vertex, or of the block of that.
+fn scatter<const BY_BLOCK: bool>(
     triangles: &[[u32; 3]],
-    list_of: impl Fn(u32) -> usize,
+    bits: u32,
     places: &mut [u32],
-    mut write: impl FnMut(usize, u32, u32, u32),
+    entries: &mut [u32],
+    larger: &mut [u32],
+    lows: &mut [u16],
 ) {
+    // Of one length, so that one look tells that a place is there.
+    let larger = &mut larger[..entries.len()];
+    let lows = if BY_BLOCK { &mut lows[..entries.len()] } else { &mut [] };
+    let low = |vertex: u32| (vertex & ((1 << bits) - 1)) as u16;
+    let list_of = |vertex: u32| (if BY_BLOCK { vertex >> bits } else { vertex }) as usize;
     for (first, &[a, b, c]) in (0..).step_by(6).zip(triangles) {
         if has_collapsed([a, b, c]) {
             continue;
         }
-        // Turned so that the smallest comes first, without a branch; and the entries of the half-edges from each.
-        let (mut p, mut q, mut r) = (a, b, c);
-        let (mut from_p, mut from_q, mut from_r) = (first, first + 2, first + 4);
-        if b < p {
-            (p, q, r) = (b, c, a);
-            (from_p, from_q, from_r) = (first + 2, first + 4, first);
-        }
-        if c < p {
-            (p, q, r) = (c, a, b);
-            (from_p, from_q, from_r) = (first + 4, first, first + 2);
-        }
-        let place = &mut places[list_of(p)];
+        // In arithmetic alone: what the processor would have to guess here it would guess wrong.
+        let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+        let middle = a ^ b ^ c ^ least ^ most;
+        // The half-edges from the least corner, the next one, the one before; and whether that next one has the most.
+        let (second, third) = (u32::from(b == least), u32::from(c == least));
+        let from_least = first + 2 * (second + 2 * third);
+        let from_next = first + 2 * (1 + second - third);
+        let from_last = first + 2 * (2 - 2 * second - third);
+        let falls = u32::from(a < b) ^ u32::from(b < c) ^ u32::from(c < a);
+        let swap = (middle ^ most) & 0_u32.wrapping_sub(falls);
+        let place = &mut places[list_of(least)];
         let at = *place as usize;
         *place += 2;
-        write(at, p, from_p, q);
-        write(at + 1, p, from_r | 1, r);
-        let place = &mut places[list_of(q.min(r))];
+        *entries[at..].first_chunk_mut().expect("a place for each") = [from_least, from_last | 1];
+        *larger[at..].first_chunk_mut().expect("a place for each") = [middle ^ swap, most ^ swap];
+        if BY_BLOCK {
+            *lows[at..].first_chunk_mut().expect("a place for each") = [low(least); 2];
+        }
+        let place = &mut places[list_of(middle)];
         let at = *place as usize;
         *place += 1;
-        write(at, q.min(r), from_q | u32::from(q > r), q.max(r));
+        (entries[at], larger[at]) = (from_next | falls, most);
+        if BY_BLOCK {
+            lows[at] = low(middle);
+        }
     }
 }

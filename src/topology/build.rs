@@ -219,10 +219,7 @@ impl Table {
 fn sort_pairs<const N: usize>(lists: &[[i64; N]; LANES], sorted: &mut [[u32; N]; LANES]) -> bool {
     let mut wrong = 0;
     for lane in 0..LANES {
-        let mut keys = [0; N];
-        for i in 0..N {
-            keys[i] = lists[lane][i];
-        }
+        let mut keys = lists[lane];
         network::sort(&mut keys);
         for i in (0..N).step_by(2) {
             let differ = keys[i] ^ keys[i + 1];

@@ -169,7 +169,8 @@ impl Topology {
     /// asked for makes: see [`Topology::build_surveyed`].
     ///
     /// Memory: so 26 bytes a triangle of a closed mesh at the peak, 32 where the order of the faces is random, and at
-    /// most 120 for any mesh whose vertices are at most three a face.
+    /// most 120 for any mesh whose vertices are at most three a face; 6 more for a moment with an allocator that cannot
+    /// cut a list to size where it stands.
     ///
     /// # Panics
     ///

@@ -12,6 +12,13 @@ pub(crate) struct Sample {
     answer: String,
 }
 
+impl Sample {
+    /// For work that gives back what it was given, once its answer is read.
+    pub(crate) fn new(elapsed: Duration, answer: String) -> Self {
+        Self { elapsed, answer }
+    }
+}
+
 /// Times `work` alone: what it needs is made before, and `answer` is read off its result afterwards.
 pub(crate) fn timed<T>(work: impl FnOnce() -> T, answer: impl FnOnce(&T) -> String) -> Sample {
     let start = Instant::now();

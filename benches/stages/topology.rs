@@ -1,11 +1,12 @@
 //! The edge table, what is counted with it, and the crack report.
 
 use std::collections::HashMap;
+use std::time::Instant;
 
 use umbrage::mesh::Mesh;
-use umbrage::topology::{CrackReport, Topology};
+use umbrage::topology::{CrackReport, Topology, TopologyBuilder};
 
-use crate::measure::{Bench, Contender, Group, Target, timed};
+use crate::measure::{Bench, Contender, Group, Sample, Target, timed};
 
 pub(crate) fn run(bench: &mut Bench<'_>) {
     if !bench.wants("edge table") {
@@ -25,6 +26,7 @@ fn edge_table(bench: &mut Bench<'_>, mesh: &Mesh, euler: i64, targets: [f64; 2])
     let counted = format!("{table} shells=1 loops=0 non_manifold_vertices=0");
     let build = |triangles| Topology::build(mesh.vertex_count(), triangles);
     let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.triangles().to_vec());
+    let mut builder = TopologyBuilder::new();
     let of_map = |edges: &mut dyn Iterator<Item = u32>| {
         let (all, boundary) = edges.fold((0, 0), |(all, once), n| (all + 1, once + usize::from(n == 1)));
         format!("edges={all} boundary={boundary}")
@@ -64,6 +66,17 @@ fn edge_table(bench: &mut Bench<'_>, mesh: &Mesh, euler: i64, targets: [f64; 2])
         // Reads the corners, 12; writes 1.5 offsets and 3 entries of 4.
         .moves(12.0 + 6.0 + 12.0)
         .aims_at(Target::Time(targets[0])),
+        Contender::new("TopologyBuilder::build, memory used again", || {
+            let triangles = mesh.triangles().to_vec();
+            let start = Instant::now();
+            let t = builder.build(mesh.vertex_count(), triangles);
+            let elapsed = start.elapsed();
+            let answer = format!("edges={} boundary={}", t.edge_count(), t.edge_counts().boundary);
+            builder.recycle(t);
+            Sample::new(elapsed, answer)
+        })
+        .expects(&*table)
+        .moves(30.0),
         Contender::new("build_surveyed + counts", || {
             let triangles = mesh.triangles().to_vec();
             let work = || {

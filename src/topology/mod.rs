@@ -9,12 +9,14 @@
 //! Environments*, 1985; Swen Campagna, Leif Kobbelt, Hans-Peter Seidel, *Directed Edges*, 1998 (implicit
 //! half-edges in a triangle list).
 
+mod bucket;
 mod build;
 mod crack;
 mod fan;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod intersect;
+mod network;
 mod part;
 mod screen;
 mod shell;
@@ -22,6 +24,7 @@ mod sort;
 mod star;
 mod validate;
 
+pub use build::TopologyBuilder;
 pub use crack::{Counts, CrackReport, Defect, DefectKind, NearMiss, SelfIntersections, ShellReport};
 #[cfg(feature = "gpu")]
 pub use gpu::{GpuTopology, GpuTopologyBuilder};
@@ -31,6 +34,8 @@ pub use screen::Screen;
 pub use shell::{Components, Shells};
 
 use std::sync::OnceLock;
+
+use bytemuck::{Pod, Zeroable};
 
 use crate::mesh::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use fan::Fans;
@@ -45,8 +50,8 @@ pub struct Topology {
     triangles: Vec<[u32; 3]>,
     /// Where each edge's entries start; one more than there are edges.
     offsets: Vec<u32>,
-    /// Half-edges by edge, ascending within an edge.
-    entries: Vec<Entry>,
+    /// Half-edges by edge, ascending within an edge, as [`Entry`]s.
+    entries: Vec<u32>,
     collapsed_faces: usize,
     counts: EdgeCounts,
     /// Made when it is first asked for.
@@ -73,7 +78,8 @@ impl PartialEq for Topology {
 impl Eq for Topology {}
 
 /// A half-edge in the edge table: its id, and whether it runs from the edge's larger vertex to its smaller.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
 pub(crate) struct Entry(u32);
 
 impl Entry {
@@ -149,19 +155,22 @@ impl EdgeCounts {
 impl Topology {
     /// Builds the edge table of `triangles` over `vertex_count` vertices.
     ///
-    /// A radix sort of the half-edges by their smaller vertex, then a small sort of each vertex's by the larger one.
-    /// No hashing; linear time (a vertex of k half-edges that are not pairs takes k·log k). Besides the triangles
-    /// the result holds 18 bytes a triangle of a closed mesh; building needs 14 more for a while.
+    /// A counting sort of the half-edges by their smaller vertex, then a small sort of each vertex's by the larger one.
+    /// No hashing; linear time (a vertex of k half-edges that are not pairs takes k·log k). The sorted half-edges lie where
+    /// the table will stand, so that little is needed besides: the result holds 18 bytes a triangle of a closed mesh,
+    /// building needs 8 more for a while.
     ///
-    /// What memory has to move: the triangles are read three times (36 bytes a triangle), the sorted half-edges
-    /// written and read (48), the table written (18): 102 bytes, and 84 more for the first digit of the sort
-    /// where the order of the faces is random. Of these 32 bytes lie on pages that nobody touched before.
+    /// What memory has to move: the triangles are read twice (24 bytes a triangle), the sorted half-edges written and
+    /// read (48), the table written (18): 90 bytes, and 60 more for the first digit of the sort where the order of the
+    /// faces is random. Of these 26 bytes, or 32, lie on pages that nobody touched before, unless they are used again:
+    /// see [`TopologyBuilder`].
     ///
     /// Shells, vertex fans and the crack report need the star of each vertex as well, which the first of them to be
     /// asked for makes: see [`Topology::build_surveyed`].
     ///
-    /// Memory: so 32 bytes a triangle of a closed mesh at the peak, 40 where the order of the faces is random, and at
-    /// most 120 for any mesh whose vertices are at most three a face.
+    /// Memory: so 26 bytes a triangle of a closed mesh at the peak, 32 where the order of the faces is random, and at
+    /// most 120 for any mesh whose vertices are at most three a face; 6 more for a moment with an allocator that cannot
+    /// cut a list to size where it stands.
     ///
     /// # Panics
     ///
@@ -185,7 +194,8 @@ impl Topology {
     /// and then to look.
     ///
     /// The triangles are read five times (60 bytes a triangle), the sorted corners written and read (72), the table
-    /// written (18): 150 bytes, and 96 more where the order of the faces is random. The same peak of memory.
+    /// written (18): 150 bytes, and 96 more where the order of the faces is random. Memory: 32 bytes a triangle of a
+    /// closed mesh at the peak, 40 where the order of the faces is random, and at most 120.
     ///
     /// # Panics
     ///
@@ -367,12 +377,13 @@ impl Topology {
 
     /// The edge table: where each edge's entries start, one more than there are edges; and the entries of all edges.
     pub(crate) fn table(&self) -> (&[u32], &[Entry]) {
-        (&self.offsets, &self.entries)
+        (&self.offsets, bytemuck::cast_slice(&self.entries))
     }
 
     #[inline]
     fn entries(&self, edge: EdgeId) -> &[Entry] {
-        &self.entries[self.offsets[edge.index()] as usize..self.offsets[edge.index() + 1] as usize]
+        let range = self.offsets[edge.index()] as usize..self.offsets[edge.index() + 1] as usize;
+        bytemuck::cast_slice(&self.entries[range])
     }
 }
 

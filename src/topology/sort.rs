@@ -2,9 +2,6 @@
 
 use super::has_collapsed;
 
-/// A block of 2¹¹ vertices has some 12,000 items, 150 kB: sorting it stays in the second-level cache.
-const BLOCK_BITS: u32 = 11;
-
 /// More blocks than this are more than the processor can write to at once.
 const MOST_BLOCKS: usize = 4096;
 
@@ -44,10 +41,10 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
-    /// None where the order of the faces keeps to the cache by itself.
-    pub(super) fn for_order_of(vertex_count: usize, triangles: &[[u32; 3]]) -> Self {
+    /// None where the order of the faces keeps to the cache by itself; else of 2^`bits` vertices, or more of a large mesh.
+    pub(super) fn for_order_of(vertex_count: usize, triangles: &[[u32; 3]], bits: u32) -> Self {
         let least = (vertex_count / MOST_BLOCKS).checked_ilog2().map_or(0, |log| log + 1);
-        Self { bits: if is_scattered(vertex_count, triangles) { BLOCK_BITS.max(least) } else { 0 } }
+        Self { bits: if is_scattered(vertex_count, triangles) { bits.max(least) } else { 0 } }
     }
 }
 
@@ -55,7 +52,7 @@ impl Blocks {
 pub(super) fn is_scattered(vertex_count: usize, triangles: &[[u32; 3]]) -> bool {
     const SAMPLE: usize = 1024;
     const NEAR: u32 = 64;
-    if vertex_count >> BLOCK_BITS < 8 {
+    if vertex_count < 1 << 14 {
         return false; // it fits the cache whatever the order
     }
     let near = |pair: &[[u32; 3]]| pair[0].iter().any(|&a| pair[1].iter().any(|&b| a.abs_diff(b) < NEAR));

@@ -127,7 +127,7 @@ fn pick(signs: &[i8], picks: &mut [u8; BLOCK + 8]) -> usize {
     for (group, eight) in (0..).zip(eights) {
         let word = u64::from_le_bytes(eight.map(i8::cast_unsigned));
         // The top bit of each byte that is not 0, moved down.
-        let nonzero = ((word & (0x7f * ONES)) + 0x7f * ONES | word) >> 7 & ONES;
+        let nonzero = ((((word & (0x7f * ONES)) + 0x7f * ONES) | word) >> 7) & ONES;
         // One product brings the eight bits together, the other adds them up.
         let places = PLACES[(nonzero.wrapping_mul(0x0102_0408_1020_4080) >> 56) as usize];
         let room = picks[count..].first_chunk_mut().expect("there is slack");

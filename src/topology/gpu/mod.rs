@@ -39,7 +39,7 @@ impl GpuTopology {
     /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`],
     /// [`GpuError::Lost`].
     pub fn upload(gpu: &Gpu, topology: &Topology) -> Result<Self, GpuError> {
-        let entries: Vec<u32> = topology.entries.iter().map(|&Entry(entry)| entry).collect();
+        let entries: Vec<u32> = topology.entries.clone();
         Ok(Self {
             offsets: gpu.upload("offsets of edges", &topology.offsets)?,
             entries: gpu.upload("entries of edges", &entries)?,

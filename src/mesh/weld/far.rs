@@ -14,7 +14,7 @@ use super::table::Table;
 use super::{Kept, Used};
 
 /// About so many vertices have a bucket: 12 bytes each, and for one in six of them a place and slots of a table.
-const BUCKET: usize = 1 << 15;
+const BUCKET: usize = 1 << 14;
 
 /// More buckets than 2 to the power of this are more than the processor can write to at once.
 const MOST_BITS: u32 = 12;

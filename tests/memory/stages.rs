@@ -12,7 +12,7 @@ use super::{alone, peak, shapes};
 
 /// What the documentation of each stage allows: bytes a face (of the caster; of the volume for what reads one).
 const BOUNDS: [(&str, usize); 20] = [
-    ("weld", 260),
+    ("weld", 150),
     ("weld in place", 140),
     ("weld within", 400),
     ("edge table", 120),
@@ -43,8 +43,8 @@ fn bound(stage: &str) -> usize {
 
 /// What it promises of an ordinary closed mesh, besides.
 const ORDINARY: [(&str, usize); 8] = [
-    ("weld", 33),
-    ("weld in place", 24),
+    ("weld", 24),
+    ("weld in place", 20),
     ("edge table", 41),
     ("topology", 41),
     ("shells", 8),

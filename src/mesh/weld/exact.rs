@@ -3,69 +3,136 @@
 use hashbrown::DefaultHashBuilder;
 use std::hash::BuildHasher;
 
-use super::{Merged, Used, far, near};
+use super::{Kept, Used, far, near};
 use crate::mesh::Mesh;
 
-pub(super) fn merged(mesh: &Mesh, used: &Used) -> Merged {
-    let points = Points::of(mesh);
-    if repeats_nearby(&points) { near::merged(&points, used) } else { far::merged(&points, used) }
+/// Writes each used vertex's welded id to its place in `vertex_of`. The others keep what is there.
+pub(super) fn merge(mesh: &Mesh, used: &Used, vertex_of: &mut [u32]) -> Kept {
+    if !mesh.frames.is_empty() {
+        near::merge(&Points::<true>::of(mesh), used, vertex_of)
+    } else if repeats_nearby(mesh) {
+        near::merge(&Points::<false>::of(mesh), used, vertex_of)
+    } else {
+        far::merge(&Points::of(mesh), used, vertex_of)
+    }
 }
 
 /// Whether the vertices of a place mostly come soon after each other, by a sample.
-fn repeats_nearby(points: &Points<'_>) -> bool {
+fn repeats_nearby(mesh: &Mesh) -> bool {
     const WINDOW: usize = 64;
     const SAMPLE: usize = 64;
-    let windows = points.positions.len() / WINDOW;
+    let windows = mesh.positions.len() / WINDOW;
     if windows < 4 * SAMPLE {
         return true; // all of it is near
     }
     let repeated = |window: usize| {
         let at = window * (windows / SAMPLE) * WINDOW;
-        let mut keys: Vec<[u32; 3]> = (at..at + WINDOW).map(|vertex| points.bits(vertex as u32)).collect();
+        let mut keys: Vec<_> = mesh.positions[at..at + WINDOW].iter().map(|p| p.map(f32::to_bits)).collect();
         keys.sort_unstable();
         keys.windows(2).filter(|pair| pair[0] == pair[1]).count()
     };
     4 * (0..SAMPLE).map(repeated).sum::<usize>() > SAMPLE * WINDOW
 }
 
-/// The vertices by the bits of their positions.
-pub(super) struct Points<'a> {
-    pub(super) positions: &'a [[f32; 3]],
+/// So many vertices are read at a time: what is noted of them stays in the first-level cache.
+pub(super) const BLOCK: usize = 256;
+
+/// A vertex behind the bits of its position: x below y, z below the vertex.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Record(pub(super) [u64; 2]);
+
+impl Record {
+    /// At no place: coordinates are finite.
+    pub(super) const NOWHERE: Self = Self([u64::MAX, u32::MAX as u64]);
+
+    #[inline(always)]
+    pub(super) fn new([x, y, z]: [f32; 3], vertex: u32) -> Self {
+        let pair = |low: u32, high: u32| u64::from(low) | u64::from(high) << 32;
+        Self([pair(x.to_bits(), y.to_bits()), pair(z.to_bits(), vertex)])
+    }
+
+    #[inline(always)]
+    pub(super) fn vertex(self) -> u32 {
+        (self.0[1] >> 32) as u32
+    }
+
+    #[inline(always)]
+    pub(super) fn position(self) -> [f32; 3] {
+        // (Spelt out: `map` of an array is not always inlined.)
+        let [x, y, z] = [self.0[0] as u32, (self.0[0] >> 32) as u32, self.0[1] as u32];
+        [f32::from_bits(x), f32::from_bits(y), f32::from_bits(z)]
+    }
+
+    #[inline(always)]
+    pub(super) fn is_at(self, other: Self) -> bool {
+        (self.0[0] ^ other.0[0]) | (self.0[1] ^ other.0[1]) << 32 == 0
+    }
+}
+
+/// The vertices by the bits of their positions, in several frames if `MOVING`.
+pub(super) struct Points<'a, const MOVING: bool> {
+    positions: &'a [[f32; 3]],
     frames: &'a [Vec<[f32; 3]>],
     seeds: [u64; 2],
 }
 
-impl<'a> Points<'a> {
+impl<'a, const MOVING: bool> Points<'a, MOVING> {
     pub(super) fn of(mesh: &'a Mesh) -> Self {
+        debug_assert_eq!(MOVING, !mesh.frames.is_empty());
         // Seeded by chance, so that no file can be made to collide; ids do not depend on it.
         let seeds = [0, 1].map(|i| DefaultHashBuilder::default().hash_one(i));
         Self { positions: &mesh.positions, frames: &mesh.frames, seeds }
     }
 
-    /// Those of the first frame.
+    /// The used vertices from `next` on, as many as fit; `next` is then the one behind them.
     #[inline(always)]
-    pub(super) fn bits(&self, vertex: u32) -> [u32; 3] {
-        let [x, y, z] = self.positions[vertex as usize];
-        [x.to_bits(), y.to_bits(), z.to_bits()]
+    pub(super) fn read<'b>(
+        &self,
+        used: &Used,
+        next: &mut u32,
+        block: &'b mut [Record; BLOCK],
+    ) -> &'b [Record] {
+        let mut count = 0;
+        match &used.referenced {
+            None => {
+                let rest = &self.positions[*next as usize..];
+                for (&position, record) in rest.iter().zip(&mut *block) {
+                    *record = Record::new(position, *next);
+                    *next += 1; // vertices are fewer than 2³²
+                    count += 1;
+                }
+            }
+            Some(referenced) => {
+                let rest = *next as usize..;
+                for (&position, &used) in self.positions[rest.clone()].iter().zip(&referenced[rest]) {
+                    if count == BLOCK {
+                        break;
+                    }
+                    block[count] = Record::new(position, *next);
+                    *next += 1;
+                    count += usize::from(used);
+                }
+            }
+        }
+        &block[..count]
     }
 
-    /// Of a vertex in all frames; `key` are its bits in the first.
+    /// Of a vertex in all frames.
     #[inline(always)]
-    pub(super) fn hash(&self, key: [u32; 3], vertex: u32) -> u64 {
-        let hash = self.mix(self.seeds[1], key);
-        if self.frames.is_empty() { hash } else { self.hash_frames(hash, vertex) }
+    pub(super) fn hash(&self, record: Record) -> u64 {
+        let hash = self.mix(self.seeds[1], record);
+        if MOVING { self.hash_frames(hash, record.vertex()) } else { hash }
     }
 
     fn hash_frames(&self, hash: u64, vertex: u32) -> u64 {
-        let more = |hash, frame: &Vec<[f32; 3]>| self.mix(hash, frame[vertex as usize].map(f32::to_bits));
+        let more = |hash, frame: &Vec<[f32; 3]>| self.mix(hash, Record::new(frame[vertex as usize], 0));
         self.frames.iter().fold(hash, more)
     }
 
     #[inline(always)]
-    fn mix(&self, hash: u64, [x, y, z]: [u32; 3]) -> u64 {
+    fn mix(&self, hash: u64, Record([left, right]): Record) -> u64 {
         // Both halves of a product with seeded factors, as foldhash and wyhash do.
-        let left = u64::from(x) << 32 | u64::from(y);
-        let product = u128::from(left ^ self.seeds[0]) * u128::from(u64::from(z) ^ hash);
+        let product = u128::from(left ^ self.seeds[0]) * u128::from(u64::from(right as u32) ^ hash);
         (product >> 64) as u64 ^ product as u64
     }
 
@@ -75,6 +142,6 @@ impl<'a> Points<'a> {
         let same = |frame: &Vec<[f32; 3]>| {
             frame[a as usize].map(f32::to_bits) == frame[b as usize].map(f32::to_bits)
         };
-        self.frames.is_empty() || self.frames.iter().all(same)
+        !MOVING || self.frames.iter().all(same)
     }
 }

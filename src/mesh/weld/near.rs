@@ -1,81 +1,144 @@
 //! Vertices of a place come soon after each other, as in a soup whose faces follow the surface: one table, and in
 //! front of it a small one of those met last.
 
-use super::exact::Points;
-use super::table::{NO_ID, Table};
-use super::{Merged, UNUSED, Used};
+use std::hint::select_unpredictable;
 
-/// How many places the vertices met last have: 64 kB, in the second-level cache.
-const LATEST_BITS: u32 = 12;
+use multiversion::multiversion;
 
-/// So many vertices are looked up side by side.
-const BLOCK: usize = 32;
+use super::exact::{BLOCK, Points, Record};
+use super::table::Table;
+use super::{Kept, Used};
 
-pub(super) fn merged(points: &Points<'_>, used: &Used) -> Merged {
-    let expected = used.count() / 6; // a closed soup has six corners a vertex
-    let mut table = Table::for_about(expected);
-    // Where each kept vertex comes from.
-    let mut kept: Vec<u32> = Vec::with_capacity(expected);
-    // Where all are used, memory that comes zeroed and is not touched before its time.
-    let mut vertex_of = vec![if used.referenced.is_none() { 0 } else { UNUSED }; used.len];
-    // By hash: bits and welded id.
-    let mut latest = vec![([0_u32; 3], NO_ID); 1 << LATEST_BITS];
+/// How many places the vertices met last have: 16 kB, in the first-level cache.
+const LATEST_BITS: u32 = 10;
 
-    // A look-up waits for memory twice: for the table, and for the kept vertex that it names. So a block of them
-    // is looked up ahead, all waiting at once, and then settled in order; a vertex that came into the table in
-    // between is found by looking again.
-    let (mut block, mut keys, mut hashes) = ([0_u32; BLOCK], [[0; 3]; BLOCK], [0; BLOCK]);
-    let (mut guesses, mut candidates) = ([NO_ID; BLOCK], [UNUSED; BLOCK]);
-    let mut same = [false; BLOCK];
+#[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
+pub(super) fn merge<const MOVING: bool>(
+    points: &Points<'_, MOVING>,
+    used: &Used,
+    vertex_of: &mut [u32],
+) -> Kept {
+    let mut places = Places::for_about(used.count() / 6); // a closed soup has six corners a vertex
+    let mut latest = Box::new([Record::NOWHERE; 1 << LATEST_BITS]);
+    let (mut block, mut unknown) = ([Record::NOWHERE; BLOCK], [Record::NOWHERE; BLOCK]);
+    let mut earlier = [0_u32; BLOCK];
     let mut next = 0;
-    while next < used.len {
-        let mut count = 0;
-        while count < BLOCK && next < used.len {
-            let vertex = next as u32; // vertices are fewer than 2³²
-            next += 1;
-            if !used.has(vertex) {
-                continue;
-            }
-            let key = points.bits(vertex);
-            let hash = points.hash(key, vertex);
-            let (other, id) = latest[(hash >> (64 - LATEST_BITS)) as usize];
-            if other == key && id != NO_ID && points.same_frames(kept[id as usize], vertex) {
-                vertex_of[vertex as usize] = id;
-                continue;
-            }
-            (block[count], keys[count], hashes[count]) = (vertex, key, hash);
-            count += 1;
+    loop {
+        let block = points.read(used, &mut next, &mut block);
+        if block.is_empty() {
+            places.kept.positions.shrink_to_fit();
+            return places.kept;
         }
-        for i in 0..count {
-            guesses[i] = table.first(hashes[i]);
-        }
-        for i in 0..count {
-            candidates[i] = kept.get(guesses[i] as usize).copied().unwrap_or(UNUSED);
-        }
-        let is_same = |origin: u32, key: [u32; 3], vertex: u32| {
-            points.bits(origin) == key && points.same_frames(origin, vertex)
-        };
-        for i in 0..count {
-            same[i] = candidates[i] != UNUSED && is_same(candidates[i], keys[i], block[i]);
-        }
-        for i in 0..count {
-            let (vertex, key, hash) = (block[i], keys[i], hashes[i]);
-            let id = if same[i] {
-                guesses[i]
-            } else {
-                let new = kept.len() as u32; // below the vertex count, which fits
-                let id = table.find_or_insert(hash, new, |id| is_same(kept[id as usize], key, vertex));
-                if id == new {
-                    kept.push(vertex);
-                }
-                id
-            };
-            vertex_of[vertex as usize] = id;
-            latest[(hash >> (64 - LATEST_BITS)) as usize] = (key, id);
-        }
-        if table.is_full(kept.len() + BLOCK) {
-            table.grow(kept.iter().map(|&origin| points.hash(points.bits(origin), origin)));
+        let count = sift(points, block, &mut latest, &mut earlier, &mut unknown);
+        places.settle(points, &unknown[..count], vertex_of);
+        for (own, &earlier) in block.iter().zip(&earlier) {
+            vertex_of[own.vertex() as usize] = vertex_of[earlier as usize];
         }
     }
-    Merged { vertex_of, kept }
+}
+
+/// Looks a block of vertices up among those met last: for each the one met `earlier` at its place, or itself if that
+/// is `unknown`. How many are.
+///
+/// Without a branch: which of them are found is hard to foresee, and a wrong guess costs as much as two look-ups.
+#[inline(always)]
+fn sift<const MOVING: bool>(
+    points: &Points<'_, MOVING>,
+    block: &[Record],
+    latest: &mut [Record; 1 << LATEST_BITS],
+    earlier: &mut [u32; BLOCK],
+    unknown: &mut [Record; BLOCK],
+) -> usize {
+    let mut count = 0;
+    for (&own, earlier) in block.iter().zip(earlier) {
+        let latest = &mut latest[(points.hash(own) >> (64 - LATEST_BITS)) as usize];
+        let found = latest.is_at(own) & points.same_frames(latest.vertex(), own.vertex());
+        *latest = Record([own.0[0], select_unpredictable(found, latest.0[1], own.0[1])]);
+        *earlier = latest.vertex();
+        unknown[count % BLOCK] = own; // stays if it is counted
+        count += usize::from(!found);
+    }
+    count
+}
+
+/// The kept vertices, to be found by their places.
+struct Places {
+    kept: Kept,
+    table: Table,
+}
+
+impl Places {
+    fn for_about(expected: usize) -> Self {
+        // A closed mesh has a few more than half its faces.
+        let kept = Kept { positions: Vec::with_capacity(expected + BLOCK), origins: Vec::new() };
+        Self { kept, table: Table::for_about(expected) }
+    }
+
+    /// Finds or keeps each of a block.
+    ///
+    /// A look-up waits for memory twice: for the table, and for the kept vertex that it names. So all are looked up
+    /// ahead, waiting at once, and then settled in order; one that came into the table in between is found by
+    /// looking again.
+    #[inline(always)]
+    fn settle<const MOVING: bool>(
+        &mut self,
+        points: &Points<'_, MOVING>,
+        block: &[Record],
+        vertex_of: &mut [u32],
+    ) {
+        let (mut hashes, mut guesses, mut right) = ([0; BLOCK], [0; BLOCK], [false; BLOCK]);
+        let (hashes, guesses, right) =
+            (&mut hashes[..block.len()], &mut guesses[..block.len()], &mut right[..block.len()]);
+        for i in 0..block.len() {
+            hashes[i] = points.hash(block[i]);
+            guesses[i] = self.table.first(hashes[i]);
+        }
+        if let Some(last) = self.kept.positions.len().checked_sub(1) {
+            for i in 0..block.len() {
+                // No id is beyond the last one, and then another's place is found, or the last one's own.
+                guesses[i] = guesses[i].min(last as u32);
+                right[i] = is(&self.kept, points, guesses[i], block[i]);
+            }
+        }
+        for (i, &record) in block.iter().enumerate() {
+            let id = if right[i] { guesses[i] } else { self.find_or_keep(points, record, hashes[i]) };
+            vertex_of[record.vertex() as usize] = id;
+        }
+        if self.table.is_full(self.kept.positions.len() + BLOCK) {
+            self.grow(points);
+        }
+    }
+
+    #[inline(always)]
+    fn find_or_keep<const MOVING: bool>(
+        &mut self,
+        points: &Points<'_, MOVING>,
+        record: Record,
+        hash: u64,
+    ) -> u32 {
+        let new = self.kept.positions.len() as u32; // below the vertex count, which fits
+        let Self { kept, table } = self;
+        let id = table.find_or_insert(hash, new, |id| is(kept, points, id, record));
+        if id == new {
+            kept.positions.push(record.position());
+            if MOVING {
+                kept.origins.push(record.vertex());
+            }
+        }
+        id
+    }
+
+    #[cold]
+    fn grow<const MOVING: bool>(&mut self, points: &Points<'_, MOVING>) {
+        let origin = |id: usize| self.kept.origins.get(id).copied().unwrap_or(0);
+        let positions = self.kept.positions.iter().enumerate();
+        self.table.grow(positions.map(|(id, &position)| points.hash(Record::new(position, origin(id)))));
+    }
+}
+
+/// Whether a vertex is the same as the kept one `id`.
+#[inline(always)]
+fn is<const MOVING: bool>(kept: &Kept, points: &Points<'_, MOVING>, id: u32, other: Record) -> bool {
+    Record::new(kept.positions[id as usize], 0).is_at(other)
+        && (!MOVING || points.same_frames(kept.origins[id as usize], other.vertex()))
 }

@@ -12,12 +12,16 @@ pub(super) struct Table {
 /// No id.
 pub(super) const NO_ID: u32 = u32::MAX;
 
-/// A slot without an id: no id has ones only, as that many do not fit.
-const EMPTY: u32 = u32::MAX;
+/// A slot without an id; in the others all bits are turned over, and no id has ones only, as that many do not fit.
+/// (Memory for zeros comes zeroed and is not touched before its time.)
+const EMPTY: u32 = 0;
+
+/// The fewest slots, far more than a block of vertices can fill.
+const LEAST: usize = 1024;
 
 impl Table {
     pub(super) fn for_about(ids: usize) -> Self {
-        Self::with_slots((2 * ids).next_power_of_two().max(256))
+        Self::with_slots((2 * ids).next_power_of_two().max(LEAST))
     }
 
     fn with_slots(slots: usize) -> Self {
@@ -26,7 +30,7 @@ impl Table {
 
     /// Forgets all ids, and has room for about so many others.
     pub(super) fn reset(&mut self, ids: usize) {
-        let slots = (2 * ids).next_power_of_two().max(256);
+        let slots = (2 * ids).next_power_of_two().max(LEAST);
         self.slots.clear();
         self.slots.resize(slots, EMPTY);
         self.id_bits = (slots / 2 - 1) as u32;
@@ -38,28 +42,28 @@ impl Table {
     }
 
     /// The id in the first place where `hash` may be, if it belongs there, or one that there cannot be.
-    #[inline]
+    #[inline(always)]
     pub(super) fn first(&self, hash: u64) -> u32 {
-        let slot = self.slots[hash as usize & (self.slots.len() - 1)];
+        let slot = !self.slots[hash as usize & (self.slots.len() - 1)];
         if self.is_of(slot, hash) { slot & self.id_bits } else { NO_ID }
     }
 
-    #[inline]
+    #[inline(always)]
     fn is_of(&self, slot: u32, hash: u64) -> bool {
         (slot ^ (hash >> 32) as u32) & !self.id_bits == 0
     }
 
     /// The id for which `same` holds, if it is there; otherwise `new`, which is put in its place.
-    #[inline]
+    #[inline(always)]
     pub(super) fn find_or_insert(&mut self, hash: u64, new: u32, same: impl Fn(u32) -> bool) -> u32 {
         let mask = self.slots.len() - 1;
         let mut at = hash as usize & mask;
         loop {
-            let slot = self.slots[at];
-            if slot == EMPTY {
-                self.slots[at] = (hash >> 32) as u32 & !self.id_bits | new;
+            if self.slots[at] == EMPTY {
+                self.slots[at] = !((hash >> 32) as u32 & !self.id_bits | new);
                 return new;
             }
+            let slot = !self.slots[at];
             if self.is_of(slot, hash) && same(slot & self.id_bits) {
                 return slot & self.id_bits;
             }

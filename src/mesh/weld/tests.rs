@@ -1,6 +1,7 @@
 //! Each weld against looking at all kept vertices.
 
 use super::*;
+use crate::mesh::solid;
 use proptest::prelude::*;
 
 /// The welded id of every vertex, by looking at all kept ones: `same` decides.
@@ -39,11 +40,17 @@ fn mesh() -> impl Strategy<Value = Mesh> {
         prop::collection::vec((place(), place()), 1..600),
         prop::collection::vec([corner(), corner(), corner()], 0..400),
         any::<bool>(),
+        any::<bool>(),
     )
-        .prop_map(|(places, picks, animated)| {
+        .prop_map(|(mut places, picks, animated, soup)| {
             let n = places.len() as u32;
+            let triangles = if soup {
+                places.truncate(n as usize / 3 * 3);
+                (0..n / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect()
+            } else {
+                picks.into_iter().map(|t| t.map(|i| i % n)).collect()
+            };
             let (positions, frame): (Vec<_>, Vec<_>) = places.into_iter().unzip();
-            let triangles = picks.into_iter().map(|t| t.map(|i| i % n)).collect();
             let frames = if animated {
                 vec![frame.into_iter().map(|[x, _, _]| [x % 2.0; 3]).collect()]
             } else {
@@ -98,16 +105,23 @@ fn weld_that_forgets_a_frame_is_seen() {
     assert_ne!(found(&moving, Weld::Exact), found(&still, Weld::Exact));
 }
 
-/// The exact weld by each of its ways.
-fn by_all_ways(mesh: &Mesh) -> Vec<Merged> {
-    let (points, used) = (exact::Points::of(mesh), Used::by(mesh));
-    let buckets = [(0, 1), (3, 1), (3, 3), (9, 2)].map(|(bits, rounds)| far::Buckets { bits, rounds });
-    let far = buckets.map(|buckets| far::merged_by(&points, &used, buckets));
-    [near::merged(&points, &used)].into_iter().chain(far).collect()
+/// The exact weld by each of its ways: what is left, and the welded ids.
+fn by_all_ways(mesh: &Mesh) -> Vec<(Kept, Vec<u32>)> {
+    let used = Used::by(mesh);
+    let by = |merge: &dyn Fn(&mut [u32]) -> Kept| {
+        let mut vertex_of = vec![UNUSED; mesh.vertex_count()];
+        (merge(&mut vertex_of), vertex_of)
+    };
+    if !mesh.frames().is_empty() {
+        return vec![by(&|ids| near::merge(&exact::Points::<true>::of(mesh), &used, ids))];
+    }
+    let points = exact::Points::of(mesh);
+    let far = [0, 3, 9].map(|bits| by(&|ids| far::merge_by(&points, &used, ids, bits)));
+    [by(&|ids| near::merge(&points, &used, ids))].into_iter().chain(far).collect()
 }
 
-fn ids(merged: &Merged) -> Vec<Option<VertexId>> {
-    merged.vertex_of.iter().map(|&vertex| (vertex != UNUSED).then_some(VertexId(vertex))).collect()
+fn ids(vertex_of: &[u32]) -> Vec<Option<VertexId>> {
+    vertex_of.iter().map(|&vertex| (vertex != UNUSED).then_some(VertexId(vertex))).collect()
 }
 
 proptest! {
@@ -117,10 +131,13 @@ proptest! {
             mesh.positions()[a] == mesh.positions()[b] && mesh.frames().iter().all(|f| f[a] == f[b])
         };
         let expected = naive(&mesh, same);
-        let ways = by_all_ways(&mesh);
-        for way in &ways {
-            prop_assert_eq!(ids(way), expected.clone());
-            prop_assert_eq!(&way.kept, &ways[0].kept);
+        let origins = |kept: usize| expected.iter().position(|&id| id == Some(VertexId::new(kept))).unwrap();
+        for (kept, vertex_of) in by_all_ways(&mesh) {
+            prop_assert_eq!(ids(&vertex_of), expected.clone());
+            for (id, &position) in kept.positions.iter().enumerate() {
+                prop_assert_eq!(position, mesh.positions()[origins(id)]);
+            }
+            prop_assert_eq!(kept.positions.len(), expected.iter().flatten().max().map_or(0, |id| id.index() + 1));
         }
     }
 }
@@ -139,8 +156,8 @@ fn weld_by_buckets_takes_many_vertices_of_one_place_and_of_all_different_ones() 
         (soup(&|v| [(v % (n / 6)) as f32, 0.0, 1.0], n), n / 6),
     ] {
         let ways = by_all_ways(&mesh);
-        assert!(ways.iter().all(|way| *way == ways[0] && way.kept.len() == kept as usize));
-        assert_eq!(exact::merged(&mesh, &Used::by(&mesh)), ways[0]);
+        assert!(ways.iter().all(|way| *way == ways[0] && way.0.positions.len() == kept as usize));
+        assert_eq!(merged(&mesh, &Used::by(&mesh), Weld::Exact), ways[0]);
         // The sabotage: a vertex moved by one unit in the last place.
         let (mut positions, triangles, ..) = mesh.into_parts();
         let last = n as usize - 1;
@@ -151,9 +168,39 @@ fn weld_by_buckets_takes_many_vertices_of_one_place_and_of_all_different_ones() 
 }
 
 #[test]
+fn weld_of_a_soup_in_any_order_gives_ids_in_order_of_first_use() {
+    let by_map = |soup: &Mesh| -> Vec<Option<VertexId>> {
+        let mut ids = std::collections::HashMap::new();
+        let bits = soup.positions().iter().map(|p| p.map(f32::to_bits));
+        bits.map(|bits| {
+            let new = VertexId::new(ids.len());
+            Some(*ids.entry(bits).or_insert(new))
+        })
+        .collect()
+    };
+    // So many corners that those of the shuffled ones go by buckets, and that blocks and table fill several times.
+    let [sphere, torus] = [solid::icosphere(5), solid::torus(90, 90, 2.0, 0.75)];
+    for mesh in [solid::shuffled(&sphere, 1), solid::shuffled(&torus, 2), sphere, torus] {
+        let soup = solid::soup(&mesh);
+        let expected = by_map(&soup);
+        assert_eq!(found(&soup, Weld::Exact), expected);
+        assert_eq!(weld(&soup, Weld::Exact).unreferenced(), 0);
+        // The same vertices by an index list that is not theirs in order, as no soup has it.
+        let turned = soup.triangles().iter().map(|&[a, b, c]| [b, c, a]).collect();
+        let turned = Mesh::new(soup.positions().to_vec(), turned).unwrap();
+        assert_eq!(found(&turned, Weld::Exact), expected);
+        // The sabotage: a vertex moved by one unit in the last place.
+        let (mut positions, triangles, ..) = soup.into_parts();
+        let last = positions.len() - 1;
+        positions[last][0] = positions[last][0].next_up();
+        assert_ne!(found(&Mesh::new(positions, triangles).unwrap(), Weld::Exact), expected);
+    }
+}
+
+#[test]
 fn weld_of_many_points_without_faces_ends_and_keeps_none() {
     let points = Mesh::new((0..20_000).map(|i| [i as f32; 3]).collect(), vec![]).unwrap();
-    assert!(by_all_ways(&points).iter().all(|way| way.kept.is_empty()));
+    assert!(by_all_ways(&points).iter().all(|(kept, _)| kept.positions.is_empty()));
     let welded = weld_in_place(points, Weld::Exact);
     assert_eq!((welded.mesh.vertex_count(), welded.unreferenced()), (0, 20_000));
 }

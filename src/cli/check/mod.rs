@@ -409,6 +409,7 @@ mod tests {
             self_intersections: false,
             limit: 5,
             json: false,
+            threads: ThreadArgs::default(),
             picture: None,
             mark: None,
         };

@@ -6,7 +6,7 @@ mod tests;
 
 pub use build::GpuTopologyBuilder;
 
-use super::{Entry, Topology};
+use super::Topology;
 use crate::gpu::{Gpu, GpuError, wgpu};
 
 /// An edge table on the device, the same words as a [`Topology`] holds.
@@ -39,10 +39,9 @@ impl GpuTopology {
     /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`],
     /// [`GpuError::Lost`].
     pub fn upload(gpu: &Gpu, topology: &Topology) -> Result<Self, GpuError> {
-        let entries: Vec<u32> = topology.entries.clone();
         Ok(Self {
             offsets: gpu.upload("offsets of edges", &topology.offsets)?,
-            entries: gpu.upload("entries of edges", &entries)?,
+            entries: gpu.upload("entries of edges", &topology.entries)?,
             edge_count: topology.edge_count() as u32, // ids are 32 bits
             face_count: topology.face_count() as u32,
             vertex_count: topology.vertex_count() as u32,

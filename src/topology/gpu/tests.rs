@@ -5,13 +5,13 @@ use super::*;
 use crate::gpu::tests::{gpu, limited_gpu};
 use crate::mesh::{Mesh, Weld, solid, weld};
 use crate::random::SplitMix64;
-use crate::topology::{Entry, Topology};
+use crate::topology::Topology;
 
 type Table = (Vec<u32>, Vec<u32>);
 
 fn on_host(vertices: u32, triangles: &[[u32; 3]]) -> Table {
     let topology = Topology::build(vertices as usize, triangles.to_vec());
-    (topology.offsets, topology.entries.into_iter().map(|Entry(entry)| entry).collect())
+    (topology.offsets, topology.entries)
 }
 
 fn on_device(gpu: &Gpu, builder: &GpuTopologyBuilder, vertices: u32, triangles: &[[u32; 3]]) -> Table {

@@ -303,7 +303,7 @@ fn large(big: bool, signed: bool, quads: bool, seed: u64) -> Vec<u8> {
     let mut state = seed;
     let mut below = move |end: u32| {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 32) * u64::from(end) >> 32) as u32
+        (((state >> 32) * u64::from(end)) >> 32) as u32
     };
     let (vertices, faces) = (9_000 + below(1000), 30_000);
     let (extra, index) = (below(3) as usize, if signed { "int" } else { "uint" });

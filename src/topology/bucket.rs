@@ -100,8 +100,9 @@ impl Memory {
         let bits = bits.min(MOST_BITS);
         zeroed(&mut self.ends, vertex_count.div_ceil(1 << bits));
         let collapsed = count(vertex_count, triangles, bits, &mut self.ends);
-        let mut sum = 0;
+        let (mut sum, mut most) = (0, 0);
         for end in &mut self.ends {
+            most = most.max(*end as usize);
             (sum, *end) = (sum + *end, sum); // at most 3 × MAX_TRIANGLES
         }
         provide(&mut self.entries, sum as usize + SLACK);
@@ -114,6 +115,7 @@ impl Memory {
         }
         provide(lows, entries.len());
         scatter::<true>(triangles, bits, ends, entries, &mut offsets[1..], lows);
+        block.make_room(most);
         let mut start = 0;
         for (number, &end) in ends.iter().enumerate() {
             let vertices = (vertex_count - (number << bits)).min(1 << bits);
@@ -133,6 +135,14 @@ impl Memory {
 }
 
 impl Block {
+    /// For so many half-edges and no more.
+    fn make_room(&mut self, most: usize) {
+        for list in [&mut self.entries, &mut self.larger] {
+            list.clear();
+            list.reserve_exact(most);
+        }
+    }
+
     /// The other digit of the sort: by vertex, within a block that starts at place `start`.
     fn sort(&mut self, start: u32, vertices: usize, lows: &[u16], entries: &mut [u32], larger: &mut [u32]) {
         let larger = &mut larger[..entries.len()];

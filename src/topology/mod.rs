@@ -168,9 +168,9 @@ impl Topology {
     /// Shells, vertex fans and the crack report need the star of each vertex as well, which the first of them to be
     /// asked for makes: see [`Topology::build_surveyed`].
     ///
-    /// Memory: so 26 bytes a triangle of a closed mesh at the peak, 32 where the order of the faces is random, and at
-    /// most 120 for any mesh whose vertices are at most three a face; 6 more for a moment with an allocator that cannot
-    /// cut a list to size where it stands.
+    /// Memory: so 26 bytes a triangle of a closed mesh at the peak, 32 and half a megabyte where the order of the faces is
+    /// random, and at most 120 for any mesh whose vertices are at most three a face; 6 more for a moment with an allocator
+    /// that cannot cut a list to size where it stands.
     ///
     /// # Panics
     ///

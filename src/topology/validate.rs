@@ -11,7 +11,8 @@ impl Topology {
     ///
     /// Panics with the values where an invariant does not hold.
     pub fn validate(&self) {
-        let mut seen = vec![false; 3 * self.face_count()];
+        // A bit for each half-edge.
+        let mut seen = vec![0_u64; (3 * self.face_count()).div_ceil(64)];
         let mut before = None;
         let mut counts = EdgeCounts::NONE;
         assert_eq!(self.offsets.first(), Some(&0));
@@ -34,12 +35,15 @@ impl Topology {
                     !self.is_collapsed(self.face(half_edge)),
                     "{half_edge:?} belongs to a collapsed face"
                 );
-                assert!(!std::mem::replace(&mut seen[half_edge.index()], true), "{half_edge:?} stands twice");
+                let (word, bit) = (&mut seen[half_edge.index() / 64], 1 << (half_edge.index() % 64));
+                assert_eq!(*word & bit, 0, "{half_edge:?} stands twice");
+                *word |= bit;
             }
         }
         assert_eq!(self.edge_counts(), counts);
         let collapsed = self.faces().filter(|&face| self.is_collapsed(face)).count();
         assert_eq!(collapsed, self.collapsed_faces);
-        assert_eq!(seen.iter().filter(|&&seen| seen).count(), 3 * (self.face_count() - collapsed));
+        let seen: u32 = seen.iter().map(|word| word.count_ones()).sum();
+        assert_eq!(seen as usize, 3 * (self.face_count() - collapsed));
     }
 }

@@ -23,10 +23,13 @@ impl Aabb {
     #[inline]
     #[must_use]
     pub fn join(&self, other: &Self) -> Self {
-        Self {
-            low: std::array::from_fn(|i| self.low[i].min(other.low[i])),
-            high: std::array::from_fn(|i| self.high[i].max(other.high[i])),
+        // (A loop: `from_fn` is not always inlined.)
+        let mut all = *self;
+        for i in 0..3 {
+            all.low[i] = all.low[i].min(other.low[i]);
+            all.high[i] = all.high[i].max(other.high[i]);
         }
+        all
     }
 
     /// Whether two closed boxes have a point in common.

@@ -173,7 +173,7 @@ mod tests {
             ),
             (
                 "verify a --points -1",
-                "invalid value '-1' for '--points <N>'; write a whole number, 0 or more",
+                "invalid value '-1' for '--points <N>'; write a whole number, as 1000000 or 1e6",
             ),
         ] {
             let error = Cli::try_parse_from(["umbrage"].into_iter().chain(arguments.split(' '))).unwrap_err();

@@ -84,14 +84,21 @@ impl<'a, const MOVING: bool> Points<'a, MOVING> {
         Self { positions: &mesh.positions, frames: &mesh.frames, seeds }
     }
 
+    /// Hands out all used vertices in their order, a block of them at a time.
+    #[inline(always)]
+    pub(super) fn for_each_block(&self, used: &Used, mut each: impl FnMut(&[Record])) {
+        let (mut block, mut next) = ([Record::NOWHERE; BLOCK], 0);
+        loop {
+            match self.read(used, &mut next, &mut block) {
+                [] => return,
+                block => each(block),
+            }
+        }
+    }
+
     /// The used vertices from `next` on, as many as fit; `next` is then the one behind them.
     #[inline(always)]
-    pub(super) fn read<'b>(
-        &self,
-        used: &Used,
-        next: &mut u32,
-        block: &'b mut [Record; BLOCK],
-    ) -> &'b [Record] {
+    fn read<'b>(&self, used: &Used, next: &mut u32, block: &'b mut [Record; BLOCK]) -> &'b [Record] {
         let mut count = 0;
         match &used.referenced {
             None => {

@@ -55,34 +55,24 @@ fn bucket(hash: u64, buckets: usize) -> usize {
 /// How many vertices each bucket has.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
 fn count(points: &Points<'_, false>, used: &Used, counts: &mut [u32]) {
-    let (mut block, mut next) = ([Record::NOWHERE; BLOCK], 0);
-    loop {
-        let block = points.read(used, &mut next, &mut block);
-        if block.is_empty() {
-            return;
-        }
+    points.for_each_block(used, |block| {
         for &record in block {
             counts[bucket(points.hash(record), counts.len())] += 1;
         }
-    }
+    });
 }
 
 /// Brings positions into their buckets, each in the order of the vertices.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
 fn scatter(points: &Points<'_, false>, used: &Used, ends: &mut [u32], buckets: &mut [[u32; 3]]) {
-    let (mut block, mut next) = ([Record::NOWHERE; BLOCK], 0);
-    loop {
-        let block = points.read(used, &mut next, &mut block);
-        if block.is_empty() {
-            return;
-        }
+    points.for_each_block(used, |block| {
         for &record in block {
             let end = &mut ends[bucket(points.hash(record), ends.len())];
             let [x, y, z] = record.position();
             buckets[*end as usize] = [x.to_bits(), y.to_bits(), z.to_bits()];
             *end += 1;
         }
-    }
+    });
 }
 
 /// Numbers the places of a bucket, which are then `kept`, from `first` on. The numbers of its vertices take the first
@@ -129,13 +119,8 @@ fn in_order(
     let mut ids = vec![0_u32; places as usize];
     let mut kept = vec![[0.0; 3]; places as usize + 1];
     let mut new = 0;
-    let (mut block, mut next) = ([Record::NOWHERE; BLOCK], 0);
     let mut found = [0; BLOCK];
-    loop {
-        let block = points.read(used, &mut next, &mut block);
-        if block.is_empty() {
-            break;
-        }
+    points.for_each_block(used, |block| {
         for (&record, number) in block.iter().zip(&mut found) {
             let next = &mut nexts[bucket(points.hash(record), starts.len())];
             *number = numbers[*next];
@@ -149,7 +134,7 @@ fn in_order(
             kept[new as usize] = record.position(); // stays if it is counted
             new += u32::from(first);
         }
-    }
+    });
     kept.truncate(new as usize);
     kept
 }

@@ -20,21 +20,16 @@ pub(super) fn merge<const MOVING: bool>(
 ) -> Kept {
     let mut places = Places::for_about(used.count() / 6); // a closed soup has six corners a vertex
     let mut latest = Box::new([Record::NOWHERE; 1 << LATEST_BITS]);
-    let (mut block, mut unknown) = ([Record::NOWHERE; BLOCK], [Record::NOWHERE; BLOCK]);
-    let mut earlier = [0_u32; BLOCK];
-    let mut next = 0;
-    loop {
-        let block = points.read(used, &mut next, &mut block);
-        if block.is_empty() {
-            places.kept.positions.shrink_to_fit();
-            return places.kept;
-        }
+    let (mut unknown, mut earlier) = ([Record::NOWHERE; BLOCK], [0_u32; BLOCK]);
+    points.for_each_block(used, |block| {
         let count = sift(points, block, &mut latest, &mut earlier, &mut unknown);
         places.settle(points, &unknown[..count], vertex_of);
         for (own, &earlier) in block.iter().zip(&earlier) {
             vertex_of[own.vertex() as usize] = vertex_of[earlier as usize];
         }
-    }
+    });
+    places.kept.positions.shrink_to_fit();
+    places.kept
 }
 
 /// Looks a block of vertices up among those met last: for each the one met `earlier` at its place, or itself if that

@@ -7,7 +7,7 @@
 //! file ─read─► Scene ─bake─► Mesh ─weld─► Mesh ─Topology::build─► Topology ─► CrackReport::of(&Mesh, &Topology)
 //! Topology + Light ─classify─► Facing per face ─extract─► Silhouette ─extrude─► ShadowVolume ─► winding number ┐
 //! Mesh ─Oracle::build─► Oracle ─verdict─► Lit | Shadowed | Grazing ────────────────────────────────► verify ◄──┘
-//! Mesh + Light + Projection ─Caster::cast─► Casting (volumes, z-pass or z-fail and why) ─StencilPass::mask─► ShadowMask
+//! Mesh + Light + Projection ─Caster::cast─► StencilVolumes (volumes, z-pass or z-fail and why) ─StencilPass::mask─► ShadowMask
 //! ShadowMask + Oracle ─compare─► Comparison: the last word on every pixel
 //! Mesh + Lights ─Question::measure─► Accuracy: how often each way to decide is wrong, beside what it costs
 //! Oracle + View (camera, lamps) ─render─► Picture ─write_png─► PNG
@@ -28,14 +28,17 @@
 //!
 //! ```
 //! use umbrage::geom::Light;
-//! use umbrage::mesh::{Weld, solid, weld};
+//! use umbrage::mesh::{Weld, weld};
+//! use umbrage::testing::shapes;
 //! use umbrage::oracle::{Oracle, Verdict};
-//! use umbrage::silhouette::{Casters, Silhouette, classify};
-//! use umbrage::topology::{CrackReport, Topology};
-//! use umbrage::volume::{Caps, ShadowVolume, winding_number};
+//! use umbrage::facing::{CasterFaces, classify};
+//! use umbrage::silhouette::Silhouette;
+//! use umbrage::check::CrackReport;
+//! use umbrage::topology::Topology;
+//! use umbrage::shadow::volume::{Caps, ShadowVolume, winding_number};
 //!
 //! // A mesh: generated here; `umbrage::read::read("mesh.glb")?.bake(Scope::Mesh)?` gives those of a file.
-//! let mesh = weld(&solid::torus(48, 24, 2.0, 0.7), Weld::Exact).mesh;
+//! let mesh = weld(&shapes::torus(48, 24, 2.0, 0.7), Weld::Exact).mesh;
 //!
 //! // Topology and crack report.
 //! let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
@@ -44,7 +47,7 @@
 //!
 //! // Silhouette from a light.
 //! let light = Light::point([3.0, 9.0, 5.0])?;
-//! let signs = Casters::All.signs(&classify(&mesh, &light));
+//! let signs = CasterFaces::All.signs(&classify(&mesh, &light));
 //! let silhouette = Silhouette::extract(&topology, &signs);
 //!
 //! // Volume, and its certificate.
@@ -65,12 +68,14 @@
 //! ```
 //! use umbrage::geom::Light;
 //! use umbrage::mesh::{Mesh, Weld, weld};
-//! use umbrage::silhouette::{FacePlanes, Silhouette};
+//! use umbrage::facing::FacePlanes;
+//! use umbrage::silhouette::Silhouette;
 //! use umbrage::topology::Topology;
-//! use umbrage::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof};
+//! use umbrage::shadow::volume::{Caps, Faces, Plan, ShadowVolume};
+//! use umbrage::caster::ShellProof;
 //!
 //! # let (positions, indices): (Vec<[f32; 3]>, Vec<u32>) = {
-//! #     let (positions, triangles, ..) = umbrage::mesh::solid::cube().into_parts();
+//! #     let (positions, triangles, ..) = umbrage::testing::shapes::cube().into_parts();
 //! #     (positions, triangles.concat())
 //! # };
 //! // `positions: Vec<[f32; 3]>` and `indices: Vec<u32>` are yours. Vertices that are split for normals or texture
@@ -107,26 +112,28 @@
 //! `--no-default-features` leaves a lean geometry library.
 
 pub mod geom;
-#[cfg(feature = "gpu")]
-pub mod gpu;
 pub mod mesh;
+pub mod view;
 pub mod scene;
 pub mod read;
 pub mod write;
-pub mod topology;
-pub mod silhouette;
-pub mod volume;
 pub mod oracle;
-pub mod stencil;
-pub mod compare;
-pub mod picture;
-#[cfg(feature = "reference")]
+pub mod topology;
+pub mod check;
+pub mod facing;
+pub mod silhouette;
+pub mod caster;
+#[cfg(feature = "gpu")]
+pub mod gpu;
+pub mod shadow;
+pub mod render;
 pub mod verify;
-#[cfg(any(test, feature = "proptest"))]
-pub mod strategy;
+pub mod testing;
+#[cfg(feature = "verify")]
+pub mod accuracy;
 
 #[cfg(test)]
-mod digest;
+mod determinism;
 mod parallel;
 mod random;
 

@@ -1,7 +1,7 @@
 //! What a frame is drawn into, and read back from after the clock has stopped.
 
 use umbrage::gpu::{Gpu, wgpu};
-use umbrage::stencil::StencilFrame;
+use umbrage::shadow::stencil::StencilFrame;
 
 /// A square picture of depth and stencil.
 pub(crate) struct Canvas<'a> {

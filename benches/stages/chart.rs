@@ -1,6 +1,6 @@
 //! Frame rates as a chart.
 
-use umbrage::picture::chart::{Svg, escaped};
+use crate::svg::{Svg, escaped};
 
 use crate::plot::{Curve, Panel, begin};
 

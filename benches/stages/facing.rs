@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
+use umbrage::facing::{FaceClusters, FacePlanes, FacingRanges, classify};
+use umbrage::geom::Facing;
 use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
-use umbrage::silhouette::{FaceClusters, FacePlanes, Facing, FacingRanges, classify};
 
 use crate::measure::{Bench, Contender, Group, Target, timed};
 

@@ -3,19 +3,21 @@
 
 use std::cell::RefCell;
 
-use umbrage::compare::{PixelVerdict, Rendered, compare};
-use umbrage::geom::{Aabb, Light, Projection};
+use umbrage::facing::{CasterFaces, FacePlanes};
+use umbrage::geom::Facing;
+use umbrage::geom::{Aabb, Light};
 use umbrage::glam::Vec3;
 use umbrage::gpu::{Gpu, wgpu};
-use umbrage::mesh::{Mesh, solid};
+use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
-use umbrage::scene::{Camera, Size, Up};
-use umbrage::silhouette::{
-    Casters, FacePlanes, Facing, GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders,
-};
-use umbrage::stencil::{Counting, Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass};
+use umbrage::shadow::stencil::{Counting, Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass};
+use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, ShadowVolume, VolumeShaders};
+use umbrage::silhouette::{GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders};
+use umbrage::testing::shapes;
 use umbrage::topology::{GpuTopology, GpuTopologyBuilder, Topology};
-use umbrage::volume::{Caps, GpuExtrusion, GpuVolume, ShadowVolume, VolumeShaders};
+use umbrage::verify::pixels::{PixelVerdict, Rendered, compare};
+use umbrage::view::Projection;
+use umbrage::view::{Camera, Size, Up};
 
 use crate::canvas::Canvas;
 use crate::gpu::{submit, wait};
@@ -63,7 +65,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) -> Option<Frames> {
     };
     let [of_each_kind, of_one_volume, prepared] = parts;
     let knots = if bench.quick { &KNOTS[..2] } else { &KNOTS };
-    let knot = |[segments, ring]: [u32; 2]| solid::torus_knot(2, 3, segments, ring, 0.3);
+    let knot = |[segments, ring]: [u32; 2]| shapes::torus_knot(2, 3, segments, ring, 0.3);
     let frames = of_each_kind.then(|| {
         let mut curves = KINDS.map(|(_, name)| Curve { name: name.to_owned(), points: Vec::new() });
         let pass = StencilPass::new(&gpu, Depth::Plane).expect("it compiles");
@@ -171,7 +173,7 @@ impl<'a> Stage<'a> {
                 Kind::Cpu => {
                     let mut facing = self.facing.borrow_mut();
                     self.planes.classify_into(self.mesh, light, &mut facing);
-                    Some(upload(self.pass.gpu(), &self.extrude(light, &Casters::All.signs(&facing))))
+                    Some(upload(self.pass.gpu(), &self.extrude(light, &CasterFaces::All.signs(&facing))))
                 }
                 Kind::Gpu => {
                     self.silhouette.record(encoder, light).expect("it fits");
@@ -198,7 +200,7 @@ impl<'a> Stage<'a> {
 
     /// The volume of exact sides on the device, and what the pass makes of it.
     fn exact(&self, light: &Light) -> (GpuVolume, ShadowMask) {
-        let signs = Casters::All.signs(&self.planes.classify(self.mesh, light));
+        let signs = CasterFaces::All.signs(&self.planes.classify(self.mesh, light));
         let volume = upload(self.pass.gpu(), &self.extrude(light, &signs));
         let draws = [Draw { volume: &volume, method: StencilMethod::ZFail }];
         let View { projection, size, .. } = &self.view;
@@ -209,7 +211,7 @@ impl<'a> Stage<'a> {
     /// How many pixels are not what the exact oracle says: for which their footprint is the reason, and for which there
     /// is none.
     fn accuracy(&self, light: &Light, mask: &ShadowMask) -> String {
-        let signs = Casters::All.signs(&self.planes.classify(self.mesh, light));
+        let signs = CasterFaces::All.signs(&self.planes.classify(self.mesh, light));
         let (mesh, topology, projection) = (self.mesh, &self.topology, &self.view.projection);
         let rendered = Rendered { mesh, topology, signs: &signs, light, projection, mask, unsure: &[] };
         let found = compare(&Oracle::build(mesh), &rendered, 0, &|_| {});
@@ -236,15 +238,15 @@ impl View {
         let bounds = Aabb::around(mesh.positions().iter().copied());
         let size = Size::new(SIDE, SIDE).expect("a picture");
         let camera = Camera::fit(&bounds, Up::Y, 1.0);
-        let distance = (camera.eye - Vec3::from(bounds.centre())).length();
+        let distance = (camera.eye - Vec3::from(bounds.center())).length();
         Self { bounds, size, projection: camera.projection(size, 0.1 * distance) }
     }
 
     /// A point light above and outside, turned by so many radians.
     fn light(&self, turned: f32) -> Light {
-        let (centre, reach) = (self.bounds.centre(), self.bounds.diagonal() as f32);
+        let (center, reach) = (self.bounds.center(), self.bounds.diagonal() as f32);
         let (sin, cos) = (0.5 + turned).sin_cos();
-        Light::point([centre[0] + 0.8 * reach * cos, centre[1] + 1.1 * reach, centre[2] + 0.8 * reach * sin])
+        Light::point([center[0] + 0.8 * reach * cos, center[1] + 1.1 * reach, center[2] + 0.8 * reach * sin])
             .expect("finite")
     }
 }

@@ -1,13 +1,12 @@
 //! Sides, silhouettes and volumes on a graphics adapter, which the rows name.
 
+use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::Light;
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::{FaceId, Mesh};
-use umbrage::silhouette::{
-    Casters, FacePlanes, GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders, classify,
-};
+use umbrage::shadow::volume::{Caps, GpuVolume, ShadowVolume, VolumeShaders};
+use umbrage::silhouette::{GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders};
 use umbrage::topology::{GpuTopology, Topology};
-use umbrage::volume::{Caps, GpuVolume, ShadowVolume, VolumeShaders};
 
 use crate::measure::{Bench, Contender, Group, Target, timed};
 
@@ -94,13 +93,13 @@ fn silhouette(
     let uploaded = GpuTopology::upload(gpu, &topology).expect("it fits");
     let caster = GpuCaster::with_planes(shaders, mesh, uploaded, &planes).expect("it fits");
     let device = GpuSilhouette::new(&caster).expect("it fits");
-    let signs = Casters::All.signs(&classify(mesh, light));
+    let signs = CasterFaces::All.signs(&classify(mesh, light));
     let expected = Silhouette::extract(&topology, &signs);
     let count = format!("edges={}", expected.edges.len());
     let contenders = vec![
         Contender::new("FacePlanes and Silhouette::extract", || {
             timed(
-                || Silhouette::extract(&topology, &Casters::All.signs(&planes.classify(mesh, light))),
+                || Silhouette::extract(&topology, &CasterFaces::All.signs(&planes.classify(mesh, light))),
                 |found| format!("edges={}", found.edges.len()),
             )
         })

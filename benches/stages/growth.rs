@@ -2,15 +2,18 @@
 
 use std::cell::OnceCell;
 
+use crate::svg::escaped;
+use umbrage::check::CrackReport;
+use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::Light;
-use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::{Oracle, Verdict};
-use umbrage::picture::chart::escaped;
 use umbrage::read::read_bytes;
 use umbrage::scene::Scope;
-use umbrage::silhouette::{Casters, FacePlanes, Silhouette, classify};
-use umbrage::topology::{CrackReport, Topology};
-use umbrage::volume::{Caps, ShadowVolume};
+use umbrage::shadow::volume::{Caps, ShadowVolume};
+use umbrage::silhouette::Silhouette;
+use umbrage::testing::shapes;
+use umbrage::topology::Topology;
 
 use crate::files::{self, File};
 use crate::measure::{Bench, Contender, Group, Scatter, timed};
@@ -46,11 +49,11 @@ pub(crate) fn run(bench: &mut Bench<'_>) -> Option<Growth> {
     let mut growth = Growth { lines: [Vec::new(), Vec::new()] };
     let sizes = if bench.quick { &SEGMENTS[..3] } else { &SEGMENTS };
     for &n in sizes {
-        let mut mesh = solid::torus(n, n, 2.0, 0.75);
+        let mut mesh = shapes::torus(n, n, 2.0, 0.75);
         let right = Right::of(&mesh, if bench.quick { 200 } else { 20_000 });
         for (lines, order) in growth.lines.iter_mut().zip(ORDERS) {
             if order == ORDERS[1] {
-                mesh = solid::shuffled(&mesh, 1);
+                mesh = shapes::shuffled(&mesh, 1);
             }
             let name = format!("torus {n} {order}");
             Case { bench: &mut *bench, lines, mesh: &mesh, name, right: &right }.run();
@@ -79,7 +82,7 @@ impl Right {
         let light = light();
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let facing = classify(mesh, &light);
-        let signs = Casters::All.signs(&facing);
+        let signs = CasterFaces::All.signs(&facing);
         let silhouette = Silhouette::extract(&topology, &signs);
         // Each face in both caps; each silhouette edge sweeps its quad as often as it counts.
         let cast = signs.iter().filter(|&&sign| sign != 0).count();
@@ -156,7 +159,7 @@ impl Case<'_, '_> {
         let vertex_count = mesh.vertex_count();
         let topology = Topology::build_surveyed(vertex_count, mesh.triangles().to_vec());
         let planes = FacePlanes::new(mesh);
-        let signs = Casters::All.signs(&planes.classify(mesh, &light));
+        let signs = CasterFaces::All.signs(&planes.classify(mesh, &light));
         let silhouette = Silhouette::extract(&topology, &signs);
         let mut facing = Vec::new();
         let sound = |report: &CrackReport| {
@@ -195,7 +198,7 @@ impl Case<'_, '_> {
                         planes.classify_into(mesh, &light, &mut facing);
                         &facing
                     },
-                    |facing| front(&Casters::All.signs(facing)),
+                    |facing| front(&CasterFaces::All.signs(facing)),
                 )
             })
             .expects(&*right.front),
@@ -219,7 +222,7 @@ impl Case<'_, '_> {
     fn input(&mut self) {
         let mesh = self.mesh;
         let (obj, glb) = (files::obj(mesh), files::glb(mesh));
-        let soup = solid::soup(mesh);
+        let soup = shapes::soup(mesh);
         let faces = |mesh: &Mesh| format!("vertices={} faces={}", mesh.vertex_count(), mesh.face_count());
         let read = |file: &File| {
             let scene = read_bytes(&file.bytes, file.name).expect("it is well formed");

@@ -1,10 +1,11 @@
 //! The silhouettes of many lights on one mesh: lights anywhere, and a light that moves.
 
+use umbrage::facing::{CasterFaces, FacePlanes, classify};
+use umbrage::geom::Facing;
 use umbrage::geom::{Aabb, Light};
-use umbrage::mesh::{Mesh, solid};
-use umbrage::silhouette::{
-    Casters, FacePlanes, Facing, KineticSilhouette, Silhouette, SilhouetteFinder, SilhouetteTree, classify,
-};
+use umbrage::mesh::Mesh;
+use umbrage::silhouette::{KineticSilhouette, Silhouette, SilhouetteFinder, SilhouetteTree};
+use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 
 use crate::measure::{Bench, Contender, Group, Scatter, Target, timed};
@@ -17,16 +18,16 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
     }
     if bench.wants("silhouette of a moving light") {
         let n = if bench.quick { 40 } else { 224 };
-        moving_light(bench, &solid::torus(n, n, 2.0, 0.75).with_name(format!("torus {n}")), 5_000.0);
+        moving_light(bench, &shapes::torus(n, n, 2.0, 0.75).with_name(format!("torus {n}")), 5_000.0);
         moving_light(bench, &crate::head(bench.quick), 15_000.0);
     }
     if bench.wants("silhouette finder") {
         let sizes: &[u32] = if bench.quick { &[10] } else { &[22, 70, 224, 707] };
         for &n in sizes {
-            choice(bench, &solid::torus(n, n, 2.0, 0.75).with_name(format!("torus {n}")));
+            choice(bench, &shapes::torus(n, n, 2.0, 0.75).with_name(format!("torus {n}")));
         }
         for level in if bench.quick { 2..3 } else { 4..7 } {
-            choice(bench, &solid::icosphere(level).with_name(format!("icosphere {level}")));
+            choice(bench, &shapes::icosphere(level).with_name(format!("icosphere {level}")));
         }
         choice(bench, &crate::head(bench.quick));
         choice(bench, &crate::tied(bench.quick));
@@ -47,7 +48,7 @@ impl Scan {
 
     fn silhouette(&mut self, mesh: &Mesh, topology: &Topology, light: &Light) -> Silhouette {
         self.planes.classify_into(mesh, light, &mut self.facing);
-        Casters::All.signs_into(&self.facing, &mut self.signs);
+        CasterFaces::All.signs_into(&self.facing, &mut self.signs);
         Silhouette::extract(topology, &self.signs)
     }
 }
@@ -56,8 +57,8 @@ impl Scan {
 fn place(mesh: &Mesh, at: [f32; 3]) -> Light {
     let [low, high] = mesh.bounds().expect("it has faces");
     let bounds = Aabb { low, high };
-    let (centre, diagonal) = (bounds.centre(), bounds.diagonal() as f32);
-    Light::point([0, 1, 2].map(|i| centre[i] + diagonal * at[i])).expect("finite")
+    let (center, diagonal) = (bounds.center(), bounds.diagonal() as f32);
+    Light::point([0, 1, 2].map(|i| center[i] + diagonal * at[i])).expect("finite")
 }
 
 /// Point lights near and far, inside, and directional ones, two of them along axes.
@@ -80,7 +81,7 @@ fn any_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
     let lights = lights(mesh);
     let expected: Vec<Silhouette> = lights
         .iter()
-        .map(|light| Silhouette::extract(&topology, &Casters::All.signs(&classify(mesh, light))))
+        .map(|light| Silhouette::extract(&topology, &CasterFaces::All.signs(&classify(mesh, light))))
         .collect();
     let right = |found: &Vec<Silhouette>| {
         assert!(*found == expected, "another silhouette");
@@ -93,7 +94,7 @@ fn any_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
             timed(|| lights.iter().map(|light| scan.silhouette(mesh, &topology, light)).collect(), right)
         }),
         Contender::new("SilhouetteTree::silhouette", || {
-            let mut find = |light: &Light| tree.silhouette(mesh, &topology, light, Casters::All);
+            let mut find = |light: &Light| tree.silhouette(mesh, &topology, light, CasterFaces::All);
             timed(|| lights.iter().map(&mut find).collect(), right)
         })
         .aims_at(Target::Ratio(target)),
@@ -119,7 +120,7 @@ fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
         place(mesh, [0.5 + 0.6 * way, 0.8 - 0.64 * way, 0.3 + 0.48 * way])
     };
     let walk: Vec<Light> = (1..=STEPS).chain((0..STEPS).rev()).map(at).collect();
-    let last = Silhouette::extract(&topology, &Casters::All.signs(&classify(mesh, &at(0))));
+    let last = Silhouette::extract(&topology, &CasterFaces::All.signs(&classify(mesh, &at(0))));
     let right = |(count, found): &(usize, Silhouette)| {
         assert!(*found == last, "another silhouette");
         format!("edges={count}")
@@ -127,8 +128,8 @@ fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
     let mut scan = Scan::new(mesh);
     let mut searched = SilhouetteTree::new(mesh, &topology);
     let mut tree = searched.clone();
-    let mut moving = KineticSilhouette::new(mesh, &topology, &mut tree, &at(0), Casters::All);
-    let mut finder = SilhouetteFinder::new(mesh, &topology, Casters::All, usize::MAX);
+    let mut moving = KineticSilhouette::new(mesh, &topology, &mut tree, &at(0), CasterFaces::All);
+    let mut finder = SilhouetteFinder::new(mesh, &topology, CasterFaces::All, usize::MAX);
     let count = |silhouette: Silhouette, (sum, _)| (sum + silhouette.edges.len(), silhouette);
     let start = || (0, Silhouette::default());
     let contenders = vec![
@@ -137,7 +138,8 @@ fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
             timed(|| walk.iter().fold(start(), &mut find), right)
         }),
         Contender::new("SilhouetteTree::silhouette", || {
-            let mut find = |sum, light| count(searched.silhouette(mesh, &topology, light, Casters::All), sum);
+            let mut find =
+                |sum, light| count(searched.silhouette(mesh, &topology, light, CasterFaces::All), sum);
             timed(|| walk.iter().fold(start(), &mut find), right)
         }),
         Contender::new("KineticSilhouette::step", || {
@@ -188,7 +190,7 @@ fn choice(bench: &mut Bench<'_>, mesh: &Mesh) {
         let expected: Vec<usize> = walk
             .iter()
             .map(|light| {
-                Silhouette::extract(&topology, &Casters::All.signs(&classify(mesh, light))).edges.len()
+                Silhouette::extract(&topology, &CasterFaces::All.signs(&classify(mesh, light))).edges.len()
             })
             .collect();
         let right = |found: &Vec<usize>| {
@@ -199,16 +201,16 @@ fn choice(bench: &mut Bench<'_>, mesh: &Mesh) {
         let [mut searched, mut searched_too] = [(); 2].map(|()| tree.clone());
         let [mut followed, mut followed_too] = [(); 2].map(|()| {
             let mut tree = tree.clone();
-            let moving = KineticSilhouette::new(mesh, &topology, &mut tree, &there[0], Casters::All);
+            let moving = KineticSilhouette::new(mesh, &topology, &mut tree, &there[0], CasterFaces::All);
             (tree, moving)
         });
-        let mut finder = SilhouetteFinder::new(mesh, &topology, Casters::All, usize::MAX);
+        let mut finder = SilhouetteFinder::new(mesh, &topology, CasterFaces::All, usize::MAX);
         // What it makes for a light that moves is made here, as that of the others.
         for light in &there[..2] {
             finder.find(mesh, &topology, light);
         }
         let search = |tree: &mut SilhouetteTree| {
-            let mut find = |light| tree.silhouette(mesh, &topology, light, Casters::All).edges.len();
+            let mut find = |light| tree.silhouette(mesh, &topology, light, CasterFaces::All).edges.len();
             timed(|| walk.iter().map(&mut find).collect(), right)
         };
         let follow = |(tree, moving): &mut (SilhouetteTree, KineticSilhouette)| {

@@ -4,6 +4,8 @@
 mod canvas;
 #[cfg(feature = "gpu")]
 mod chart;
+#[path = "../../src/cli/chart.rs"]
+mod svg;
 mod facing;
 mod files;
 #[cfg(feature = "gpu")]
@@ -31,8 +33,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use measure::Bench;
-use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::scene::Scope;
+use umbrage::testing::shapes;
 
 const USAGE: &str = "\
 cargo bench --bench stages -- [OPTIONS]
@@ -135,9 +138,9 @@ fn run(options: &Options) -> Result<(), String> {
     Ok(())
 }
 
-/// 1.3 million triangles in the order in which they were made: neighbours lie near each other.
+/// 1.3 million triangles in the order in which they were made: neighbors lie near each other.
 fn ordered(quick: bool) -> Mesh {
-    solid::icosphere(if quick { 4 } else { 8 })
+    shapes::icosphere(if quick { 4 } else { 8 })
 }
 
 /// A scanned head of 268,686 triangles if the real meshes are there, else a torus of as many.
@@ -150,19 +153,19 @@ pub(crate) fn head(quick: bool) -> Mesh {
         Some(weld(&mesh, Weld::Exact).mesh.with_name("igea"))
     };
     if quick {
-        solid::torus(40, 40, 2.0, 0.75)
+        shapes::torus(40, 40, 2.0, 0.75)
     } else {
-        read().unwrap_or_else(|| solid::torus(366, 367, 2.0, 0.75))
+        read().unwrap_or_else(|| shapes::torus(366, 367, 2.0, 0.75))
     }
 }
 
-/// 2 million triangles in random order: neighbours lie anywhere.
+/// 2 million triangles in random order: neighbors lie anywhere.
 fn scattered(quick: bool) -> Mesh {
     let n = if quick { 50 } else { 1000 };
-    solid::shuffled(&solid::torus(n, n, 2.0, 0.75), 1).with_name(format!("shuffled torus {n}"))
+    shapes::shuffled(&shapes::torus(n, n, 2.0, 0.75), 1).with_name(format!("shuffled torus {n}"))
 }
 
 /// Two thirds of a million faces in few planes.
 fn tied(quick: bool) -> Mesh {
-    solid::menger_sponge(if quick { 2 } else { 4 })
+    shapes::menger_sponge(if quick { 2 } else { 4 })
 }

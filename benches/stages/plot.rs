@@ -1,6 +1,6 @@
 //! Lines over logarithmic axes.
 
-use umbrage::picture::chart::{Axis, COLOUR_COUNT, Mark, Svg, escaped, number, significant};
+use crate::svg::{Axis, COLOR_COUNT, Mark, Svg, escaped, number, significant};
 
 /// A line of a chart.
 #[derive(Clone, Debug)]
@@ -33,7 +33,7 @@ pub(crate) fn begin([width, height]: [f64; 2], left: f64, title: &str) -> Svg {
 /// What holds the names of two lines apart.
 const LINE: f64 = 19.0;
 
-/// Each colour with its mark, and once more with other dashes and the next mark, and so on.
+/// Each color with its mark, and once more with other dashes and the next mark, and so on.
 const DASHES: [&str; 3] = ["none", "8 4", "2 4"];
 
 impl Panel<'_> {
@@ -47,18 +47,18 @@ impl Panel<'_> {
         let y = Axis::around(all(1).chain(self.reach.iter().copied()), [bottom, top]);
         out.grid(&x, &y, [short, number], self.titles);
         let look = |index: usize| {
-            let round = index / COLOUR_COUNT;
+            let round = index / COLOR_COUNT;
             let dashes = DASHES[round % DASHES.len()];
-            (index % COLOUR_COUNT, dashes, Mark::ALL[(index + round) % COLOUR_COUNT])
+            (index % COLOR_COUNT, dashes, Mark::ALL[(index + round) % COLOR_COUNT])
         };
         // The names stand at the right ends, moved apart where they would meet.
         let mut ends: Vec<(usize, f64)> = Vec::new();
         for (index, curve) in self.curves.iter().enumerate() {
-            let (colour, dashes, mark) = look(index);
+            let (color, dashes, mark) = look(index);
             let places: Vec<[f64; 2]> = curve.points.iter().map(|p| [x.place(p[0]), y.place(p[1])]).collect();
             let line: Vec<String> = places.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
             out.add(format_args!(
-                "<g class=\"c{colour}\" fill=\"currentColor\"><polyline points=\"{}\" fill=\"none\" \
+                "<g class=\"c{color}\" fill=\"currentColor\"><polyline points=\"{}\" fill=\"none\" \
                  stroke=\"currentColor\" stroke-width=\"2\" stroke-dasharray=\"{dashes}\"/>",
                 line.join(" ")
             ));
@@ -82,11 +82,11 @@ impl Panel<'_> {
             free = *height - LINE;
         }
         for (index, height) in ends {
-            let (colour, _, mark) = look(index);
+            let (color, _, mark) = look(index);
             let path = mark.path([right + 16.0, height]);
             let (x, y, name) = (right + 26.0, height + 4.5, escaped(&self.curves[index].name));
             let text = format!("<path d=\"{path}\"/><text x=\"{x}\" y=\"{y:.1}\">{name}</text>");
-            out.add(format_args!("<g class=\"c{colour}\" fill=\"currentColor\">{text}</g>"));
+            out.add(format_args!("<g class=\"c{color}\" fill=\"currentColor\">{text}</g>"));
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The screen for balance: nothing is built.
 
-use umbrage::mesh::{Mesh, solid};
-use umbrage::topology::Screen;
+use umbrage::check::Screen;
+use umbrage::mesh::Mesh;
+use umbrage::testing::shapes;
 
 use crate::measure::{Bench, Contender, Group, Target, timed};
 
@@ -15,7 +16,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
 }
 
 fn screen(bench: &mut Bench<'_>, mesh: &Mesh) {
-    let soup = solid::soup(mesh);
+    let soup = shapes::soup(mesh);
     let sum = || mesh.triangles().as_flattened().iter().fold(0_u32, |sum, &index| sum.wrapping_add(index));
     let contenders = vec![
         Contender::new("sum of the indices", || timed(sum, |sum| format!("sum={sum}"))).moves(12.0),

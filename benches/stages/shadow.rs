@@ -1,11 +1,12 @@
 //! The silhouette and the volume.
 
+use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::Light;
 use umbrage::mesh::{EdgeId, Mesh};
 use umbrage::oracle::Oracle;
-use umbrage::silhouette::{Casters, Silhouette, classify};
+use umbrage::shadow::volume::{Caps, ExtrudeInput, Extruder, ShadowVolume, WindingIndex};
+use umbrage::silhouette::Silhouette;
 use umbrage::topology::Topology;
-use umbrage::volume::{Caps, Cast, Extruder, ShadowVolume, WindingIndex};
 
 use crate::measure::{Bench, Contender, Group, Scatter, Target, timed};
 
@@ -28,7 +29,7 @@ fn silhouette_and_volume(bench: &mut Bench<'_>, mesh: &Mesh) {
     let light = light();
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
     let facing = classify(mesh, &light);
-    let signs = Casters::All.signs(&facing);
+    let signs = CasterFaces::All.signs(&facing);
     let silhouette = Silhouette::extract(&topology, &signs);
     let units = topology.edge_count();
     let name = mesh.name.clone();
@@ -69,11 +70,11 @@ fn silhouette_and_volume(bench: &mut Bench<'_>, mesh: &Mesh) {
         bench.run(Group { stage: "silhouette", mesh: name.clone(), units, unit: "edge", contenders });
     }
     if bench.wants("volume") {
-        for (casters, which) in [(Casters::All, "all faces"), (Casters::Front, "front faces")] {
+        for (casters, which) in [(CasterFaces::All, "all faces"), (CasterFaces::Front, "front faces")] {
             let signs = casters.signs(&facing);
             let silhouette = Silhouette::extract(&topology, &signs);
             let caps = Caps::Both;
-            let cast = Cast {
+            let cast = ExtrudeInput {
                 mesh,
                 topology: &topology,
                 light: &light,
@@ -86,8 +87,8 @@ fn silhouette_and_volume(bench: &mut Bench<'_>, mesh: &Mesh) {
     }
 }
 
-fn volume(bench: &mut Bench<'_>, name: String, cast: &Cast<'_>) {
-    let Cast { mesh, topology, light, signs, silhouette, caps } = *cast;
+fn volume(bench: &mut Bench<'_>, name: String, cast: &ExtrudeInput<'_>) {
+    let ExtrudeInput { mesh, topology, light, signs, silhouette, caps } = *cast;
     let extrude = || ShadowVolume::extrude(mesh, topology, light, signs, silhouette, caps);
     let volume = extrude();
     assert!(volume.boundary_sum().is_closed());
@@ -151,10 +152,10 @@ fn changes(pairs: &[[u32; 2]], signs: &[i8]) -> Vec<u32> {
 
 /// The winding number of the emitted volume at scattered points, which is the number of faces towards the light.
 fn winding(bench: &mut Bench<'_>) {
-    let mesh = umbrage::mesh::solid::icosphere(if bench.quick { 3 } else { 6 });
+    let mesh = umbrage::testing::shapes::icosphere(if bench.quick { 3 } else { 6 });
     let light = light();
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
-    let signs = Casters::All.signs(&classify(&mesh, &light));
+    let signs = CasterFaces::All.signs(&classify(&mesh, &light));
     let silhouette = Silhouette::extract(&topology, &signs);
     let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
     let oracle = Oracle::build(&mesh);

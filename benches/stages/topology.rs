@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 use std::time::Instant;
 
+use umbrage::check::CrackReport;
 use umbrage::mesh::Mesh;
-use umbrage::topology::{CrackReport, Topology, TopologyBuilder};
+use umbrage::topology::{Topology, TopologyBuilder};
 
 use crate::measure::{Bench, Contender, Group, Sample, Target, timed};
 

@@ -57,7 +57,7 @@ fn visibility(bench: &mut Bench<'_>, mesh: &Mesh, triangles: &[Triangle]) {
     let (low, high) = (oracle.bounds().low, oracle.bounds().high);
     let reach = (0..3).map(|i| high[i] - low[i]).fold(0.0, f32::max);
     let place = |x: f32, y: f32, z: f32| -> [f32; 3] {
-        let middle = oracle.bounds().centre();
+        let middle = oracle.bounds().center();
         [middle[0] + x * reach, middle[1] + y * reach, middle[2] + z * reach]
     };
     let near = Light::point(place(1.5, 2.0, 2.5)).expect("finite");
@@ -72,7 +72,7 @@ fn visibility(bench: &mut Bench<'_>, mesh: &Mesh, triangles: &[Triangle]) {
     let step = mesh.vertex_count().div_ceil(count);
     let aimed: Vec<[f32; 3]> = mesh.positions().iter().step_by(step).map(behind).collect();
     let seen =
-        visible(&oracle, place(0.4, 0.6, 1.4), oracle.bounds().centre(), if bench.quick { 24 } else { 512 });
+        visible(&oracle, place(0.4, 0.6, 1.4), oracle.bounds().center(), if bench.quick { 24 } else { 512 });
     for (kind, light, points) in [
         ("scattered, light near", near, &scattered),
         ("scattered, directional", far, &scattered),

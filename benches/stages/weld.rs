@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use umbrage::mesh::{Mesh, Weld, solid, weld, weld_in_place};
+use umbrage::mesh::{Mesh, Weld, weld, weld_in_place};
+use umbrage::testing::shapes;
 
 use crate::measure::{Bench, Contender, Group, Target, timed};
 
@@ -11,7 +12,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
         return;
     }
     for (mesh, target) in [(crate::ordered(bench.quick), 18.0), (crate::scattered(bench.quick), 60.0)] {
-        let (vertices, soup) = (mesh.vertex_count(), solid::soup(&mesh));
+        let (vertices, soup) = (mesh.vertex_count(), shapes::soup(&mesh));
         let name = format!("soup of {}", mesh.name);
         drop(mesh);
         let expected = answer(&hash_map(&soup).1, vertices);

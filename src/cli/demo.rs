@@ -9,20 +9,23 @@ use std::path::{Path, PathBuf};
 use umbrage::glam::{Mat4, Vec3};
 #[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
-use umbrage::mesh::{Mesh, solid};
+use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
-use umbrage::picture::{self, CLAY, Lamp, Picture, View};
-use umbrage::scene::{Camera, Instance, Scene, SceneLight, Scope, Size, Up};
+use umbrage::render;
+use umbrage::render::{CLAY, Picture, ShadedLight, View};
+use umbrage::scene::{Instance, Scene, SceneLight, Scope};
+use umbrage::testing::shapes;
 use umbrage::topology::Topology;
-use umbrage::verify::{Options, Verification, Verifier};
+use umbrage::verify::points::{Options, Verification, Verifier};
+use umbrage::view::{Camera, Size, Up};
 use umbrage::write::{self, Layer, Model, write_atomic};
 
 #[cfg(feature = "gpu")]
 use super::load;
 use super::load::MeshArgs;
-use super::machine::{AdapterArgs, ThreadArgs};
 use super::output::Output;
 use super::progress::Progress;
+use super::resources::{AdapterArgs, ThreadArgs};
 use super::{Failure, Outcome, check, output, silhouette, verify, volume};
 
 /// All of it on a generated scene: report, silhouettes, volumes, pictures, verification
@@ -114,10 +117,10 @@ fn scene() -> Scene {
     let square = |n: f32| scale(1.0 / n) * move_to(-0.5 * n, -0.5 * n, 0.0);
     let lean = Mat4::from_rotation_y(-0.45) * Mat4::from_rotation_x(-0.3);
     let parts: [(&str, Mesh, Mat4); 4] = [
-        ("torus knot", solid::torus_knot(2, 3, 240, 24, 0.4), move_to(-1.5, 1.75, 0.0) * scale(0.52)),
-        ("sphere", solid::icosphere(4), move_to(1.25, 0.9, 1.3) * scale(0.9)),
-        ("sheet", solid::sheet(8), move_to(1.9, 1.3, -1.3) * lean * scale(2.2) * square(8.0)),
-        ("ground", solid::sheet(1), Mat4::from_rotation_x(-FRAC_PI_2) * scale(16.0) * square(1.0)),
+        ("torus knot", shapes::torus_knot(2, 3, 240, 24, 0.4), move_to(-1.5, 1.75, 0.0) * scale(0.52)),
+        ("sphere", shapes::icosphere(4), move_to(1.25, 0.9, 1.3) * scale(0.9)),
+        ("sheet", shapes::sheet(8), move_to(1.9, 1.3, -1.3) * lean * scale(2.2) * square(8.0)),
+        ("ground", shapes::sheet(1), Mat4::from_rotation_x(-FRAC_PI_2) * scale(16.0) * square(1.0)),
     ];
     let mut scene = Scene::default();
     for (mesh, (name, shape, world_from_mesh)) in parts.into_iter().enumerate() {
@@ -130,10 +133,10 @@ fn scene() -> Scene {
 /// A warm lamp above to the left, and a cooler sun from the right.
 fn lights() -> Vec<SceneLight> {
     [("lamp", "point:-3.5,6,5", [1.0, 0.92, 0.8]), ("sun", "directional:-0.9,-1,-0.75", [0.8, 0.9, 1.0])]
-        .map(|(name, light, colour)| SceneLight {
+        .map(|(name, light, color)| SceneLight {
             name: name.to_owned(),
             light: light.parse().expect("written above"),
-            colour,
+            color,
             intensity: 1.0,
             spot: None,
         })
@@ -151,10 +154,10 @@ fn with_view<T>(
     let fov = 34_f32.to_radians();
     let camera =
         Camera::look_at([2.2, 3.9, 9.6], [0.1, 1.15, 0.0], fov, Up::Y).expect("the eye is not the target");
-    let colour = |light: &SceneLight| light.colour;
-    let mut lamps = Lamp::equal(&lights.iter().map(|light| light.light).collect::<Vec<_>>());
-    for (lamp, tint) in lamps.iter_mut().zip(lights.iter().map(colour)) {
-        lamp.colour = [0, 1, 2].map(|i| lamp.colour[i] * tint[i]);
+    let color = |light: &SceneLight| light.color;
+    let mut lamps = ShadedLight::equal(&lights.iter().map(|light| light.light).collect::<Vec<_>>());
+    for (lamp, tint) in lamps.iter_mut().zip(lights.iter().map(color)) {
+        lamp.color = [0, 1, 2].map(|i| lamp.color[i] * tint[i]);
     }
     let paint = |face| match mesh.part_name(face) {
         Some(name) if name.starts_with("torus knot") => [0.72, 0.36, 0.22],
@@ -173,7 +176,7 @@ fn by_rays(
 ) -> Result<Picture, Failure> {
     with_view(mesh, lights, size, |view| {
         let progress = Progress::bar("drawing", view.steps());
-        picture::render(oracle, &view, &|steps| progress.done(steps))
+        render::render(oracle, &view, &|steps| progress.done(steps))
     })
     .map_err(|error| Failure::new(error, "free some memory"))
 }

@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 use umbrage::geom::{Aabb, Light};
-use umbrage::scene::{SceneLight, Up};
+use umbrage::scene::SceneLight;
+use umbrage::view::Up;
 
 use super::output;
 
@@ -12,7 +13,7 @@ pub(crate) struct LightArgs {
     /// `point:X,Y,Z` or `directional:X,Y,Z` (the way the light travels), in mesh units; may be repeated
     ///
     /// [default: the file's own lights; without those, a point light 1.5 diagonals of the bounding box away from
-    /// its centre, above and to the side, towards (1,2,1), or (1,-1,2) for stl and md2, where z is up]
+    /// its center, above and to the side, towards (1,2,1), or (1,-1,2) for stl and md2, where z is up]
     #[arg(long = "light", value_name = "LIGHT", allow_hyphen_values = true)]
     lights: Vec<Light>,
 }
@@ -57,17 +58,17 @@ pub(crate) fn name(name: &str) -> Value {
 }
 
 fn white(light: Light) -> SceneLight {
-    SceneLight { name: String::new(), light, colour: [1.0; 3], intensity: 1.0, spot: None }
+    SceneLight { name: String::new(), light, color: [1.0; 3], intensity: 1.0, spot: None }
 }
 
-/// 1.5 diagonals from the centre towards (1, 2, 1) of a y-up model: above, in front and to the side of everything.
+/// 1.5 diagonals from the center towards (1, 2, 1) of a y-up model: above, in front and to the side of everything.
 fn default_light(bounds: Aabb, up: Up) -> Light {
-    let (centre, diagonal) = (bounds.centre(), bounds.diagonal());
+    let (center, diagonal) = (bounds.center(), bounds.diagonal());
     let reach = if diagonal > 0.0 { 1.5 * diagonal } else { 1.0 };
     let step = reach / 6_f64.sqrt(); // the length of (1, 2, 1)
     let largest = f64::from(f32::MAX);
     let towards = up.turn([1.0, 2.0, 1.0]);
-    let at = [0, 1, 2].map(|i| (f64::from(centre[i]) + towards[i] * step).clamp(-largest, largest) as f32);
+    let at = [0, 1, 2].map(|i| (f64::from(center[i]) + towards[i] * step).clamp(-largest, largest) as f32);
     Light::point(at).expect("clamped to finite coordinates")
 }
 

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use umbrage::check::Screen;
 use umbrage::geom::Aabb;
 use umbrage::mesh::{Mesh, Weld, weld_in_place};
 use umbrage::read::{self, Format};
-use umbrage::scene::{Camera, Scene, SceneLight, Scope};
-use umbrage::topology::Screen;
+use umbrage::scene::{Scene, SceneLight, Scope};
+use umbrage::view::{Camera, Up};
 
 use super::error::Failure;
 use super::output;
@@ -62,6 +63,7 @@ fn parse_weld(text: &str) -> Result<Weld, String> {
 #[derive(Debug)]
 pub(crate) struct Baked {
     pub(crate) format: Option<Format>,
+    pub(crate) up: Up,
     /// One for each scope.
     pub(crate) meshes: Vec<Mesh>,
     pub(crate) lights: Vec<SceneLight>,
@@ -94,9 +96,9 @@ impl MeshArgs {
         for note in &scene.notes {
             output::say(format_args!("note: {}: {}", file.display(), output::plain(note)));
         }
-        let (format, camera) = (scene.format, scene.camera);
+        let (format, up, camera) = (scene.format, scene.up, scene.camera);
         let lights = std::mem::take(&mut scene.lights);
-        Ok(Baked { format, meshes: self.bake(scene, file)?, lights, camera })
+        Ok(Baked { format, up, meshes: self.bake(scene, file)?, lights, camera })
     }
 
     fn bake(&self, scene: Scene, file: &Path) -> Result<Vec<Mesh>, Failure> {
@@ -180,7 +182,7 @@ pub(crate) fn bounds(mesh: &Mesh) -> Aabb {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage::mesh::solid;
+    use umbrage::testing::shapes;
 
     #[test]
     fn weld_is_parsed_and_nonsense_refused() {
@@ -195,7 +197,7 @@ mod tests {
     #[test]
     fn caster_joins_without_sharing_vertices() {
         let args = MeshArgs { weld: Weld::Exact, scope: ScopeArg::Mesh };
-        let soups = vec![solid::soup(&solid::cube()), solid::soup(&solid::cube())];
+        let soups = vec![shapes::soup(&shapes::cube()), shapes::soup(&shapes::cube())];
         let caster = args.caster(soups, Path::new("two")).unwrap();
         assert_eq!((caster.vertex_count(), caster.face_count()), (16, 24));
     }

@@ -3,17 +3,18 @@
 //! Standard output is the result, standard error the talk. Every command is `Args`, which says what can be
 //! asked, and `run`, which does it.
 
+mod chart;
 mod error;
+mod input;
 mod interrupt;
 mod lights;
 mod load;
-mod machine;
 mod output;
+mod parsers;
 mod progress;
-mod source;
+mod resources;
 #[cfg(feature = "gpu")]
-mod stage;
-mod values;
+mod stencil_render;
 mod view;
 
 mod check;

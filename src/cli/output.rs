@@ -89,7 +89,7 @@ pub(crate) fn number(value: f64) -> Value {
     Value::from(value)
 }
 
-/// A single-precision number for JSON with no more digits than tell it from its neighbours.
+/// A single-precision number for JSON with no more digits than tell it from its neighbors.
 pub(crate) fn number32(value: f32) -> Value {
     // The shortest decimal of the f32, which as an f64 prints the same digits.
     value.to_string().parse().map_or(Value::Null, number)

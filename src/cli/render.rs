@@ -9,27 +9,28 @@ use umbrage::geom::Light;
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
-use umbrage::picture::{self, CLAY, Ground, Lamp, Picture, View};
-use umbrage::scene::{Camera, Size, Up};
+use umbrage::render;
+use umbrage::render::{CLAY, Ground, Picture, ShadedLight, View};
 #[cfg(feature = "gpu")]
-use umbrage::stencil::StencilMethod;
+use umbrage::shadow::stencil::StencilMethod;
+use umbrage::view::{Camera, Size, Up};
 
+use super::input::{Source, SourceArgs};
 #[cfg(feature = "gpu")]
 use super::lights;
-use super::machine::{AdapterArgs, ThreadArgs};
 use super::output;
+use super::parsers::{refuse_overwriting, require_folder};
 use super::progress::Progress;
-use super::source::{Source, SourceArgs};
+use super::resources::{AdapterArgs, ThreadArgs};
 #[cfg(feature = "gpu")]
-use super::stage::Stage;
-use super::values::{refuse_overwriting, require_folder};
+use super::stencil_render::Stage;
 use super::view::ViewArgs;
 use super::{Failure, Outcome};
 
 /// Picture: shadows by a stencil pass or by exact ray cast, flat faces, plain shading
 ///
 /// Shading is for the eye: a light is as strong far away as near. Lights asked for share one brightness; those of a
-/// file keep the ratio that their candela and lux have at the centre of the scene, a spot light within its cone.
+/// file keep the ratio that their candela and lux have at the center of the scene, a spot light within its cone.
 /// Both ways shade alike; a stencil pass says of each light how its shells were counted. A point that a ray only
 /// grazes is drawn lit.
 #[derive(Clone, Debug, clap::Args)]
@@ -169,9 +170,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     };
     let camera = camera.unwrap_or_else(|| Camera::fit(&bounds, up, args.size.aspect()));
     let lamps = if args.source.lights.were_asked_for() {
-        Lamp::equal(&of_scene.iter().map(|light| light.light).collect::<Vec<Light>>())
+        ShadedLight::equal(&of_scene.iter().map(|light| light.light).collect::<Vec<Light>>())
     } else {
-        Lamp::balanced(&of_scene, &bounds)
+        ShadedLight::balanced(&of_scene, &bounds)
     };
     let (mesh, ground) = if args.ground {
         let (mesh, ground) = Ground::under(mesh, up)
@@ -213,7 +214,7 @@ fn by_rays(mesh: Mesh, view: &View<'_>) -> Result<Picture, Failure> {
     let oracle = Oracle::build(&mesh);
     drop(mesh);
     let progress = Progress::bar("rendering", view.steps());
-    let picture = picture::render(&oracle, view, &|steps| progress.done(steps));
+    let picture = render::render(&oracle, view, &|steps| progress.done(steps));
     drop(progress);
     picture.map_err(|error| Failure::new(error, "choose a smaller --size"))
 }

@@ -3,25 +3,27 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
+use umbrage::facing::{CasterFaces, classify};
+use umbrage::geom::Facing;
 use umbrage::geom::Light;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::Gpu;
 use umbrage::mesh::{Mesh, VertexId};
 use umbrage::scene::SceneLight;
-use umbrage::silhouette::{Casters, Facing, Silhouette, SilhouetteMethod, SilhouetteTree, classify};
 #[cfg(feature = "gpu")]
 use umbrage::silhouette::{GpuCaster, GpuSilhouette, SilhouetteShaders};
+use umbrage::silhouette::{Silhouette, SilhouetteMethod, SilhouetteTree};
 #[cfg(feature = "gpu")]
 use umbrage::topology::GpuTopology;
 use umbrage::topology::Topology;
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
+use super::input::{Source, SourceArgs};
 use super::lights;
-use super::machine::{AdapterArgs, ThreadArgs};
 use super::output::{self, Output, Table, plain};
+use super::parsers::refuse_overwriting;
 use super::progress::Progress;
-use super::source::{Source, SourceArgs};
-use super::values::refuse_overwriting;
+use super::resources::{AdapterArgs, ThreadArgs};
 use super::{Failure, Outcome};
 
 /// Silhouette: the edges of a mesh where the side that a light is on changes
@@ -91,18 +93,18 @@ impl Finder {
             Self::Tree(tree) => {
                 let mut facing = Vec::new();
                 let unsure_faces = tree.planes().classify_into(mesh, light, &mut facing);
-                let [all, front] = [Casters::All, Casters::Front]
+                let [all, front] = [CasterFaces::All, CasterFaces::Front]
                     .map(|casters| tree.silhouette(mesh, topology, light, casters));
                 Ok(Looked { facing, all, front, unsure_faces })
             }
             #[cfg(feature = "gpu")]
             Self::Device(device) => {
                 let unsure_faces = device.classify(mesh, light)?;
-                let of = |casters: Casters| {
+                let of = |casters: CasterFaces| {
                     device.set_masks(&vec![casters.mask(); mesh.face_count()])?;
                     device.extract()
                 };
-                let (all, front) = (of(Casters::All)?, of(Casters::Front)?);
+                let (all, front) = (of(CasterFaces::All)?, of(CasterFaces::Front)?);
                 Ok(Looked { facing: device.download_facing()?, all, front, unsure_faces })
             }
         }
@@ -111,8 +113,8 @@ impl Finder {
 
 fn scan(mesh: &Mesh, topology: &Topology, light: &Light) -> Looked {
     let facing = classify(mesh, light);
-    let [all, front] =
-        [Casters::All, Casters::Front].map(|casters| Silhouette::extract(topology, &casters.signs(&facing)));
+    let [all, front] = [CasterFaces::All, CasterFaces::Front]
+        .map(|casters| Silhouette::extract(topology, &casters.signs(&facing)));
     // Every face was asked the exact predicate: none is left over.
     Looked { facing, all, front, unsure_faces: 0 }
 }
@@ -299,7 +301,7 @@ fn lines(mesh: &Mesh, topology: &Topology, index: usize, found: &Found) -> Layer
     let place = |vertex| used.binary_search(&vertex).expect("the ends are all there") as u32;
     Layer {
         name: format!("silhouette {index} {}", lights::label(&found.light, &found.name)),
-        colour: Some([1.0, 0.5, 0.0, 1.0]),
+        color: Some([1.0, 0.5, 0.0, 1.0]),
         positions: used.iter().map(|vertex| mesh.positions()[vertex.index()]).collect(),
         elements: Elements::Lines(ends.iter().map(|ends| ends.map(place)).collect()),
         ..Layer::default()
@@ -309,15 +311,15 @@ fn lines(mesh: &Mesh, topology: &Topology, index: usize, found: &Found) -> Layer
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage::mesh::solid;
     use umbrage::scene::SceneLight;
+    use umbrage::testing::shapes;
 
     #[test]
     fn silhouette_lines_of_a_cube_are_a_hexagon() {
-        let mesh = solid::cube();
+        let mesh = shapes::cube();
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let light = "directional:-1,-1,-1".parse().unwrap();
-        let light = SceneLight { name: String::new(), light, colour: [1.0; 3], intensity: 1.0, spot: None };
+        let light = SceneLight { name: String::new(), light, color: [1.0; 3], intensity: 1.0, spot: None };
         let looked = scan(&mesh, &topology, &light.light);
         let found = found(&topology, light, looked);
         let counts = (found.front_faces, found.edge_on_faces, found.outline_edges, found.loops);

@@ -1,9 +1,9 @@
 //! From where a picture is taken.
 
-use umbrage::scene::{Camera, Up};
+use umbrage::view::{Camera, Up};
 
 use super::Failure;
-use super::values::degrees;
+use super::parsers::degrees;
 
 /// The camera that is asked for, if one is.
 #[derive(Clone, Copy, Debug, clap::Args)]

@@ -3,21 +3,24 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
+use umbrage::caster::ShellProof;
+use umbrage::facing::classify;
 use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
 use umbrage::scene::SceneLight;
-use umbrage::silhouette::{Silhouette, classify};
+use umbrage::shadow::volume;
+use umbrage::shadow::volume::{Plan, ShadowVolume, ShellChoice};
+use umbrage::silhouette::Silhouette;
 use umbrage::topology::{Shells, Topology};
-use umbrage::volume::{self, Plan, ShadowVolume, ShellChoice, ShellProof};
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
+use super::input::{Source, SourceArgs};
 use super::lights;
 use super::load;
-use super::machine::ThreadArgs;
 use super::output::{self, Output, Table, counted, plain, short, significant};
+use super::parsers::{distance, refuse_overwriting};
 use super::progress::Progress;
-use super::source::{Source, SourceArgs};
-use super::values::{distance, refuse_overwriting};
+use super::resources::ThreadArgs;
 use super::{Failure, Outcome};
 
 /// Shadow volume: light cap, sides and dark cap, closed at infinity, with the certificate that it is closed
@@ -225,7 +228,7 @@ fn layers(volume: &ShadowVolume, far: f32, suffix: &str) -> Vec<Layer> {
     ];
     runs.into_iter()
         .filter(|(_, run, _)| !run.is_empty())
-        .map(|(name, run, colour)| {
+        .map(|(name, run, color)| {
             let triangles = &volume.triangles()[run];
             let mut used: Vec<u32> = triangles.as_flattened().to_vec();
             used.sort_unstable();
@@ -233,7 +236,7 @@ fn layers(volume: &ShadowVolume, far: f32, suffix: &str) -> Vec<Layer> {
             let place = |vertex| used.binary_search(&vertex).expect("every corner is used") as u32;
             Layer {
                 name: format!("{name}{suffix}"),
-                colour: Some(colour),
+                color: Some(color),
                 positions: used.iter().map(|&vertex| positions[vertex as usize]).collect(),
                 w: Some(used.iter().map(|&v| if (v as usize) < finite { 1.0 } else { 0.0 }).collect()),
                 elements: Elements::Triangles(triangles.iter().map(|corners| corners.map(place)).collect()),
@@ -303,8 +306,8 @@ fn grouped(choices: &[ShellChoice]) -> Vec<(ShellChoice, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage::mesh::solid;
-    use umbrage::topology::CrackReport;
+    use umbrage::check::CrackReport;
+    use umbrage::testing::shapes;
 
     fn built(mesh: &Mesh, light: &str, faces: volume::Faces) -> Built {
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
@@ -312,13 +315,13 @@ mod tests {
         let proofs = ShellProof::of(mesh, &topology, &shells);
         let caster = Caster { mesh, topology: &topology, shells: &shells, proofs: &proofs };
         let light = light.parse().unwrap();
-        let light = SceneLight { name: String::new(), light, colour: [1.0; 3], intensity: 1.0, spot: None };
+        let light = SceneLight { name: String::new(), light, color: [1.0; 3], intensity: 1.0, spot: None };
         caster.build(light, faces, volume::Caps::Both)
     }
 
     #[test]
     fn volume_layers_have_the_vertices_they_use_and_close_together() {
-        let built = built(&solid::cube(), "point:2,3,5", volume::Faces::Auto);
+        let built = built(&shapes::cube(), "point:2,3,5", volume::Faces::Auto);
         let layers = layers(&built.volume, 100.0, "");
         assert_eq!(
             layers.iter().map(|layer| layer.name.as_str()).collect::<Vec<_>>(),
@@ -338,14 +341,14 @@ mod tests {
 
     #[test]
     fn volume_towards_a_directional_light_has_no_dark_cap_layer() {
-        let built = built(&solid::cube(), "directional:-1,-2,-3", volume::Faces::All);
+        let built = built(&shapes::cube(), "directional:-1,-2,-3", volume::Faces::All);
         assert_eq!(layers(&built.volume, 10.0, " 1").len(), 2);
         assert!(built.closed);
     }
 
     #[test]
     fn volume_reasons_are_counted_over_shells() {
-        let two = Mesh::concat(&[solid::cube(), solid::open_cube(), solid::open_cube()]).unwrap();
+        let two = Mesh::concat(&[shapes::cube(), shapes::open_cube(), shapes::open_cube()]).unwrap();
         let built = built(&two, "point:9,9,9", volume::Faces::Auto);
         let counts: Vec<usize> = grouped(&built.plan.choices).iter().map(|group| group.1).collect();
         assert_eq!(counts.iter().sum::<usize>(), 3);

@@ -69,7 +69,7 @@ impl Aabb {
 
     /// The middle, rounded to `f32`; the origin for an empty box.
     #[must_use]
-    pub fn centre(&self) -> [f32; 3] {
+    pub fn center(&self) -> [f32; 3] {
         if self.is_empty() {
             return [0.0; 3];
         }

@@ -3,7 +3,7 @@
 //! Built from the top by the surface-area heuristic over 16 bins (Ingo Wald, *On fast Construction of SAH-based
 //! Bounding Volume Hierarchies*, 2007). Where that finds no split, or has gone on for 64 levels, a
 //! range is halved: so a tree over n boxes has at most 64 + log₂ n levels, and takes that many passes
-//! over the boxes, whatever they are. (Builders that join nearest neighbours from the bottom take n passes where all
+//! over the boxes, whatever they are. (Builders that join nearest neighbors from the bottom take n passes where all
 //! boxes are equal, or each is larger than the one before.)
 
 use std::ops::Range;
@@ -36,7 +36,7 @@ struct Node {
 }
 
 /// What is below a node.
-#[cfg(feature = "reference")]
+#[cfg(feature = "verify")]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Below {
     /// Two nodes, by their places.
@@ -100,7 +100,7 @@ impl Bvh {
     }
 
     /// A node by its place, from 0 for the root of a tree that is not empty: its box, and what is below it.
-    #[cfg(feature = "reference")]
+    #[cfg(feature = "verify")]
     pub(crate) fn node(&self, at: usize) -> (Aabb, Below) {
         let node = self.nodes[at];
         let (left, right) = (at + 1, node.skip as usize);

@@ -1,15 +1,15 @@
-//! Geometry whose signs are exact: predicates, lights, boxes, the projection.
+//! Geometry whose signs are exact: predicates, lights, sides of faces, boxes.
 
 mod aabb;
+pub(crate) mod box_pairs;
 pub mod bvh;
+mod facing;
 mod light;
-pub(crate) mod overlap;
 pub mod predicate;
-mod projection;
 mod segment;
-pub(crate) mod volume;
+pub(crate) mod signed_volume;
 
 pub use aabb::Aabb;
+pub use facing::Facing;
 pub use light::{Light, LightError};
-pub use projection::Projection;
 pub use segment::Segment;

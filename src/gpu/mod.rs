@@ -6,7 +6,8 @@
 mod buffer;
 mod error;
 mod kernel;
-mod scan;
+mod prefix_sum;
+pub(crate) mod raster;
 mod sort;
 mod texture;
 
@@ -14,7 +15,7 @@ use std::sync::{Arc, OnceLock};
 
 pub use error::GpuError;
 pub(crate) use kernel::{Kernel, Shader};
-pub(crate) use scan::{Scan, ScanOf};
+pub(crate) use prefix_sum::{Scan, ScanOf};
 pub(crate) use sort::{Pairs, Sort};
 pub(crate) use texture::Texture;
 

@@ -6,7 +6,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::{Gpu, GpuError, Kernel, Scan, Shader, scan::ScanOf};
+use super::ScanOf;
+use super::{Gpu, GpuError, Kernel, Scan, Shader};
 
 /// How many pairs one invocation counts and moves. Longer runs leave a large device idle; shorter ones have more
 /// counts to add up, one for each run and digit: here half as many as there are pairs.

@@ -1,7 +1,7 @@
 //! Textures: pictures that are drawn into, and read back row by row.
 
 use super::{Gpu, GpuError};
-use crate::scene::Size;
+use crate::view::Size;
 
 /// A picture on the device, to be drawn into and looked at.
 #[derive(Clone, Debug)]

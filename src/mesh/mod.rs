@@ -1,7 +1,6 @@
 //! The mesh: finite positions, in-range triangles, and the names that help a person find a place in it.
 
 mod id;
-pub mod solid;
 mod weld;
 
 use std::ops::Range;

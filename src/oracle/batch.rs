@@ -1,6 +1,6 @@
 //! Many points towards one light.
 //!
-//! Ways that meet nothing but empty space are answered at once. The others are taken in an order in which neighbours
+//! Ways that meet nothing but empty space are answered at once. The others are taken in an order in which neighbors
 //! run through the same part of the tree (along the curve of G. M. Morton, *A Computer Oriented Geodetic Data Base*,
 //! 1966, by where they enter the box around all faces), and each tries the face first that shadowed the one before:
 //! any proper crossing is a shadow, so the order changes no answer.
@@ -18,8 +18,10 @@ impl Oracle {
     /// threads if the feature `parallel` is on. Memory: up to 24 bytes a point.
     ///
     /// ```
-    /// use umbrage::{geom::Light, mesh::solid, oracle::{Oracle, Verdict}};
-    /// let oracle = Oracle::build(&solid::cube());
+    /// use umbrage::geom::Light;
+    /// use umbrage::testing::shapes;
+    /// use umbrage::oracle::{Oracle, Verdict};
+    /// let oracle = Oracle::build(&shapes::cube());
     /// let light = Light::point([0.1, 0.2, 5.0])?;
     /// let mut verdicts = [Verdict::Grazing; 2];
     /// oracle.verdicts_into(&[[0.3, 0.1, -4.0], [3.0, 0.0, 0.0]], &light, &mut verdicts);
@@ -42,7 +44,7 @@ impl Oracle {
                 ways.push((curve.place(at), index));
             }
         }
-        // Neighbours that mostly share a cell of 32 along each axis, such as pixels, are in order as they are.
+        // Neighbors that mostly share a cell of 32 along each axis, such as pixels, are in order as they are.
         let jumps = ways.windows(2).filter(|pair| (pair[0].0 ^ pair[1].0) >> 15 != 0).count();
         if jumps > ways.len() / 4 {
             ways.sort_unstable();
@@ -103,8 +105,8 @@ fn spread(mut x: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::solid;
     use crate::random::SplitMix64;
+    use crate::testing::shapes;
 
     fn points(count: usize) -> Vec<[f32; 3]> {
         let mut random = SplitMix64(4);
@@ -120,9 +122,12 @@ mod tests {
     #[test]
     fn batch_says_what_single_queries_say() {
         let (mut shadowed, mut caught) = (0, 0);
-        for mesh in
-            [solid::cube(), solid::torus(40, 20, 2.0, 0.75), solid::menger_sponge(2), solid::double_sheet()]
-        {
+        for mesh in [
+            shapes::cube(),
+            shapes::torus(40, 20, 2.0, 0.75),
+            shapes::menger_sponge(2),
+            shapes::double_sheet(),
+        ] {
             let oracle = Oracle::build(&mesh);
             let points = points(3000);
             for light in ["point:3,4,5", "point:0.25,0,0.5", "directional:0,-1,0", "directional:1e-30,-1,0.5"]
@@ -138,12 +143,12 @@ mod tests {
             }
         }
         assert!(shadowed > 200 && caught > 8, "{shadowed} {caught}");
-        Oracle::build(&solid::cube()).verdicts_into(&[], &"point:1,2,3".parse().unwrap(), &mut []);
+        Oracle::build(&shapes::cube()).verdicts_into(&[], &"point:1,2,3".parse().unwrap(), &mut []);
     }
 
     #[test]
-    fn batch_of_neighbours_says_what_single_queries_say() {
-        let oracle = Oracle::build(&solid::torus(40, 20, 2.0, 0.75));
+    fn batch_of_neighbors_says_what_single_queries_say() {
+        let oracle = Oracle::build(&shapes::torus(40, 20, 2.0, 0.75));
         let row: Vec<[f32; 3]> = (0..6000).map(|i| [i as f32 / 500.0 - 6.0, -1.5, 0.25]).collect();
         for light in ["point:1,4,0", "directional:0,-1,0"].map(|light| light.parse().unwrap()) {
             let mut verdicts = vec![Verdict::Grazing; row.len()];
@@ -155,7 +160,7 @@ mod tests {
 
     #[test]
     fn batch_faces_that_only_shadowed_the_point_before_shadow_nothing() {
-        let oracle = Oracle::build(&solid::torus(40, 20, 2.0, 0.75));
+        let oracle = Oracle::build(&shapes::torus(40, 20, 2.0, 0.75));
         let light = Light::directional([0.1, -1.0, 0.2]).unwrap();
         let (mut tried, mut helped) = (usize::MAX, 0);
         for p in points(3000) {

@@ -5,27 +5,23 @@
 //! only touched is declared, not guessed.
 
 mod batch;
-mod meet;
-#[cfg(feature = "reference")]
-mod reference;
+mod primary_hit;
+pub(crate) mod segment_filter;
+mod segment_triangle;
 #[cfg(test)]
 mod tests;
-mod visible;
 
-pub use meet::{Meeting, meet};
-#[cfg(feature = "reference")]
-pub use reference::{Reference, reference};
-#[cfg(feature = "reference")]
-pub(crate) use reference::{WholeLight, WholePlane};
-pub use visible::Visible;
+pub use primary_hit::PrimaryHit;
+pub use segment_triangle::{Intersection, intersect};
 
 use multiversion::multiversion;
 
+use crate::geom::Facing;
 use crate::geom::bvh::{Bvh, Step, WideBvh};
-use crate::geom::predicate::{Homogeneous, Passage, Sign, Way};
+use crate::geom::predicate::{Homogeneous, Sign};
 use crate::geom::{Aabb, Light};
 use crate::mesh::{FaceId, Mesh};
-use crate::silhouette::Facing;
+use crate::oracle::segment_filter::{Outcome, SegmentFilter};
 
 /// What is true of a point and a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -75,11 +71,11 @@ pub struct Hit {
 /// The faces of a mesh in a tree, ready for exact queries. Owns what it needs: about 50 bytes a face, 8 of them the tree.
 #[derive(Clone, Debug)]
 pub struct Oracle {
-    tree: WideBvh,
+    pub(crate) tree: WideBvh,
     /// Faces in the order of the tree's leaves.
     order: Vec<u32>,
     /// Corners in the order of the tree's leaves.
-    triangles: Vec<[[f32; 3]; 3]>,
+    pub(crate) triangles: Vec<[[f32; 3]; 3]>,
 }
 
 impl Oracle {
@@ -99,8 +95,10 @@ impl Oracle {
     /// Whether `p` is in shadow. Stops at the first face that is properly crossed.
     ///
     /// ```
-    /// use umbrage::{geom::Light, mesh::solid, oracle::{Oracle, Verdict}};
-    /// let oracle = Oracle::build(&solid::cube());
+    /// use umbrage::geom::Light;
+    /// use umbrage::testing::shapes;
+    /// use umbrage::oracle::{Oracle, Verdict};
+    /// let oracle = Oracle::build(&shapes::cube());
     /// let light = Light::point([0.1, 0.2, 5.0])?;
     /// assert_eq!(oracle.verdict([0.3, 0.1, -4.0], &light), Verdict::Shadowed);
     /// assert_eq!(oracle.verdict([3.0, 0.0, 0.0], &light), Verdict::Lit);
@@ -115,12 +113,12 @@ impl Oracle {
     #[inline(always)]
     fn verdict_trying(&self, p: [f32; 3], light: &Light, first: &mut usize) -> Verdict {
         let way = self.way(p, light);
-        if self.triangles.get(*first).is_some_and(|face| matches!(way.passes(face), Passage::Crossed(_))) {
+        if self.triangles.get(*first).is_some_and(|face| matches!(way.passes(face), Outcome::Crossed(_))) {
             return Verdict::Shadowed;
         }
         let mut verdict = Verdict::Lit;
         self.meetings::<false>(p, light, &way, |slot, meeting| match meeting {
-            Meeting::Crossing(_) => {
+            Intersection::Crossing(_) => {
                 *first = slot;
                 verdict = Verdict::Shadowed;
                 Step::Stop
@@ -139,17 +137,17 @@ impl Oracle {
         &self,
         p: [f32; 3],
         light: &Light,
-        way: &Way,
-        mut visit: impl FnMut(usize, Meeting) -> Step,
+        way: &SegmentFilter,
+        mut visit: impl FnMut(usize, Intersection) -> Step,
     ) {
         self.tree.walk::<NEAREST>(p, light, |slot| {
             let triangle = &self.triangles[slot];
             match way.passes(triangle) {
-                Passage::Missed => Step::On,
-                Passage::Crossed(Sign::Positive) => visit(slot, Meeting::Crossing(Facing::Front)),
-                Passage::Crossed(_) => visit(slot, Meeting::Crossing(Facing::Back)),
-                Passage::Unsure => match meet_exactly(p, light, triangle) {
-                    Meeting::None => Step::On,
+                Outcome::Missed => Step::On,
+                Outcome::Crossed(Sign::Positive) => visit(slot, Intersection::Crossing(Facing::Front)),
+                Outcome::Crossed(_) => visit(slot, Intersection::Crossing(Facing::Back)),
+                Outcome::Unsure => match intersect_exactly(p, light, triangle) {
+                    Intersection::None => Step::On,
                     meeting => visit(slot, meeting),
                 },
             }
@@ -158,7 +156,7 @@ impl Oracle {
 
     /// The way to a light, ready to be compared with faces.
     #[inline(always)]
-    fn way(&self, p: [f32; 3], light: &Light) -> Way {
+    fn way(&self, p: [f32; 3], light: &Light) -> SegmentFilter {
         // How far any coordinate of a corner may be from that of the point.
         let Aabb { low, high } = self.tree.bounds();
         let mut reach = 0.0_f64;
@@ -168,7 +166,7 @@ impl Oracle {
                 reach = if far > reach { far } else { reach };
             }
         }
-        Way::new(p, Homogeneous::light(light), reach)
+        SegmentFilter::new(p, Homogeneous::light(light), reach)
     }
 
     /// All faces between `p` and `light`, counted by side.
@@ -177,8 +175,8 @@ impl Oracle {
         let mut crossings = Crossings::default();
         self.meetings::<false>(p, light, &self.way(p, light), |_, meeting| {
             match meeting {
-                Meeting::Crossing(Facing::Front) => crossings.front += 1,
-                Meeting::Crossing(_) => crossings.back += 1,
+                Intersection::Crossing(Facing::Front) => crossings.front += 1,
+                Intersection::Crossing(_) => crossings.back += 1,
                 _ => crossings.touching += 1,
             }
             Step::On
@@ -187,7 +185,7 @@ impl Oracle {
     }
 
     /// Visits every face that the open segment from `p` to `light` crosses or touches.
-    pub fn for_each_meeting(&self, p: [f32; 3], light: &Light, mut visit: impl FnMut(FaceId, Meeting)) {
+    pub fn for_each_meeting(&self, p: [f32; 3], light: &Light, mut visit: impl FnMut(FaceId, Intersection)) {
         self.meetings::<false>(p, light, &self.way(p, light), |slot, meeting| {
             visit(FaceId(self.order[slot]), meeting);
             Step::On
@@ -211,6 +209,6 @@ fn verdict(oracle: &Oracle, p: [f32; 3], light: &Light) -> Verdict {
 /// Out of the way of what is certain.
 #[cold]
 #[inline(never)]
-fn meet_exactly(p: [f32; 3], light: &Light, triangle: &[[f32; 3]; 3]) -> Meeting {
-    meet(p, light, *triangle)
+fn intersect_exactly(p: [f32; 3], light: &Light, triangle: &[[f32; 3]; 3]) -> Intersection {
+    intersect(p, light, *triangle)
 }

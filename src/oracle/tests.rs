@@ -1,8 +1,8 @@
 //! Verdicts through the tree beside a loop over all faces, where boxes are flat, huge, tiny, or met in a plane or an edge.
 
 use super::*;
-use crate::mesh::solid;
 use crate::random::SplitMix64;
+use crate::testing::shapes;
 
 /// Triangles of corners on a coarse grid, some of them lines or points, at several scales beside each other.
 fn soup(random: &mut SplitMix64, faces: usize, scales: &[f32]) -> Mesh {
@@ -19,19 +19,19 @@ fn soup(random: &mut SplitMix64, faces: usize, scales: &[f32]) -> Mesh {
 
 fn meshes() -> Vec<Mesh> {
     let mut random = SplitMix64(8);
-    let torus = solid::torus(20, 10, 2.0, 0.75);
+    let torus = shapes::torus(20, 10, 2.0, 0.75);
     let flat = torus.positions().iter().map(|&[x, y, _]| [x, y, 0.5]).collect();
     let mut meshes = vec![
-        solid::menger_sponge(1),
-        solid::double_sheet(),
-        solid::translated(&solid::icosphere(2), [1e6, -3.0, 0.0]),
+        shapes::menger_sponge(1),
+        shapes::double_sheet(),
+        shapes::translated(&shapes::icosphere(2), [1e6, -3.0, 0.0]),
         Mesh::new(flat, torus.triangles().to_vec()).unwrap(),
         soup(&mut random, 300, &[1.0, 1e-3, 1e3]),
         soup(&mut random, 300, &[1.0, 1e-30, 3e17]),
         soup(&mut random, 300, &[3.4e38, 1e38, 1.0]),
     ];
     for scale in [1e-42, 1e-38, 1e-20, 1e17, 2e18, 1e37] {
-        meshes.push(solid::scaled(&torus, scale));
+        meshes.push(shapes::scaled(&torus, scale));
         meshes.push(soup(&mut random, 200, &[scale]));
     }
     meshes
@@ -73,11 +73,11 @@ fn wrong(fault: impl Fn(&mut WideBvh)) -> (usize, [usize; 3]) {
             for (&p, &of_many) in points.iter().zip(&many) {
                 let mut truth = Crossings::default();
                 for face in mesh.triangles() {
-                    match meet(p, &light, face.map(|vertex| vertices[vertex as usize])) {
-                        Meeting::None => {}
-                        Meeting::Touching => truth.touching += 1,
-                        Meeting::Crossing(Facing::Front) => truth.front += 1,
-                        Meeting::Crossing(_) => truth.back += 1,
+                    match intersect(p, &light, face.map(|vertex| vertices[vertex as usize])) {
+                        Intersection::None => {}
+                        Intersection::Touching => truth.touching += 1,
+                        Intersection::Crossing(Facing::Front) => truth.front += 1,
+                        Intersection::Crossing(_) => truth.back += 1,
                     }
                 }
                 let verdict = truth.verdict();

@@ -9,7 +9,6 @@ mod ply;
 mod stl;
 mod text;
 
-use std::fmt;
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -17,55 +16,8 @@ use std::path::Path;
 pub use error::{Place, ReadError};
 
 use crate::mesh::MeshError;
+pub use crate::scene::Format;
 use crate::scene::Scene;
-
-/// A file format that can be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Format {
-    /// Wavefront OBJ.
-    Obj,
-    /// glTF 2.0, JSON with external or embedded buffers.
-    Gltf,
-    /// glTF 2.0, binary container.
-    Glb,
-    /// Stereolithography, text or binary.
-    Stl,
-    /// Polygon file format, text or binary.
-    Ply,
-    /// Quake II model.
-    Md2,
-}
-
-impl Format {
-    /// Lower-case name, as in reports and as a file extension.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Obj => "obj",
-            Self::Gltf => "gltf",
-            Self::Glb => "glb",
-            Self::Stl => "stl",
-            Self::Ply => "ply",
-            Self::Md2 => "md2",
-        }
-    }
-
-    /// The format that a file name's extension stands for.
-    #[must_use]
-    pub fn from_extension(path: &Path) -> Option<Self> {
-        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        [Self::Obj, Self::Gltf, Self::Glb, Self::Stl, Self::Ply, Self::Md2]
-            .into_iter()
-            .find(|format| format.name() == extension)
-    }
-}
-
-impl fmt::Display for Format {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
 
 /// What a reader reads from: buffered, seekable, of known length.
 ///
@@ -150,7 +102,7 @@ fn read_source<R: BufRead + Seek>(
         Format::Ply => ply::read(source),
         Format::Md2 => md2::read(source),
     }?;
-    scene.format = Some(format);
+    (scene.format, scene.up) = (Some(format), format.up());
     Ok(scene)
 }
 
@@ -233,12 +185,12 @@ fn obj_statement(text: &[u8]) -> Obj {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::solid;
+    use crate::testing::shapes;
     use crate::write::{Layer, Model, Target, to_bytes};
 
     /// A file of each format.
     fn files() -> Vec<(&'static str, Vec<u8>)> {
-        let model = Model { layers: vec![Layer::from(&solid::icosphere(1))] };
+        let model = Model { layers: vec![Layer::from(&shapes::icosphere(1))] };
         let bytes = |target| to_bytes(&model, target).unwrap();
         let mut stl = vec![0; 80];
         stl.extend(3_u32.to_le_bytes());

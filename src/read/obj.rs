@@ -57,7 +57,7 @@ struct Obj {
 impl Obj {
     fn vertex(&mut self, mut line: Line<'_>) -> Result<(), ReadError> {
         self.positions.push(line.point()?);
-        // A weight or a colour may follow, and nothing else.
+        // A weight or a color may follow, and nothing else.
         match line.word() {
             Some(word) if !matches!(word[0], b'0'..=b'9' | b'+' | b'-' | b'.' | b'#') => {
                 Err(line.error(format!("{} follows the position", quote(word))))

@@ -10,7 +10,7 @@ pub struct SceneLight {
     /// What casts the shadow. A spot light is a point light here.
     pub light: Light,
     /// Linear red, green, blue; 1 is white.
-    pub colour: [f32; 3],
+    pub color: [f32; 3],
     /// As the file gives it: candela for point and spot lights, lux for directional ones.
     pub intensity: f32,
     /// The cone of a spot light; for shading only.

@@ -1,27 +1,23 @@
 //! A scene: meshes, where their instances stand, lights and a camera; baked once into world space.
 
-mod camera;
+mod format;
 mod light;
-mod pinhole;
-mod size;
-mod up;
 
 use glam::Mat4;
 
-pub use camera::{Camera, CameraError};
+pub use format::Format;
 pub use light::{SceneLight, SpotCone};
-pub use pinhole::{Pinhole, Projected};
-pub use size::{Size, SizeError};
-pub use up::Up;
 
 use crate::mesh::{Mesh, MeshError, Part};
-use crate::read::Format;
+use crate::view::{Camera, Up};
 
 /// What a file holds.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// What the file was read as; `None` for a generated scene.
     pub format: Option<Format>,
+    /// The axis that points up.
+    pub up: Up,
     /// The meshes, each once, in their own space.
     pub meshes: Vec<Mesh>,
     /// Where meshes stand in the world.

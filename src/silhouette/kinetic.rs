@@ -10,8 +10,9 @@
 mod certificates;
 
 use super::edge_set::EdgeSet;
-use super::plane::LocalLight;
-use super::{Casters, FacePlanes, Silhouette, SilhouetteEdge, SilhouetteTree, TreeSearch};
+use super::{Silhouette, SilhouetteEdge, SilhouetteTree, TreeSearch};
+use crate::facing::planes::LocalLight;
+use crate::facing::{CasterFaces, FacePlanes};
 use crate::geom::Light;
 use crate::mesh::{EdgeId, Mesh};
 use crate::topology::Topology;
@@ -57,13 +58,16 @@ pub enum KineticStep {
 /// the tree.
 ///
 /// ```
-/// use umbrage::{geom::Light, mesh::solid, topology::Topology};
-/// use umbrage::silhouette::{Casters, KineticSilhouette, SilhouetteTree};
-/// let sphere = solid::icosphere(3);
+/// use umbrage::geom::Light;
+/// use umbrage::testing::shapes;
+/// use umbrage::topology::Topology;
+/// use umbrage::facing::CasterFaces;
+/// use umbrage::silhouette::{KineticSilhouette, SilhouetteTree};
+/// let sphere = shapes::icosphere(3);
 /// let topology = Topology::build(sphere.vertex_count(), sphere.triangles().to_vec());
 /// let mut tree = SilhouetteTree::new(&sphere, &topology);
 /// let light = Light::point([3.0, 4.0, 5.0])?;
-/// let mut moving = KineticSilhouette::new(&sphere, &topology, &mut tree, &light, Casters::All);
+/// let mut moving = KineticSilhouette::new(&sphere, &topology, &mut tree, &light, CasterFaces::All);
 /// moving.step(&sphere, &topology, &mut tree, &Light::point([3.0, 4.1, 5.0])?);
 /// for change in moving.changes() {
 ///     assert_eq!(moving.multiplicity(change.edge), change.after);
@@ -72,7 +76,7 @@ pub enum KineticStep {
 /// ```
 #[derive(Clone, Debug)]
 pub struct KineticSilhouette {
-    casters: Casters,
+    casters: CasterFaces,
     light: Light,
     /// Its sides are those of some earlier light while `renewed` is false.
     certificates: Certificates,
@@ -114,7 +118,7 @@ impl KineticSilhouette {
         topology: &Topology,
         tree: &mut SilhouetteTree,
         light: &Light,
-        casters: Casters,
+        casters: CasterFaces,
     ) -> Self {
         let faces = tree.face_order(topology);
         let mut place = vec![0; faces.len()];
@@ -378,9 +382,9 @@ pub(super) fn way(from: &Light, to: &Light) -> f64 {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::trial::{crumpled, light, scan};
     use super::*;
-    use crate::mesh::solid;
+    use crate::silhouette::test_support::{crumpled, light, scan};
+    use crate::testing::shapes;
 
     struct Walk {
         mesh: Mesh,
@@ -390,7 +394,7 @@ mod tests {
     }
 
     impl Walk {
-        fn start(mesh: Mesh, light: &Light, casters: Casters) -> Self {
+        fn start(mesh: Mesh, light: &Light, casters: CasterFaces) -> Self {
             let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
             let mut tree = SilhouetteTree::new(&mesh, &topology);
             let moving = KineticSilhouette::new(&mesh, &topology, &mut tree, light, casters);
@@ -428,7 +432,7 @@ mod tests {
             lengths in prop::collection::vec(prop_oneof![Just(0.0), Just(1.0), Just(1e-4_f32), 0.0_f32..0.1], 40),
             front in any::<bool>(),
         ) {
-            let casters = if front { Casters::Front } else { Casters::All };
+            let casters = if front { CasterFaces::Front } else { CasterFaces::All };
             let mut walk = Walk::start(mesh, &lights[0], casters);
             for (i, length) in lengths.into_iter().enumerate() {
                 // Towards a light of the list, or onto it.
@@ -452,7 +456,7 @@ mod tests {
             let angle = i as f32 * 1e-4;
             Light::point([3.0 * angle.cos(), 3.0 * angle.sin(), 0.5]).unwrap()
         };
-        let mut walk = Walk::start(solid::icosphere(4), &at(0), Casters::All);
+        let mut walk = Walk::start(shapes::icosphere(4), &at(0), CasterFaces::All);
         let (mut right, mut followed) = (true, 0);
         for i in 1..300 {
             spoil(&mut walk.moving);
@@ -484,7 +488,7 @@ mod tests {
     #[test]
     fn silhouette_of_a_light_that_jumps_is_searched_and_followed_again_when_it_slows_down() {
         let at = |x: f32| Light::point([x, 3.0, 4.0]).unwrap();
-        let mut walk = Walk::start(solid::icosphere(4), &at(0.0), Casters::Front);
+        let mut walk = Walk::start(shapes::icosphere(4), &at(0.0), CasterFaces::Front);
         let steps = [0.0, 1e-5, 30.0, -30.0, -30.00001, -30.00002].map(|x| {
             let before = walk.moving.silhouette();
             let step = walk.step(&at(x));

@@ -6,27 +6,26 @@
 //! Hao Zhang, *Silhouette Extraction in Hough Space*, 2006, for a tree in it). A tree of boxes over such segments needs
 //! no halo, since every edge brings both its planes, and no geometry but theirs.
 //!
-//! Departures from the papers: boxes are of the whole numbers of `quantised.rs`; edges lie in leaves of 32 whose two planes
+//! Departures from the papers: boxes are of the whole numbers of `quantized.rs`; edges lie in leaves of 32 whose two planes
 //! stand side by side, in numbers about a middle of their own, so that a leaf is evaluated by vector instructions without
 //! a single gather; nodes have eight children; and what the numbers leave open is decided exactly.
 
-pub(super) mod build;
+mod build;
 mod leaf;
-mod node;
 
 use multiversion::multiversion;
 
 use super::edge_set::{Bits, SignedEdges};
-use super::plane::LocalLight;
-use super::quantised::{self, BACK, FRONT};
-use super::{Casters, FacePlanes, Silhouette, SilhouetteEdge, facing_of};
-use crate::geom::Light;
+use super::{Silhouette, SilhouetteEdge};
+use crate::facing::plane_tree::{Heights, LEAF, Node, WIDE, undecided_child};
+use crate::facing::planes::LocalLight;
+use crate::facing::quantized;
+use crate::facing::quantized::{BACK, FRONT};
+use crate::facing::{CasterFaces, FacePlanes, facing_of};
+use crate::geom::{Facing, Light};
 use crate::mesh::{EdgeId, FaceId, Mesh};
 use crate::topology::Topology;
-pub(super) use leaf::LEAF;
 use leaf::{Codes, Leaf};
-use node::{Heights, undecided_child};
-pub(super) use node::{Node, WIDE};
 
 /// One edge in so many may be left open, or lie outside the tree, before a scan of everything is cheaper.
 const OPEN_SHARE: usize = 64;
@@ -47,13 +46,16 @@ const PATIENCE: u32 = 8;
 /// Holds the [`FacePlanes`] of the mesh, and for each edge 22 bytes and a share of the nodes.
 ///
 /// ```
-/// use umbrage::{geom::Light, mesh::solid, topology::Topology};
-/// use umbrage::silhouette::{Casters, SilhouetteTree};
-/// let cube = solid::cube();
+/// use umbrage::geom::Light;
+/// use umbrage::testing::shapes;
+/// use umbrage::topology::Topology;
+/// use umbrage::facing::CasterFaces;
+/// use umbrage::silhouette::SilhouetteTree;
+/// let cube = shapes::cube();
 /// let topology = Topology::build(cube.vertex_count(), cube.triangles().to_vec());
 /// let mut tree = SilhouetteTree::new(&cube, &topology);
 /// let light = Light::directional([-1.0, -1.0, -1.0])?;
-/// let silhouette = tree.silhouette(&cube, &topology, &light, Casters::All);
+/// let silhouette = tree.silhouette(&cube, &topology, &light, CasterFaces::All);
 /// assert_eq!(silhouette.edges.len(), 6); // along the body diagonal: a hexagon
 /// # Ok::<(), umbrage::geom::LightError>(())
 /// ```
@@ -114,7 +116,7 @@ struct Work {
     nodes: Vec<u32>,
     next: Vec<u32>,
     heights: Vec<Heights>,
-    facing: Vec<super::Facing>,
+    facing: Vec<Facing>,
     signs: Vec<i8>,
 }
 
@@ -200,7 +202,7 @@ impl SilhouetteTree {
         mesh: &Mesh,
         topology: &Topology,
         light: &Light,
-        casters: Casters,
+        casters: CasterFaces,
     ) -> Silhouette {
         self.search(mesh, topology, light, casters).0
     }
@@ -215,7 +217,7 @@ impl SilhouetteTree {
         mesh: &Mesh,
         topology: &Topology,
         light: &Light,
-        casters: Casters,
+        casters: CasterFaces,
     ) -> (Silhouette, TreeSearch) {
         let mut silhouette = Silhouette::default();
         let search = self.search_into(mesh, topology, light, casters, &mut silhouette);
@@ -228,7 +230,7 @@ impl SilhouetteTree {
         mesh: &Mesh,
         topology: &Topology,
         light: &Light,
-        casters: Casters,
+        casters: CasterFaces,
         silhouette: &mut Silhouette,
     ) -> TreeSearch {
         assert_eq!(mesh.face_count(), self.planes.offset.len(), "the tree is of another mesh");
@@ -273,7 +275,7 @@ impl SilhouetteTree {
         mesh: &Mesh,
         topology: &Topology,
         light: &Light,
-        casters: Casters,
+        casters: CasterFaces,
         silhouette: &mut Silhouette,
     ) -> usize {
         let Work { facing, signs, .. } = &mut self.work;
@@ -289,10 +291,10 @@ impl SilhouetteTree {
         mesh: &Mesh,
         topology: &Topology,
         light: &LocalLight,
-        casters: Casters,
+        casters: CasterFaces,
     ) -> (Vec<SilhouetteEdge>, usize) {
         let (mut singles, mut exact) = (Vec::new(), 0);
-        let mut settle = |edge: u32, side: &mut dyn FnMut(FaceId) -> super::Facing| {
+        let mut settle = |edge: u32, side: &mut dyn FnMut(FaceId) -> Facing| {
             let edge = EdgeId(edge);
             let sides = topology.uses(edge).map(|(face, direction)| (direction, side(face)));
             let multiplicity = sides.map(|(direction, side)| direction * i32::from(casters.sign(side))).sum();
@@ -300,7 +302,7 @@ impl SilhouetteTree {
                 singles.push(SilhouetteEdge { edge, multiplicity });
             }
         };
-        let mut known = [(FaceId(u32::MAX), super::Facing::EdgeOn); KNOWN];
+        let mut known = [(FaceId(u32::MAX), Facing::EdgeOn); KNOWN];
         for &edge in &self.work.open {
             // The numbers of the leaf are about as fine as those of the planes. A face with one edge here has more.
             settle(edge, &mut |face| {
@@ -324,18 +326,18 @@ impl SilhouetteTree {
         (singles, exact)
     }
 
-    fn side(&self, mesh: &Mesh, face: FaceId, light: &LocalLight) -> (super::Facing, bool) {
-        match quantised::height(self.planes.quantised.get(face.index()), &light.quantised) {
-            FRONT.. => (super::Facing::Front, false),
-            ..=BACK => (super::Facing::Back, false),
+    fn side(&self, mesh: &Mesh, face: FaceId, light: &LocalLight) -> (Facing, bool) {
+        match quantized::height(self.planes.quantized.get(face.index()), &light.quantized) {
+            FRONT.. => (Facing::Front, false),
+            ..=BACK => (Facing::Back, false),
             _ => self.planes.side(mesh, face.index(), light),
         }
     }
 
     /// What was found and the single edges, in order.
-    fn gather(&mut self, singles: &[SilhouetteEdge], casters: Casters, silhouette: &mut Silhouette) {
+    fn gather(&mut self, singles: &[SilhouetteEdge], casters: CasterFaces, silhouette: &mut Silhouette) {
         // One face in front and one behind.
-        let magnitude = if casters == Casters::All { 2 } else { 1 };
+        let magnitude = if casters == CasterFaces::All { 2 } else { 1 };
         let edges = &mut silhouette.edges;
         edges.clear();
         edges.reserve(self.work.found.len() + singles.len());
@@ -385,7 +387,7 @@ fn walk(
         // By themselves, since they become vector instructions where they are written to memory.
         heights.resize(nodes.len(), Heights::default());
         for (&node, heights) in nodes.iter().zip(&mut *heights) {
-            levels[level][node as usize].heights(&light.quantised, heights);
+            levels[level][node as usize].heights(&light.quantized, heights);
         }
         next.resize(nodes.len() * WIDE, 0);
         let mut count = 0;
@@ -438,9 +440,10 @@ fn walk(
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::trial::{self, crumpled, light, scan};
     use super::*;
-    use crate::mesh::solid;
+    use crate::silhouette::test_support;
+    use crate::silhouette::test_support::{crumpled, light, scan};
+    use crate::testing::shapes;
 
     const NONE: Limits = Limits { open: usize::MAX, leaves: usize::MAX, found: usize::MAX };
 
@@ -453,7 +456,7 @@ mod tests {
     }
 
     fn agrees(mesh: &Mesh, topology: &Topology, tree: &mut SilhouetteTree, light: &Light) -> bool {
-        [Casters::All, Casters::Front].into_iter().all(|casters| {
+        [CasterFaces::All, CasterFaces::Front].into_iter().all(|casters| {
             let (silhouette, search) = tree.search(mesh, topology, light, casters);
             assert!(matches!(search, TreeSearch::Searched { .. }));
             silhouette == scan(mesh, topology, light, casters)
@@ -474,27 +477,27 @@ mod tests {
 
     #[test]
     fn silhouette_tree_searched_again_and_again_forgets_what_it_found() {
-        let mesh = solid::torus(40, 30, 2.0, 0.75);
+        let mesh = shapes::torus(40, 30, 2.0, 0.75);
         let (topology, mut tree) = built(&mesh);
-        for light in trial::lights(&mesh).iter().chain(trial::lights(&mesh).iter().rev()) {
+        for light in test_support::lights(&mesh).iter().chain(test_support::lights(&mesh).iter().rev()) {
             assert!(agrees(&mesh, &topology, &mut tree, light), "{light}");
         }
         // Also after a search that was given up.
         tree.limits.open = 0;
         let on_vertex = Light::point(mesh.positions()[7]).unwrap();
-        let (given_up, search) = tree.search(&mesh, &topology, &on_vertex, Casters::All);
+        let (given_up, search) = tree.search(&mesh, &topology, &on_vertex, CasterFaces::All);
         assert_eq!(search, TreeSearch::Scanned);
-        assert!(given_up == scan(&mesh, &topology, &on_vertex, Casters::All));
+        assert!(given_up == scan(&mesh, &topology, &on_vertex, CasterFaces::All));
         (tree.limits, tree.waiting) = (NONE, Waiting::default());
-        assert!(trial::lights(&mesh).iter().all(|light| agrees(&mesh, &topology, &mut tree, light)));
+        assert!(test_support::lights(&mesh).iter().all(|light| agrees(&mesh, &topology, &mut tree, light)));
     }
 
     #[test]
     fn silhouette_tree_leaves_out_most_of_a_sphere() {
-        let mesh = solid::icosphere(5);
+        let mesh = shapes::icosphere(5);
         let (topology, mut tree) = built(&mesh);
         let light = Light::point([3.0, 4.0, 5.0]).unwrap();
-        let TreeSearch::Searched { leaves, .. } = tree.search(&mesh, &topology, &light, Casters::All).1
+        let TreeSearch::Searched { leaves, .. } = tree.search(&mesh, &topology, &light, CasterFaces::All).1
         else {
             panic!("nothing is left open")
         };
@@ -503,17 +506,17 @@ mod tests {
 
     #[test]
     fn silhouette_tree_that_was_given_up_is_tried_again_and_is_right_all_the_while() {
-        let mesh = solid::torus(40, 30, 2.0, 0.75);
+        let mesh = shapes::torus(40, 30, 2.0, 0.75);
         let (topology, mut tree) = built(&mesh);
         tree.limits.leaves = 0;
         let light = Light::point([3.0, 4.0, 5.0]).unwrap();
-        let expected = scan(&mesh, &topology, &light, Casters::All);
+        let expected = scan(&mesh, &topology, &light, CasterFaces::All);
         let mut went = Vec::new();
         for i in 0..20 {
             if i == 5 {
                 tree.limits = NONE;
             }
-            let (silhouette, search) = tree.search(&mesh, &topology, &light, Casters::All);
+            let (silhouette, search) = tree.search(&mesh, &topology, &light, CasterFaces::All);
             assert_eq!(silhouette, expected);
             went.push(search == TreeSearch::Crowded);
         }
@@ -525,7 +528,7 @@ mod tests {
     /// Whether a faulty tree is found out by the lights of the comparison.
     fn caught(mesh: &Mesh, spoil: impl FnOnce(&mut SilhouetteTree)) -> bool {
         let (topology, mut tree) = built(mesh);
-        let lights = trial::lights(mesh);
+        let lights = test_support::lights(mesh);
         assert!(lights.iter().all(|light| agrees(mesh, &topology, &mut tree, light)));
         spoil(&mut tree);
         lights.iter().any(|light| !agrees(mesh, &topology, &mut tree, light))
@@ -533,7 +536,7 @@ mod tests {
 
     #[test]
     fn silhouette_tree_whose_edges_lack_their_second_plane_is_caught() {
-        assert!(caught(&solid::icosphere(3), |tree| {
+        assert!(caught(&shapes::icosphere(3), |tree| {
             for row in tree.store.leaves.iter_mut().flat_map(|leaf| &mut leaf.numbers) {
                 row.copy_within(..LEAF, LEAF);
             }
@@ -544,7 +547,7 @@ mod tests {
     fn silhouette_tree_with_planes_beyond_their_bound_is_caught() {
         // For lights one unit in the last place off a plane: 16 of an offset make up to 8 of a height, more than the
         // bound forgives.
-        assert!(caught(&solid::icosphere(3), |tree| {
+        assert!(caught(&shapes::icosphere(3), |tree| {
             for offsets in tree.store.leaves.iter_mut().map(|leaf| &mut leaf.numbers[3]) {
                 offsets.iter_mut().for_each(|offset| *offset += 16);
             }
@@ -553,7 +556,7 @@ mod tests {
 
     #[test]
     fn silhouette_tree_with_boxes_that_are_too_small_is_caught() {
-        assert!(caught(&solid::icosphere(3), |tree| {
+        assert!(caught(&shapes::icosphere(3), |tree| {
             for [low, high] in tree.store.levels.iter_mut().flatten().flat_map(|node| &mut node.0) {
                 *low = *high;
             }
@@ -562,6 +565,6 @@ mod tests {
 
     #[test]
     fn silhouette_tree_without_its_boundary_edges_is_caught() {
-        assert!(caught(&solid::mobius(24), |tree| tree.apart.clear()));
+        assert!(caught(&shapes::mobius(24), |tree| tree.apart.clear()));
     }
 }

@@ -31,9 +31,10 @@ pub(super) fn build(vertex_count: usize, triangles: Vec<[u32; 3]>) -> Topology {
 /// to 26 bytes a triangle of a closed mesh instead of 18.
 ///
 /// ```
-/// use umbrage::{mesh::solid, topology::TopologyBuilder};
+/// use umbrage::testing::shapes;
+/// use umbrage::topology::TopologyBuilder;
 /// let mut builder = TopologyBuilder::new();
-/// for mesh in [solid::cube(), solid::torus(12, 9, 2.0, 0.75)] {
+/// for mesh in [shapes::cube(), shapes::torus(12, 9, 2.0, 0.75)] {
 ///     let topology = builder.build(mesh.vertex_count(), mesh.triangles().to_vec());
 ///     assert!(topology.edge_counts().watertight());
 ///     let triangles = builder.recycle(topology);
@@ -238,8 +239,8 @@ fn sort_pairs<const N: usize>(lists: &[[i64; N]; LANES], sorted: &mut [[u32; N];
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::solid;
     use crate::random::SplitMix64;
+    use crate::testing::shapes;
     use crate::topology::has_collapsed;
     use crate::topology::sort::is_scattered;
 
@@ -267,7 +268,7 @@ mod tests {
     /// among the triangles of a sound surface.
     fn defective(seed: u64) -> (usize, Vec<[u32; 3]>) {
         let mut random = SplitMix64(seed);
-        let torus = solid::shuffled(&solid::torus(12, 9, 2.0, 0.75), seed);
+        let torus = shapes::shuffled(&shapes::torus(12, 9, 2.0, 0.75), seed);
         let vertices = torus.vertex_count() + 20;
         let mut triangles = torus.triangles().to_vec();
         for _ in 0..random.below(80) {
@@ -302,8 +303,8 @@ mod tests {
 
     #[test]
     fn build_takes_scattered_meshes_by_blocks() {
-        let torus = solid::torus(160, 120, 2.0, 0.75);
-        let mixed = solid::shuffled(&torus, 7);
+        let torus = shapes::torus(160, 120, 2.0, 0.75);
+        let mixed = shapes::shuffled(&torus, 7);
         assert!(!is_scattered(torus.vertex_count(), torus.triangles()));
         assert!(is_scattered(mixed.vertex_count(), mixed.triangles()));
         let built = build(mixed.vertex_count(), mixed.triangles().to_vec());
@@ -323,7 +324,7 @@ mod tests {
                 1 => (0, Vec::new()),
                 2 => {
                     let n = 3 + random.below(40) as u32;
-                    let torus = solid::torus(n, n, 2.0, 0.75);
+                    let torus = shapes::torus(n, n, 2.0, 0.75);
                     (torus.vertex_count(), torus.triangles().to_vec())
                 }
                 _ => (5, vec![[0, 1, 2], [2, 1, 0], [3, 3, 4]]),
@@ -355,7 +356,7 @@ mod tests {
         // beside each other, at every place of those that are sorted together.
         for faces in 1..=40_u32 {
             for closed in [false, true] {
-                let torus = solid::torus(12, 9, 2.0, 0.75);
+                let torus = shapes::torus(12, 9, 2.0, 0.75);
                 let first = torus.vertex_count() as u32;
                 let mut triangles = torus.triangles().to_vec();
                 let middle = faces % first;

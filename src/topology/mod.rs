@@ -1,4 +1,4 @@
-//! Who is whose neighbour: half-edges and edges of a triangle list, whatever its defects.
+//! Who is whose neighbor: half-edges and edges of a triangle list, whatever its defects.
 //!
 //! Topology never sees a position. Half-edge `h` is corner `h` of the triangle list, so its face is `h / 3`,
 //! its tail is the index there and `next` is arithmetic; what is stored is one table from each undirected edge
@@ -11,26 +11,19 @@
 
 mod bucket;
 mod build;
-mod crack;
-mod fan;
+pub(crate) mod fan;
 #[cfg(feature = "gpu")]
 mod gpu;
-mod intersect;
 mod network;
 mod part;
-mod screen;
 mod shell;
 mod sort;
 mod star;
 mod validate;
 
 pub use build::TopologyBuilder;
-pub use crack::{Counts, CrackReport, Defect, DefectKind, NearMiss, SelfIntersections, ShellReport};
 #[cfg(feature = "gpu")]
 pub use gpu::{GpuTopology, GpuTopologyBuilder};
-pub(crate) use intersect::{faces_with_area, for_each_intersection_among};
-pub use intersect::{for_each_self_intersection, self_intersections};
-pub use screen::Screen;
 pub use shell::{Components, Shells};
 
 use std::sync::OnceLock;
@@ -178,8 +171,9 @@ impl Topology {
     /// [`MAX_TRIANGLES`](crate::mesh::MAX_TRIANGLES).
     ///
     /// ```
-    /// use umbrage::{mesh::solid, topology::Topology};
-    /// let cube = solid::cube();
+    /// use umbrage::testing::shapes;
+    /// use umbrage::topology::Topology;
+    /// let cube = shapes::cube();
     /// let topology = Topology::build(cube.vertex_count(), cube.triangles().to_vec());
     /// assert_eq!(topology.edge_count(), 18);
     /// assert!(topology.edge_counts().watertight());

@@ -3,9 +3,9 @@
 use super::shell::Components;
 use super::star::NONE;
 
-/// The connected components of the vertices, met in ascending order with their smaller neighbours.
+/// The connected components of the vertices, met in ascending order with their smaller neighbors.
 ///
-/// Each vertex joins the tree of one smaller neighbour, or starts one: no search. Its other edges may join two
+/// Each vertex joins the tree of one smaller neighbor, or starts one: no search. Its other edges may join two
 /// trees; they wait until there are many, so that the trees at their ends are looked up side by side, wherever
 /// in memory they are, and only the edges between different trees go through union-find over the trees.
 pub(super) struct Parts {
@@ -36,7 +36,7 @@ impl Parts {
         }
     }
 
-    /// Adds a vertex and one of its smaller neighbours, if it has any. Vertices come once, in ascending order.
+    /// Adds a vertex and one of its smaller neighbors, if it has any. Vertices come once, in ascending order.
     #[inline]
     pub(super) fn add(&mut self, vertex: u32, smaller: Option<u32>) {
         match smaller {

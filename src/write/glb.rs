@@ -18,7 +18,7 @@ use super::{Elements, GENERATOR, Layer, Model, WriteError};
 
 /// Writes positions and `_W` as `f32`, indices as `u32`, each in a view of its own.
 ///
-/// A colour becomes an unlit, two-sided material, for readers without that extension one without metal or
+/// A color becomes an unlit, two-sided material, for readers without that extension one without metal or
 /// gloss. A layer without elements is a node without a mesh: the format has no empty accessor.
 pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteError> {
     let drawn = |layer: &&Layer| !layer.elements.is_empty();
@@ -129,7 +129,7 @@ impl File {
             extensions: None,
             extras: None,
             indices: Some(indices),
-            material: layer.colour.map(|colour| self.material(&layer.name, colour)),
+            material: layer.color.map(|color| self.material(&layer.name, color)),
             mode: Checked::Valid(mode),
             targets: None,
         }
@@ -174,17 +174,17 @@ impl File {
         })
     }
 
-    fn material(&mut self, name: &str, colour: [f32; 4]) -> Index<Material> {
+    fn material(&mut self, name: &str, color: [f32; 4]) -> Index<Material> {
         const UNLIT: &str = "KHR_materials_unlit";
         if self.root.extensions_used.is_empty() {
             self.root.extensions_used.push(UNLIT.to_owned());
         }
         self.root.push(Material {
-            alpha_mode: Checked::Valid(if colour[3] < 1.0 { AlphaMode::Blend } else { AlphaMode::Opaque }),
+            alpha_mode: Checked::Valid(if color[3] < 1.0 { AlphaMode::Blend } else { AlphaMode::Opaque }),
             double_sided: true,
             name: (!name.is_empty()).then(|| name.to_owned()),
             pbr_metallic_roughness: PbrMetallicRoughness {
-                base_color_factor: PbrBaseColorFactor(colour),
+                base_color_factor: PbrBaseColorFactor(color),
                 metallic_factor: StrengthFactor(0.0),
                 roughness_factor: StrengthFactor(1.0),
                 ..PbrMetallicRoughness::default()
@@ -201,7 +201,7 @@ mod tests {
     use gltf::Gltf;
     use gltf::mesh::{Mode, Semantic};
 
-    use crate::mesh::solid;
+    use crate::testing::shapes;
     use crate::write::{Elements, Layer, Model, Target, to_bytes};
 
     fn bytes(layers: Vec<Layer>) -> Vec<u8> {
@@ -234,7 +234,7 @@ mod tests {
                 gltf::accessor::Iter::<f32>::new(accessor, |_| Some(blob)).unwrap().collect()
             });
             let material = primitive.material();
-            layer.colour = material.index().map(|_| {
+            layer.color = material.index().map(|_| {
                 assert!(material.unlit() && material.double_sided());
                 material.pbr_metallic_roughness().base_color_factor()
             });
@@ -244,17 +244,17 @@ mod tests {
     }
 
     fn layers() -> Vec<Layer> {
-        let cube = Layer { name: "cube".to_owned(), ..Layer::from(&solid::cube()) };
+        let cube = Layer { name: "cube".to_owned(), ..Layer::from(&shapes::cube()) };
         let odd = vec![[f32::MIN_POSITIVE, f32::from_bits(1), 0.1], [f32::MAX, -f32::MAX, 1.0 / 3.0]];
         let lines = Layer {
             name: "silhouette \"é\"".to_owned(),
-            colour: Some([1.0, 0.5, 0.0, 0.25]),
+            color: Some([1.0, 0.5, 0.0, 0.25]),
             positions: odd,
             w: Some(vec![0.0, 1.0]),
             elements: Elements::Lines(vec![[0, 1], [1, 0]]),
             ..Layer::default()
         };
-        let points = Layer { elements: Elements::Points(vec![1, 1, 0]), colour: None, ..lines.clone() };
+        let points = Layer { elements: Elements::Points(vec![1, 1, 0]), color: None, ..lines.clone() };
         vec![cube, lines, points]
     }
 

@@ -5,7 +5,7 @@
 //! | positions, bit for bit | yes | yes | yes |
 //! | layers | objects | one after another, named in comments | nodes |
 //! | parts | groups | no | no |
-//! | colour | no | `red green blue alpha`, sRGB | an unlit material |
+//! | color | no | `red green blue alpha`, sRGB | an unlit material |
 //! | homogeneous w | no | `w` | attribute `_W` |
 //! | triangles, lines | `f`, `l` | elements `face`, `edge` | modes 4, 1 |
 //! | points | `p` | the vertices alone | mode 0 |
@@ -43,7 +43,7 @@ pub struct Layer {
     /// May be empty.
     pub name: String,
     /// Linear red, green, blue and opacity, each from 0 to 1.
-    pub colour: Option<[f32; 4]>,
+    pub color: Option<[f32; 4]>,
     /// Finite, in mesh units, right-handed.
     pub positions: Vec<[f32; 3]>,
     /// The homogeneous coordinate of each vertex, where there is one: 0 for what was clamped from infinity.
@@ -100,7 +100,7 @@ impl Elements {
 }
 
 impl From<&Mesh> for Layer {
-    /// A copy of the mesh's first frame, without colour.
+    /// A copy of the mesh's first frame, without color.
     fn from(mesh: &Mesh) -> Self {
         Self {
             name: mesh.name.clone(),
@@ -197,8 +197,9 @@ pub fn write_to(model: &Model, target: Target, writer: &mut dyn Write) -> Result
 /// [`WriteError`] if the model breaks the rules in [`Layer`] or is too large for the format.
 ///
 /// ```
-/// use umbrage::{mesh::solid, write::{Layer, Model, Target, to_bytes}};
-/// let model = Model { layers: vec![Layer::from(&solid::cube())] };
+/// use umbrage::testing::shapes;
+/// use umbrage::write::{Layer, Model, Target, to_bytes};
+/// let model = Model { layers: vec![Layer::from(&shapes::cube())] };
 /// assert!(to_bytes(&model, Target::Glb)?.starts_with(b"glTF"));
 /// # Ok::<(), umbrage::write::WriteError>(())
 /// ```
@@ -226,10 +227,10 @@ fn check(layer: &Layer) -> Result<(), (String, &'static str)> {
             return Err((format!("vertex {vertex} has w = {}", w[vertex]), "give it a finite w"));
         }
     }
-    if let Some(colour) = layer.colour
-        && !colour.iter().all(|channel| (0.0..=1.0).contains(channel))
+    if let Some(color) = layer.color
+        && !color.iter().all(|channel| (0.0..=1.0).contains(channel))
     {
-        return Err((format!("the colour is {colour:?}"), "keep each channel from 0 to 1"));
+        return Err((format!("the color is {color:?}"), "keep each channel from 0 to 1"));
     }
     if let Some(index) = layer.elements.indices().iter().find(|&&index| index as usize >= vertex_count) {
         return Err((format!("vertex {index} is named, of {vertex_count}"), "name vertices that exist"));
@@ -250,7 +251,7 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::mesh::solid;
+    use crate::testing::shapes;
 
     #[test]
     fn target_follows_the_extension() {
@@ -266,7 +267,7 @@ mod tests {
     #[test]
     fn write_makes_the_bytes_of_the_named_format() {
         let folder = tempfile::tempdir().unwrap();
-        let model = Model { layers: vec![Layer::from(&solid::cube())] };
+        let model = Model { layers: vec![Layer::from(&shapes::cube())] };
         for (name, target) in [("a.obj", Target::Obj), ("a.ply", Target::Ply), ("a.glb", Target::Glb)] {
             let path = folder.path().join(name);
             write(&model, &path).unwrap();
@@ -279,7 +280,7 @@ mod tests {
 
     #[test]
     fn write_of_a_bad_model_leaves_the_old_file() {
-        let sound = Layer::from(&solid::tetrahedron());
+        let sound = Layer::from(&shapes::tetrahedron());
         let part = |faces| Part { name: "p".to_owned(), faces };
         #[rustfmt::skip]
         let bad = [
@@ -287,7 +288,7 @@ mod tests {
             (Layer { positions: vec![[0.0; 3]; 3], ..sound.clone() }, "vertex 3 is named, of 3"),
             (Layer { w: Some(vec![1.0; 3]), ..sound.clone() }, "3 values of w for 4 vertices"),
             (Layer { w: Some(vec![f32::NAN; 4]), ..sound.clone() }, "w = NaN"),
-            (Layer { colour: Some([0.0, 0.0, 1.5, 1.0]), ..sound.clone() }, "the colour is"),
+            (Layer { color: Some([0.0, 0.0, 1.5, 1.0]), ..sound.clone() }, "the color is"),
             (Layer { parts: vec![part(0..5)], ..sound.clone() }, "the part \"p\" is 0..5, of 4"),
             (Layer { parts: vec![part(1..2), part(0..1)], ..sound.clone() }, "the part \"p\" is 0..1"),
         ];

@@ -63,7 +63,8 @@ fn plain(name: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use crate::mesh::{Part, solid};
+    use crate::mesh::Part;
+    use crate::testing::shapes;
     use crate::write::{Elements, Layer, Model, Target, to_bytes};
 
     fn text(layers: Vec<Layer>) -> String {
@@ -123,7 +124,7 @@ mod tests {
 
     #[test]
     fn obj_of_a_mesh_keeps_its_name_and_parts() {
-        let text = text(vec![Layer::from(&solid::hollow_cube())]);
+        let text = text(vec![Layer::from(&shapes::hollow_cube())]);
         let marks: Vec<_> = text.lines().filter(|line| line.starts_with(['o', 'g'])).collect();
         assert_eq!(marks, ["o hollow cube", "g outer", "g cavity"]);
         assert_eq!(text.lines().filter(|line| line.starts_with("f ")).count(), 24);

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use super::{Elements, GENERATOR, Layer, Model, WriteError};
 
-/// Writes the element `vertex` with `x y z`, then `red green blue alpha` where any layer has a colour (the
+/// Writes the element `vertex` with `x y z`, then `red green blue alpha` where any layer has a color (the
 /// others are opaque white), then `w` where any layer has one (the others have 1); the element `face` with a
 /// list of three indices, and the element `edge` with two, each where there are any. Points are vertices that
 /// no element names. A comment a layer tells them apart.
@@ -15,7 +15,7 @@ pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteEr
         let problem = format!("{vertex_count} vertices are more than PLY indices of 32 bits can name");
         return Err(WriteError::new(problem, "write fewer layers to a file"));
     }
-    let coloured = layers.iter().any(|layer| layer.colour.is_some());
+    let colored = layers.iter().any(|layer| layer.color.is_some());
     let homogeneous = layers.iter().any(|layer| layer.w.is_some());
     let faces: usize = layers.iter().map(|layer| triangles(layer).len()).sum();
     let edges: usize = layers.iter().map(|layer| lines(layer).len()).sum();
@@ -33,7 +33,7 @@ pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteEr
     }
     writeln!(writer, "element vertex {vertex_count}")?;
     writeln!(writer, "property float x\nproperty float y\nproperty float z")?;
-    if coloured {
+    if colored {
         for channel in ["red", "green", "blue", "alpha"] {
             writeln!(writer, "property uchar {channel}")?;
         }
@@ -50,13 +50,13 @@ pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteEr
     writeln!(writer, "end_header")?;
 
     for layer in layers {
-        let colour = bytes_of(layer.colour.unwrap_or([1.0; 4]));
+        let color = bytes_of(layer.color.unwrap_or([1.0; 4]));
         for (vertex, position) in layer.positions.iter().enumerate() {
             for x in position {
                 writer.write_all(&x.to_le_bytes())?;
             }
-            if coloured {
-                writer.write_all(&colour)?;
+            if colored {
+                writer.write_all(&color)?;
             }
             if homogeneous {
                 let w = layer.w.as_ref().map_or(1.0, |w| w[vertex]);
@@ -93,16 +93,16 @@ fn lines(layer: &Layer) -> &[[u32; 2]] {
     if let Elements::Lines(lines) = &layer.elements { lines } else { &[] }
 }
 
-/// Linear colour as PLY viewers take it: sRGB (IEC 61966-2-1) in eight bits, opacity linear.
-fn bytes_of(colour: [f32; 4]) -> [u8; 4] {
-    let [red, green, blue, alpha] = colour.map(f64::from);
+/// Linear color as PLY viewers take it: sRGB (IEC 61966-2-1) in eight bits, opacity linear.
+fn bytes_of(color: [f32; 4]) -> [u8; 4] {
+    let [red, green, blue, alpha] = color.map(f64::from);
     let curve = |x: f64| if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
     [curve(red), curve(green), curve(blue), alpha].map(|x| (x * 255.0).round() as u8)
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::mesh::solid;
+    use crate::testing::shapes;
     use crate::write::{Elements, Layer, Model, Target, to_bytes};
 
     /// The header's lines after the maker's, and the bytes after it.
@@ -161,9 +161,9 @@ mod tests {
     }
 
     #[test]
-    fn ply_colour_and_w_stand_in_every_vertex() {
+    fn ply_color_and_w_stand_in_every_vertex() {
         let mut marked = layer(Elements::Points(vec![]));
-        marked.colour = Some([1.0, 0.0, 0.214_041_14, 0.5]);
+        marked.color = Some([1.0, 0.0, 0.214_041_14, 0.5]);
         marked.w = Some(vec![0.0, 1.0, 2.0]);
         let (header, bytes) = parts(vec![marked, layer(Elements::Points(vec![]))]);
         let properties: Vec<_> = header.iter().filter_map(|line| line.strip_prefix("property ")).collect();
@@ -184,7 +184,7 @@ mod tests {
     fn ply_is_read_by_another_reader() {
         use ply_rs_bw::parser::Parser;
         use ply_rs_bw::ply::{DefaultElement, Property};
-        let cube = solid::cube();
+        let cube = shapes::cube();
         let bytes = to_bytes(&Model { layers: vec![Layer::from(&cube)] }, Target::Ply).unwrap();
         let ply = Parser::<DefaultElement>::new().read_ply(&mut bytes.as_slice()).unwrap();
         let read: Vec<_> = ply.payload["vertex"]

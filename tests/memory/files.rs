@@ -1,11 +1,11 @@
 //! Readers: ordinary files of every format, and small ones that claim to be large.
 
-use umbrage::mesh::solid;
 use umbrage::read::read_bytes;
 use umbrage::scene::Scope;
+use umbrage::testing::shapes;
 use umbrage::write::{Layer, Model, Target, to_bytes};
 
-use super::{alone, peak, shapes};
+use super::{alone, inputs, peak};
 
 /// What does not depend on the file: a buffer or two.
 const CONSTANT: usize = 1 << 20;
@@ -203,7 +203,7 @@ fn hostile() -> Vec<(&'static str, Vec<u8>)> {
 #[test]
 fn memory_of_an_ordinary_file_is_a_multiple_of_its_size() {
     let _alone = alone();
-    let mesh = solid::icosphere(6);
+    let mesh = shapes::icosphere(6);
     let model = Model { layers: vec![Layer::from(&mesh)] };
     let mut binary = vec![0; 80];
     binary.extend((mesh.face_count() as u32).to_le_bytes());
@@ -279,7 +279,7 @@ fn memory_of_instances_has_an_end() {
 #[test]
 fn memory_of_a_polygon_of_a_million_corners_is_that_of_its_triangles() {
     let _alone = alone();
-    let file = to_bytes(&Model { layers: vec![Layer::from(&shapes::fan(1_000_000))] }, Target::Ply).unwrap();
+    let file = to_bytes(&Model { layers: vec![Layer::from(&inputs::fan(1_000_000))] }, Target::Ply).unwrap();
     let (scene, bytes) = peak(|| read_bytes(&file, "fan.ply").unwrap());
     assert_eq!(scene.meshes[0].face_count(), 1_000_000);
     assert!(bytes < CONSTANT + BOUND * file.len(), "{bytes} for {}", file.len());

@@ -2,10 +2,11 @@
 //!
 //! `UMBRAGE_LARGE_FACES=100000000` takes some minutes, 5 GB of disk for a while, and 9 GB of memory.
 
+use umbrage::check::CrackReport;
 use umbrage::mesh::{Weld, weld_in_place};
 use umbrage::read::read;
 use umbrage::scene::Scope;
-use umbrage::topology::{CrackReport, Topology};
+use umbrage::topology::Topology;
 
 use super::{alone, peak};
 

@@ -5,7 +5,7 @@
 
 mod files;
 mod large;
-mod shapes;
+mod inputs;
 mod stack;
 mod stages;
 

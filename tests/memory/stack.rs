@@ -4,17 +4,20 @@
 
 use std::thread;
 
+use umbrage::caster::ShellProof;
+use umbrage::check::{CrackReport, DefectKind};
+use umbrage::facing::FacePlanes;
 use umbrage::geom::{Aabb, Light, Segment, bvh::Bvh};
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::Oracle;
 use umbrage::read::read_bytes;
 use umbrage::scene::Scope;
-use umbrage::silhouette::{FacePlanes, Silhouette};
-use umbrage::stencil::{ShellBoxes, most_layers};
-use umbrage::topology::{CrackReport, DefectKind, Topology};
-use umbrage::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof, WindingIndex};
+use umbrage::shadow::stencil::{ShellBoxes, max_depth_complexity};
+use umbrage::shadow::volume::{Caps, Faces, Plan, ShadowVolume, WindingIndex};
+use umbrage::silhouette::Silhouette;
+use umbrage::topology::Topology;
 
-use super::{alone, shapes};
+use super::{alone, inputs};
 
 const STACK_KIB: usize = 128;
 /// The JSON parser allows 128 levels, which take more than all else.
@@ -46,10 +49,10 @@ fn all_stages(mesh: &Mesh) {
     let _ = silhouette.loops(&topology);
     let volume = ShadowVolume::extrude(mesh, &topology, &light, &signs, &silhouette, Caps::Both);
     assert!(volume.boundary_sum().is_closed());
-    let _ = (most_layers(mesh, &signs, &light, 256), ShellBoxes::new(mesh, &shells));
+    let _ = (max_depth_complexity(mesh, &signs, &light, 256), ShellBoxes::new(mesh, &shells));
     let oracle = Oracle::build(mesh);
     let winding = WindingIndex::build(&volume, oracle.bounds());
-    let p = oracle.bounds().centre();
+    let p = oracle.bounds().center();
     let _ =
         (oracle.crossings(p, &light), oracle.first_visible([9.0, 9.0, 9.0], [-1.0; 3]), winding.number(p));
 }
@@ -57,7 +60,7 @@ fn all_stages(mesh: &Mesh) {
 #[test]
 fn stack_of_every_stage_is_small_on_every_shape() {
     let _alone = alone();
-    for (name, mesh) in shapes::all() {
+    for (name, mesh) in inputs::all() {
         eprintln!("{name}");
         on_a_small_stack(move || all_stages(&mesh));
     }
@@ -98,7 +101,7 @@ fn stack_of_a_tree_is_small_however_deep_it_could_be() {
 fn stack_of_many_faces_around_one_vertex_is_small() {
     let _alone = alone();
     on_a_small_stack(|| {
-        let mesh = shapes::fan(200_000);
+        let mesh = inputs::fan(200_000);
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let report = CrackReport::of(&mesh, &topology);
         assert_eq!((report.counts.shells, report.counts.boundary_loops), (1, 1));

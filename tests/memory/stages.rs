@@ -1,14 +1,17 @@
 //! Peak bytes a face of each stage, in memory that the caller does not hold already.
 
+use umbrage::caster::ShellProof;
+use umbrage::check::{CrackReport, DefectKind};
+use umbrage::facing::{FacePlanes, classify};
 use umbrage::geom::{Light, bvh::Bvh};
 use umbrage::mesh::{Weld, weld, weld_in_place};
 use umbrage::oracle::Oracle;
-use umbrage::silhouette::{FacePlanes, Silhouette, classify};
-use umbrage::stencil::{ShellBoxes, most_layers};
-use umbrage::topology::{CrackReport, DefectKind, Topology};
-use umbrage::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof, WindingIndex};
+use umbrage::shadow::stencil::{ShellBoxes, max_depth_complexity};
+use umbrage::shadow::volume::{Caps, Faces, Plan, ShadowVolume, WindingIndex};
+use umbrage::silhouette::Silhouette;
+use umbrage::topology::Topology;
 
-use super::{alone, peak, shapes};
+use super::{alone, inputs, peak};
 
 /// What the documentation of each stage allows: bytes a face (of the caster; of the volume for what reads one).
 const BOUNDS: [(&str, usize); 20] = [
@@ -58,7 +61,7 @@ fn memory_of_every_stage_is_what_its_documentation_says() {
     let _alone = alone();
     let light = Light::point([3.1, 7.3, 11.7]).unwrap();
     let mut beyond = Vec::new();
-    for (name, mesh) in shapes::all() {
+    for (name, mesh) in inputs::all() {
         let mut line = Vec::new();
         let mut note = |stage: &'static str, units: usize, bytes: usize| {
             line.push(format!("{stage} {:.1}", bytes as f64 / units as f64));
@@ -105,7 +108,7 @@ fn memory_of_every_stage_is_what_its_documentation_says() {
             peak(|| ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both));
         note("volume", faces + volume.triangles().len(), bytes);
         note("certificate", volume.triangles().len().max(1), peak(|| volume.boundary_sum()).1);
-        note("layers", faces, peak(|| most_layers(&mesh, &signs, &light, 256)).1);
+        note("layers", faces, peak(|| max_depth_complexity(&mesh, &signs, &light, 256)).1);
         note("shell boxes", faces, peak(|| ShellBoxes::new(&mesh, &shells)).1);
         let (oracle, bytes) = peak(|| Oracle::build(&mesh));
         note("oracle", faces, bytes);

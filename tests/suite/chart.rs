@@ -4,6 +4,7 @@
 mod drawn;
 
 use crate::plot::Curve;
+use crate::svg::{Axis, escaped, number, significant};
 use drawn::svg;
 
 fn curves() -> Vec<Curve> {
@@ -68,4 +69,29 @@ fn chart_of_a_single_point_is_one() {
     let point = Curve { name: "one".to_owned(), points: vec![[1000.0, 1.0]] };
     let text = svg("", &[point]);
     assert!(well_formed(&text) && !text.contains("NaN") && !text.contains("inf"), "{text}");
+}
+
+#[test]
+fn chart_axis_ends_just_around_its_values() {
+    let of = |values: &[f64]| Axis::around(values.iter().copied(), [0.0, 100.0]);
+    assert_eq!(of(&[0.3, 40.0]).ticks, [0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0]);
+    assert_eq!(of(&[10.0]).ticks, [10.0, 20.0]);
+    assert_eq!(of(&[3e-7, 0.5]).ticks, [1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0]);
+    let axis = of(&[1.0, 100.0]);
+    assert_eq!([1.0, 10.0, 100.0].map(|x| axis.place(x).round()), [0.0, 50.0, 100.0]);
+    for odd in [&[][..], &[0.0], &[1e-308, 1e308]] {
+        let axis = of(odd);
+        assert!(axis.ticks.len() > 1 && axis.ticks.iter().all(|tick| tick.is_finite()), "{odd:?}");
+    }
+}
+
+#[test]
+fn chart_numbers_are_short() {
+    assert_eq!([0.5, 999.0, 1e3, 1234567.0].map(number), ["0.5", "999", "1,000", "1,234,567"]);
+    assert_eq!([0.01234, 1.0, 12.34, 1234.5].map(significant), ["0.0123", "1.00", "12.3", "1234"]);
+}
+
+#[test]
+fn chart_text_holds_no_markup_and_no_control_characters() {
+    assert_eq!(escaped("a<b> & \u{1b}c"), "a&lt;b&gt; &amp; \u{fffd}c");
 }

@@ -16,7 +16,8 @@ use std::path::PathBuf;
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::{Map, Value};
-use umbrage::mesh::{Mesh, solid};
+use umbrage::mesh::Mesh;
+use umbrage::testing::shapes;
 use umbrage::write::{Layer, Model, write};
 
 use super::support::real_meshes;
@@ -39,8 +40,8 @@ impl Folder {
     /// The cube, closed and open, a file that is no mesh, and a folder.
     fn with_cubes() -> Self {
         let folder = Self::new();
-        folder.mesh("cube.obj", &solid::cube());
-        folder.mesh("open.obj", &solid::open_cube());
+        folder.mesh("cube.obj", &shapes::cube());
+        folder.mesh("open.obj", &shapes::open_cube());
         fs::write(folder.path("garbled.stl"), b"solid\nfacet normal 0 0\n").unwrap();
         fs::create_dir(folder.path("folder")).unwrap();
         folder
@@ -264,7 +265,7 @@ fn cli_refuses_values_that_mean_nothing() {
 #[test]
 fn cli_prints_the_same_on_any_number_of_threads() {
     let folder = Folder::with_cubes();
-    folder.mesh("knot.obj", &solid::torus(40, 30, 2.0, 1.9));
+    folder.mesh("knot.obj", &shapes::torus(40, 30, 2.0, 1.9));
     for command in ["check --self-intersections", "silhouette", "volume", "verify --points 1e3"] {
         let run = |threads: u32| folder.run(&format!("{command} knot.obj --json --threads {threads}"));
         let (one, more) = (run(1), run(3));
@@ -316,7 +317,7 @@ fn cli_leaves_nothing_half_written() {
 fn cli_is_quiet_when_the_pipe_is_closed() {
     let folder = Folder::new();
     // More than a pipe holds, so that the command meets the closed end while it writes.
-    folder.mesh("soup.obj", &solid::soup(&solid::icosphere(4)));
+    folder.mesh("soup.obj", &shapes::soup(&shapes::icosphere(4)));
     let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("umbrage"))
         .current_dir(folder.0.path())
         .args(["check", "soup.obj", "--weld", "none", "--json"])

@@ -1,13 +1,15 @@
 //! The comparison itself, on masks that no device made: right ones agree, and a single wrong pixel is called so.
 
-use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
-use umbrage::geom::{Light, Projection};
-use umbrage::mesh::{FaceId, Mesh, solid};
+use umbrage::facing::{CasterFaces, classify};
+use umbrage::geom::Light;
+use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::Oracle;
-use umbrage::scene::{Camera, Size, Up};
-use umbrage::silhouette::{Casters, classify};
-use umbrage::stencil::{Counting, ShadowMask};
+use umbrage::shadow::stencil::{Counting, ShadowMask};
+use umbrage::testing::shapes;
 use umbrage::topology::Topology;
+use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
+use umbrage::view::Projection;
+use umbrage::view::{Camera, Size, Up};
 
 struct Scene {
     mesh: Mesh,
@@ -29,7 +31,7 @@ impl Scene {
             oracle,
             projection: camera.projection(size, 0.01),
             size,
-            signs: Casters::All.signs(&classify(&mesh, &light)),
+            signs: CasterFaces::All.signs(&classify(&mesh, &light)),
             mesh,
             light,
         }
@@ -64,7 +66,7 @@ impl Scene {
 }
 
 fn knot() -> Scene {
-    let mesh = solid::torus_knot(2, 3, 80, 10, 0.3);
+    let mesh = shapes::torus_knot(2, 3, 80, 10, 0.3);
     Scene::new(mesh, Light::point([4.0, 6.0, 3.0]).unwrap())
 }
 
@@ -112,7 +114,7 @@ fn compare_calls_a_single_wrong_pixel_real_wherever_no_boundary_is_near() {
 #[test]
 fn compare_tells_overflow_from_other_mismatches() {
     // Against the light, where most of 300 shells are crossed twice.
-    let mesh = solid::nested_cubes(300);
+    let mesh = shapes::nested_cubes(300);
     let scene = Scene::new(mesh, Light::point([-900.0, -800.0, -950.0]).unwrap());
     let exact = scene.exact();
     let wrapped: Vec<_> = exact.iter().map(|count| count.map(|count| count & 255)).collect();
@@ -138,13 +140,13 @@ fn compare_tells_mismatches_of_unsure_faces_from_real_ones() {
 
 #[test]
 fn compare_far_from_the_origin_is_as_near_it() {
-    let mesh = solid::icosphere(2);
+    let mesh = shapes::icosphere(2);
     let far = [65_536.0, -131_072.0, 32_768.0];
     // On a coarse grid, so that moving it rounds nothing.
     let coarse = mesh.positions().iter().map(|p| p.map(|x| (x * 16.0).round() / 16.0)).collect();
     let mesh = Mesh::new(coarse, mesh.triangles().to_vec()).unwrap();
     let near = Scene::new(mesh.clone(), Light::point([4.0, 6.0, 3.0]).unwrap());
-    let moved = solid::translated(&mesh, far);
+    let moved = shapes::translated(&mesh, far);
     let mut there = Scene::new(moved, Light::point([0, 1, 2].map(|i| far[i] + [4.0, 6.0, 3.0][i])).unwrap());
     let eye = near.projection.eye.map(|x| (x * 16.0).round() / 16.0);
     let mut here = near;

@@ -2,9 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use umbrage::check::{CrackReport, DefectKind, self_intersections};
 use umbrage::geom::predicate::{Sign, collinear, orient3d, turn};
-use umbrage::mesh::{FaceId, Mesh, Weld, solid, weld};
-use umbrage::topology::{CrackReport, DefectKind, Topology, self_intersections};
+use umbrage::mesh::{FaceId, Mesh, Weld, weld};
+use umbrage::testing::shapes;
+use umbrage::topology::Topology;
 
 fn topology(mesh: &Mesh) -> Topology {
     Topology::build(mesh.vertex_count(), mesh.triangles().to_vec())
@@ -46,25 +48,25 @@ fn crack_counts_of_generated_meshes() {
     // χ, shells, closed, boundary edges, loops, non-manifold edges, misoriented, non-manifold vertices,
     // collapsed, zero area, duplicates same / opposite, exact T-junctions, inside out
     for (mesh, expected) in [
-        (solid::cube(), [2, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
-        (solid::icosphere(2), [2, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
-        (solid::torus(8, 6, 2.0, 1.0), [0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
-        (solid::menger_sponge(1), [-8, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
-        (solid::hollow_cube(), [4, 2, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
-        (solid::nested_cubes(5), [10, 5, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2]),
-        (solid::inside_out(&solid::cube()), [2, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]),
-        (solid::cubes_sharing_edge(), [3, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0]),
-        (solid::cubes_sharing_vertex(), [3, 2, 2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0]),
-        (solid::open_cube(), [1, 1, 0, 4, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
-        (solid::misoriented_cube(), [2, 1, 0, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0]),
-        (solid::duplicated_face(), [3, 1, 0, 0, 0, 3, 0, 0, 0, 0, 1, 0, 0, 0]),
-        (solid::double_sheet(), [3, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 2, 0, 0]),
-        (solid::t_junction(), [1, 1, 0, 3, 1, 0, 0, 0, 0, 0, 0, 0, 1, 0]),
-        (solid::collinear_face(), [2, 1, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0]),
-        (solid::mobius(9), [0, 1, 0, 18, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0]),
-        (solid::book(5), [1, 1, 0, 10, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0]),
-        (welded(&solid::uv_capsule(8, 3, 1.0, 1.0)), [2, 1, 1, 0, 0, 0, 0, 0, 16, 0, 0, 0, 0, 0]),
-        (solid::sliver(), [2, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
+        (shapes::cube(), [2, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
+        (shapes::icosphere(2), [2, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
+        (shapes::torus(8, 6, 2.0, 1.0), [0, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
+        (shapes::menger_sponge(1), [-8, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
+        (shapes::hollow_cube(), [4, 2, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
+        (shapes::nested_cubes(5), [10, 5, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2]),
+        (shapes::inside_out(&shapes::cube()), [2, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]),
+        (shapes::cubes_sharing_edge(), [3, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0]),
+        (shapes::cubes_sharing_vertex(), [3, 2, 2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0]),
+        (shapes::open_cube(), [1, 1, 0, 4, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
+        (shapes::misoriented_cube(), [2, 1, 0, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0]),
+        (shapes::duplicated_face(), [3, 1, 0, 0, 0, 3, 0, 0, 0, 0, 1, 0, 0, 0]),
+        (shapes::double_sheet(), [3, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 2, 0, 0]),
+        (shapes::t_junction(), [1, 1, 0, 3, 1, 0, 0, 0, 0, 0, 0, 0, 1, 0]),
+        (shapes::collinear_face(), [2, 1, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0]),
+        (shapes::mobius(9), [0, 1, 0, 18, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0]),
+        (shapes::book(5), [1, 1, 0, 10, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0]),
+        (welded(&shapes::uv_capsule(8, 3, 1.0, 1.0)), [2, 1, 1, 0, 0, 0, 0, 0, 16, 0, 0, 0, 0, 0]),
+        (shapes::sliver(), [2, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
         (mesh(&[], &[]), [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
         (mesh(&[[0.0; 3]], &[[0, 0, 0]; 3]), [0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0, 0, 0]),
     ] {
@@ -264,7 +266,7 @@ fn unshared(mesh: &Mesh) -> Vec<[u32; 2]> {
 fn crack_self_intersections_equal_separating_axes_over_all_pairs() {
     let mut met = 0;
     for seed in 0..600 {
-        let mesh = solid::soup(&soup(seed)); // no shared corner
+        let mesh = shapes::soup(&soup(seed)); // no shared corner
         let expected = naive_pairs(&mesh);
         assert_eq!(unshared(&mesh), expected, "{seed}");
         met += expected.len();
@@ -279,7 +281,7 @@ fn crack_self_intersections_equal_separating_axes_over_all_pairs() {
 }
 
 #[test]
-fn crack_self_intersections_of_neighbours_by_hand() {
+fn crack_self_intersections_of_neighbors_by_hand() {
     let [o, x, y, z] = [[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]];
     let count = |positions: &[[f32; 3]], g: [u32; 3]| {
         let mesh = mesh(positions, &[[0, 1, 2], g]);
@@ -305,14 +307,14 @@ fn crack_self_intersections_of_neighbours_by_hand() {
 #[test]
 fn crack_solids_are_free_of_self_intersections() {
     for mesh in
-        [solid::cube(), solid::icosphere(3), solid::menger_sponge(2), solid::torus_knot(2, 3, 60, 8, 0.2)]
+        [shapes::cube(), shapes::icosphere(3), shapes::menger_sponge(2), shapes::torus_knot(2, 3, 60, 8, 0.2)]
     {
         let mut report = report(&mesh);
         assert_eq!(report.count(DefectKind::SelfIntersection), None);
         report.add_self_intersections(&mesh, &topology(&mesh), 5);
         assert_eq!(report.count(DefectKind::SelfIntersection), Some(0), "{}", mesh.name);
     }
-    let mesh = solid::figure_eight_prism();
+    let mesh = shapes::figure_eight_prism();
     let mut report = report(&mesh);
     report.add_self_intersections(&mesh, &topology(&mesh), 1);
     let found = report.self_intersections.unwrap();
@@ -321,12 +323,12 @@ fn crack_solids_are_free_of_self_intersections() {
 
 #[test]
 fn crack_nesting_gives_depth_and_parent() {
-    let shells = report(&solid::nested_cubes(4)).shell_list;
+    let shells = report(&shapes::nested_cubes(4)).shell_list;
     assert_eq!(shells.iter().map(|shell| shell.depth).collect::<Vec<_>>(), [0, 1, 2, 3]);
     let parents: Vec<_> = shells.iter().map(|shell| shell.parent).collect();
     assert_eq!(parents, [None, Some(0), Some(1), Some(2)]);
     assert_eq!(shells.iter().map(|shell| shell.inside_out).collect::<Vec<_>>(), [false, true, false, true]);
-    let hollow = report(&solid::hollow_cube());
+    let hollow = report(&shapes::hollow_cube());
     assert!(hollow.counts.sound());
     assert_eq!(hollow.shell_list.iter().filter(|shell| shell.signed_volume < 0.0).count(), 1);
     assert_eq!(hollow.shell_list.iter().map(|shell| shell.depth).sum::<usize>(), 1);
@@ -340,13 +342,13 @@ fn crack_nesting_of_a_shell_that_merely_cuts_another_is_none() {
         &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
     );
     for (low, high, depth) in [(1.0, 4.0, 0), (1.0, 2.0, 1)] {
-        let both = Mesh::concat(&[big.clone(), solid::cuboid([low; 3], [high; 3])]).unwrap();
+        let both = Mesh::concat(&[big.clone(), shapes::cuboid([low; 3], [high; 3])]).unwrap();
         let shells = report(&both).shell_list;
         assert_eq!((shells[1].depth, shells[1].inside_out), (depth, depth == 1));
     }
     // In a corner that touches its container it still lies inside.
     let touching =
-        Mesh::concat(&[solid::cuboid([0.0; 3], [4.0; 3]), solid::cuboid([0.0; 3], [2.0; 3])]).unwrap();
+        Mesh::concat(&[shapes::cuboid([0.0; 3], [4.0; 3]), shapes::cuboid([0.0; 3], [2.0; 3])]).unwrap();
     assert_eq!(report(&touching).shell_list[1].depth, 1);
 }
 
@@ -358,17 +360,17 @@ fn crack_double_sided_sheets_are_not_inside_out() {
     assert!(shell.watertight && !shell.inside_out);
     assert_eq!(report_of_sheet.counts.duplicate_opposite_winding, 1);
     // One ulp of volume is enough to tell.
-    let sliver = report(&solid::inside_out(&solid::sliver()));
+    let sliver = report(&shapes::inside_out(&shapes::sliver()));
     assert_eq!(sliver.counts.inside_out_shells, 1);
 }
 
 #[test]
 fn crack_genus_needs_one_fan_a_vertex() {
     let genus = |mesh: &Mesh| report(mesh).shell_list.iter().map(|shell| shell.genus).collect::<Vec<_>>();
-    assert_eq!(genus(&solid::torus(8, 6, 2.0, 1.0)), [Some(1)]);
-    assert_eq!(genus(&solid::menger_sponge(1)), [Some(5)]);
-    assert_eq!(genus(&solid::cubes_sharing_vertex()), [Some(0), Some(0)]);
-    assert_eq!(genus(&solid::open_cube()), [None]);
+    assert_eq!(genus(&shapes::torus(8, 6, 2.0, 1.0)), [Some(1)]);
+    assert_eq!(genus(&shapes::menger_sponge(1)), [Some(5)]);
+    assert_eq!(genus(&shapes::cubes_sharing_vertex()), [Some(0), Some(0)]);
+    assert_eq!(genus(&shapes::open_cube()), [None]);
     // An octahedron whose poles are one vertex: one shell with two fans at it, χ 1.
     let rim = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0; 3]];
     let triangles: Vec<[u32; 3]> =
@@ -381,12 +383,12 @@ fn crack_genus_needs_one_fan_a_vertex() {
 #[test]
 fn crack_seams_close_at_the_distance_that_is_stated() {
     for (gap, closing) in [(0, [8; 4]), (4, [0, 8, 8, 8]), (50, [0, 0, 8, 8]), (500, [0, 0, 0, 8])] {
-        let found = report(&solid::seam(gap));
+        let found = report(&shapes::seam(gap));
         assert_eq!(found.counts.boundary_edges, 8);
         assert_eq!(found.near_miss.iter().map(|near| near.edges).collect::<Vec<_>>(), closing, "{gap} ulps");
         assert_eq!(found.counts.near_miss_edges, 8);
     }
-    assert_eq!(report(&solid::open_cube()).counts.near_miss_edges, 0);
+    assert_eq!(report(&shapes::open_cube()).counts.near_miss_edges, 0);
 }
 
 #[test]
@@ -402,7 +404,7 @@ fn crack_t_junctions_exact_and_rounded_are_told_apart() {
         let counts = report(&mesh).counts;
         assert_eq!((counts.t_junctions, counts.t_junctions_exact), expected, "{point:?}");
     }
-    let junction = solid::t_junction();
+    let junction = shapes::t_junction();
     let items = report(&junction).items(DefectKind::TJunction, &junction, &topology(&junction), 9);
     assert_eq!(items.len(), 1);
     assert_eq!(items[0].position, junction.positions()[8]);
@@ -411,17 +413,17 @@ fn crack_t_junctions_exact_and_rounded_are_told_apart() {
 #[test]
 fn crack_items_are_as_many_as_were_counted() {
     let meshes = [
-        solid::open_cube(),
-        solid::misoriented_cube(),
-        solid::duplicated_face(),
-        solid::cubes_sharing_vertex(),
-        solid::cubes_sharing_edge(),
-        solid::collinear_face(),
-        solid::t_junction(),
-        solid::seam(5),
-        solid::inside_out(&solid::cube()),
-        solid::figure_eight_prism(),
-        welded(&solid::uv_capsule(8, 3, 1.0, 1.0)),
+        shapes::open_cube(),
+        shapes::misoriented_cube(),
+        shapes::duplicated_face(),
+        shapes::cubes_sharing_vertex(),
+        shapes::cubes_sharing_edge(),
+        shapes::collinear_face(),
+        shapes::t_junction(),
+        shapes::seam(5),
+        shapes::inside_out(&shapes::cube()),
+        shapes::figure_eight_prism(),
+        welded(&shapes::uv_capsule(8, 3, 1.0, 1.0)),
     ];
     let mut seen = BTreeSet::new();
     for mesh in &meshes {
@@ -450,7 +452,7 @@ fn crack_items_are_as_many_as_were_counted() {
 fn crack_reports_survive_the_ends_of_the_domain() {
     // Does not panic, and the counts that no position can change are right.
     for scale in [1e-45_f32, 1e-38, 1e30, f32::MAX] {
-        for mut mesh in [solid::cube(), solid::open_cube(), solid::t_junction(), solid::nested_cubes(2)] {
+        for mut mesh in [shapes::cube(), shapes::open_cube(), shapes::t_junction(), shapes::nested_cubes(2)] {
             let edges = report(&mesh).counts.boundary_edges;
             let (positions, triangles, ..) = mesh.into_parts();
             let most = positions.iter().flatten().fold(0.0_f32, |most, x| most.max(x.abs()));
@@ -465,9 +467,9 @@ fn crack_reports_survive_the_ends_of_the_domain() {
 
 #[test]
 fn crack_totals_add_and_take_what_is_weakest() {
-    use umbrage::topology::Counts;
+    use umbrage::check::Counts;
     assert_eq!(Counts::total([]), None);
-    let [sound, open] = [solid::cube(), solid::open_cube()].map(|mesh| report(&mesh).counts);
+    let [sound, open] = [shapes::cube(), shapes::open_cube()].map(|mesh| report(&mesh).counts);
     let total = Counts::total([sound, open]).unwrap();
     assert_eq!((total.faces, total.boundary_edges, total.watertight), (22, 4, false));
     assert!(sound.sound() && !open.sound() && !total.sound());
@@ -503,7 +505,7 @@ fn crack_a_bar_through_a_u_is_not_nested_though_its_corners_are() {
         faces.extend([[i, next, next + 8], [i, next + 8, i + 8]]);
     }
     let u = Mesh::new(positions, faces).unwrap();
-    let bar = solid::cuboid([0.2, 2.0, 1.0], [2.8, 2.5, 2.0]);
+    let bar = shapes::cuboid([0.2, 2.0, 1.0], [2.8, 2.5, 2.0]);
     let both = Mesh::concat(&[u, bar]).unwrap();
     let topology = Topology::build(both.vertex_count(), both.triangles().to_vec());
     let report = CrackReport::of(&both, &topology);

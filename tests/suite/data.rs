@@ -6,11 +6,12 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::Once;
 
-use umbrage::mesh::solid::*;
+use umbrage::check::CrackReport;
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::read::{read, read_bytes};
 use umbrage::scene::{Scene, Scope};
-use umbrage::topology::{CrackReport, Topology};
+use umbrage::testing::shapes::*;
+use umbrage::topology::Topology;
 use umbrage::write::{Layer, Model, Target, to_bytes, write_atomic};
 
 /// A file, the mesh in it, and the closed form of its vertices as read and its edges, faces and Euler

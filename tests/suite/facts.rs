@@ -6,10 +6,11 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use umbrage::check::{Counts, CrackReport, ShellReport, self_intersections};
 use umbrage::geom::predicate::{Sign, orient3d};
 use umbrage::mesh::{FaceId, Mesh, Weld, weld};
 use umbrage::scene::Scope;
-use umbrage::topology::{Counts, CrackReport, ShellReport, Topology, self_intersections};
+use umbrage::topology::Topology;
 
 use crate::support::{facts, real_meshes};
 

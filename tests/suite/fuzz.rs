@@ -9,12 +9,15 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use body::{TARGETS, command, oracle, read, shadow, topology};
+use umbrage::check::CrackReport;
+use umbrage::facing::classify;
+use umbrage::geom::Facing;
 use umbrage::geom::Light;
-use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::Oracle;
 use umbrage::read::read_bytes;
-use umbrage::silhouette::{Facing, classify};
-use umbrage::topology::{CrackReport, Topology};
+use umbrage::testing::shapes;
+use umbrage::topology::Topology;
 
 /// The files of a folder of the project in the order of their names; none if there is no such folder.
 fn files(folder: &str) -> Vec<PathBuf> {
@@ -112,7 +115,7 @@ fn fuzz_arguments_stay_in_their_folder() {
 
 #[test]
 fn fuzz_a_wrong_answer_fails_its_target() {
-    let (cube, light) = (solid::cube(), Light::point([3.0, 4.0, 5.0]).unwrap());
+    let (cube, light) = (shapes::cube(), Light::point([3.0, 4.0, 5.0]).unwrap());
     let points = [[-3.0, -4.0, -5.0], [0.0, 0.0, 9.0]];
     let topology_of = |mesh: &Mesh| Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
     let with = |change: fn(&mut Vec<[u32; 3]>)| {
@@ -127,7 +130,7 @@ fn fuzz_a_wrong_answer_fails_its_target() {
     assert!(fails(|| topology::judge(&cube, &topology_of(&turned))));
 
     // Nothing is welded, or not as far as it should be.
-    let soup = solid::soup(&cube);
+    let soup = shapes::soup(&cube);
     assert!(!fails(|| topology::judge_exact_weld(&soup, &weld(&soup, Weld::Exact))));
     assert!(fails(|| topology::judge_exact_weld(&soup, &weld(&soup, Weld::None))));
     assert!(!fails(|| topology::judge_weld_within(&cube, 2.0, &weld(&cube, Weld::Within(2.0)))));

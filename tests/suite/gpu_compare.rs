@@ -1,17 +1,20 @@
 //! The comparison of pixels must find what is wrong, and call it by its name.
 
-use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
-use umbrage::geom::{Light, Projection};
+use umbrage::facing::{CasterFaces, classify};
+use umbrage::geom::Light;
 use umbrage::gpu::Gpu;
-use umbrage::mesh::{FaceId, Mesh, solid};
+use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::Oracle;
-use umbrage::scene::{Camera, Size, Up};
-use umbrage::silhouette::{Casters, Silhouette, classify};
-use umbrage::stencil::{
+use umbrage::shadow::stencil::{
     Asked, Caster, Counting, Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass,
 };
+use umbrage::shadow::volume::{Caps, Faces, GpuVolume, ShadowVolume};
+use umbrage::silhouette::Silhouette;
+use umbrage::testing::shapes;
 use umbrage::topology::Topology;
-use umbrage::volume::{Caps, Faces, GpuVolume, ShadowVolume};
+use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
+use umbrage::view::Projection;
+use umbrage::view::{Camera, Size, Up};
 
 use crate::support::gpu;
 
@@ -34,7 +37,7 @@ impl<'a> Scene<'a> {
     }
 
     fn signs(&self) -> Vec<i8> {
-        Casters::All.signs(&classify(self.mesh, &self.light))
+        CasterFaces::All.signs(&classify(self.mesh, &self.light))
     }
 
     /// What the device counts if faces cast with these signs.
@@ -66,7 +69,7 @@ impl<'a> Scene<'a> {
 
 /// A torus lit from above; the eye sees the shadow that one half casts on the other.
 fn torus() -> Mesh {
-    solid::torus(24, 12, 2.0, 0.7)
+    shapes::torus(24, 12, 2.0, 0.7)
 }
 
 #[test]
@@ -127,7 +130,7 @@ fn compare_finds_one_face_that_casts_no_shadow() {
 #[test]
 fn compare_calls_a_wrapped_stencil_an_overflow() {
     let Some(gpu) = gpu() else { return };
-    let mesh = solid::nested_cubes(300);
+    let mesh = shapes::nested_cubes(300);
     // The eye sees the dark sides of the outermost cube: each cube within is crossed twice.
     let scene = Scene::new(&mesh, [1000.0, 900.0, 800.0], [-1800.0, -1300.0, -1500.0], [0.0; 3]);
     let signs = scene.signs();

@@ -1,16 +1,18 @@
 //! Silhouettes and volumes that the device finds, against the processor's: the same lists, closed all the same.
 
+use umbrage::caster::ShellProof;
+use umbrage::facing::{CasterFaces, FacePlanes, classify};
+use umbrage::geom::Facing;
 use umbrage::geom::{Aabb, Light};
 use umbrage::gpu::{Gpu, wgpu};
-use umbrage::mesh::{FaceId, Mesh, Weld, solid, weld};
+use umbrage::mesh::{FaceId, Mesh, Weld, weld};
 use umbrage::scene::Scope;
-use umbrage::silhouette::{
-    Casters, FacePlanes, Facing, GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders, classify,
+use umbrage::shadow::volume::{
+    Caps, Faces, GpuExtrusion, GpuVolume, Part, Plan, ShadowVolume, VolumeShaders,
 };
+use umbrage::silhouette::{GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders};
+use umbrage::testing::shapes;
 use umbrage::topology::{GpuTopology, Topology};
-use umbrage::volume::{
-    Caps, Faces, GpuExtrusion, GpuVolume, Part, Plan, ShadowVolume, ShellProof, VolumeShaders,
-};
 
 use crate::support::{gpu, real_meshes};
 
@@ -49,14 +51,14 @@ impl<'a> Case<'a> {
     /// Everything for one light; how many faces were unsure.
     fn judge(&self, light: &Light, what: &str) -> usize {
         let facing = self.planes.classify(self.mesh, light);
-        self.silhouette.set_masks(&vec![Casters::All.mask(); self.mesh.face_count()]).unwrap();
+        self.silhouette.set_masks(&vec![CasterFaces::All.mask(); self.mesh.face_count()]).unwrap();
         let found = self.silhouette.find(self.mesh, light).unwrap();
         assert!(self.silhouette.download_facing().unwrap() == facing, "{what} {light}: other sides");
-        self.judge_volume(light, &Casters::All.signs(&facing), &found.silhouette, Caps::Both, what);
+        self.judge_volume(light, &CasterFaces::All.signs(&facing), &found.silhouette, Caps::Both, what);
 
-        self.silhouette.set_masks(&vec![Casters::Front.mask(); self.mesh.face_count()]).unwrap();
+        self.silhouette.set_masks(&vec![CasterFaces::Front.mask(); self.mesh.face_count()]).unwrap();
         let outline = self.silhouette.extract().unwrap();
-        self.judge_volume(light, &Casters::Front.signs(&facing), &outline, Caps::None, what);
+        self.judge_volume(light, &CasterFaces::Front.signs(&facing), &outline, Caps::None, what);
         found.unsure_faces
     }
 
@@ -102,10 +104,10 @@ fn parts_of(mesh: &Mesh, volume: &ShadowVolume) -> [Vec<[u32; 3]>; 3] {
 fn lights(mesh: &Mesh) -> [Light; 3] {
     let [low, high] = mesh.bounds().expect("it has faces");
     let bounds = Aabb { low, high };
-    let (centre, size) = (bounds.centre(), bounds.diagonal() as f32);
+    let (center, size) = (bounds.center(), bounds.diagonal() as f32);
     let size = size.min(f32::MAX / 4.0);
     [
-        Light::point([centre[0] + 0.7 * size, centre[1] + 1.1 * size, centre[2] + 0.4 * size]),
+        Light::point([center[0] + 0.7 * size, center[1] + 1.1 * size, center[2] + 0.4 * size]),
         Light::point(mesh.positions()[mesh.vertex_count() / 2]),
         Light::directional([0.0, -1.0, 0.0]),
     ]
@@ -142,28 +144,28 @@ fn collapsed() -> Mesh {
 #[test]
 fn gpu_silhouette_and_volume_of_hard_meshes_equal_the_processors() {
     let Some(device) = device() else { return };
-    let sphere = solid::icosphere(2);
+    let sphere = shapes::icosphere(2);
     let meshes = [
-        solid::mobius(24),
-        solid::book(18),
-        solid::double_sheet(),
-        solid::duplicated_face(),
-        solid::misoriented_cube(),
-        solid::collinear_face(),
-        solid::sliver(),
-        solid::uv_capsule(8, 2, 1.0, 0.5),
-        solid::shuffled(&solid::torus(24, 16, 2.0, 0.7), 7),
-        solid::soup(&sphere),
-        solid::menger_sponge(2),
+        shapes::mobius(24),
+        shapes::book(18),
+        shapes::double_sheet(),
+        shapes::duplicated_face(),
+        shapes::misoriented_cube(),
+        shapes::collinear_face(),
+        shapes::sliver(),
+        shapes::uv_capsule(8, 2, 1.0, 0.5),
+        shapes::shuffled(&shapes::torus(24, 16, 2.0, 0.7), 7),
+        shapes::soup(&sphere),
+        shapes::menger_sponge(2),
         collapsed(),
         Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap(),
         Mesh::new(vec![], vec![]).unwrap(),
         Mesh::new(vec![[1.0; 3]; 3], vec![[0, 1, 2]]).unwrap(),
-        solid::scaled(&sphere, 1e-30),
-        solid::scaled(&sphere, 1e-42), // below the normal range
-        solid::scaled(&sphere, 1e30),
-        solid::scaled(&solid::cube(), f32::MAX),
-        solid::translated(&solid::scaled(&sphere, 1e-4), [4096.0, -4096.0, 1.0]),
+        shapes::scaled(&sphere, 1e-30),
+        shapes::scaled(&sphere, 1e-42), // below the normal range
+        shapes::scaled(&sphere, 1e30),
+        shapes::scaled(&shapes::cube(), f32::MAX),
+        shapes::translated(&shapes::scaled(&sphere, 1e-4), [4096.0, -4096.0, 1.0]),
     ];
     let everywhere = ["point:0,0,0", "point:3,4,5", "point:1099511627776,0,1", "directional:1,-2,3"];
     let everywhere: Vec<Light> = everywhere.iter().map(|light| light.parse().unwrap()).collect();
@@ -179,8 +181,8 @@ fn gpu_silhouette_and_volume_of_hard_meshes_equal_the_processors() {
 #[test]
 fn gpu_silhouette_of_a_plan_casts_shell_by_shell() {
     let Some(device) = device() else { return };
-    let outward = solid::translated(&solid::icosphere(2), [5.0, 0.0, 0.0]);
-    let mesh = Mesh::concat(&[solid::inside_out(&solid::cube()), outward, solid::mobius(12)]).unwrap();
+    let outward = shapes::translated(&shapes::icosphere(2), [5.0, 0.0, 0.0]);
+    let mesh = Mesh::concat(&[shapes::inside_out(&shapes::cube()), outward, shapes::mobius(12)]).unwrap();
     let case = Case::new(&device, &mesh);
     let shells = case.topology.shells();
     let proofs = ShellProof::of(&mesh, &case.topology, &shells);
@@ -197,7 +199,7 @@ fn gpu_silhouette_of_a_plan_casts_shell_by_shell() {
 #[test]
 fn gpu_silhouette_recorded_with_its_volume_is_closed_even_where_f32_is_wrong() {
     let Some(device) = device() else { return };
-    let mesh = solid::menger_sponge(2);
+    let mesh = shapes::menger_sponge(2);
     let case = Case::new(&device, &mesh);
     // The light in many planes, of which f32 takes some for one side and some for the other.
     let light = Light::point(mesh.positions()[mesh.vertex_count() / 2]).unwrap();
@@ -223,12 +225,12 @@ fn gpu_silhouette_recorded_with_its_volume_is_closed_even_where_f32_is_wrong() {
 fn gpu_silhouette_longer_than_one_read_back_is_read_back_whole() {
     let Some(device) = device() else { return };
     // More faces left open, and more edges found, than come with the first copy.
-    let sponge = solid::menger_sponge(3);
+    let sponge = shapes::menger_sponge(3);
     let case = Case::new(&device, &sponge);
     let light = "directional:0,0,-1".parse().unwrap();
     assert!(case.silhouette.find(&sponge, &light).unwrap().unsure_faces > 4095);
     case.judge(&light, "menger sponge 3");
-    let soup = solid::soup(&solid::icosphere(5));
+    let soup = shapes::soup(&shapes::icosphere(5));
     let case = Case::new(&device, &soup);
     let light = "point:3,4,5".parse().unwrap();
     assert!(case.silhouette.find(&soup, &light).unwrap().silhouette.edges.len() > 16_384);
@@ -238,7 +240,7 @@ fn gpu_silhouette_longer_than_one_read_back_is_read_back_whole() {
 #[test]
 fn gpu_silhouette_of_positions_that_change_follows_them() {
     let Some(device) = device() else { return };
-    let mesh = solid::icosphere(3);
+    let mesh = shapes::icosphere(3);
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
     let positions: Vec<f32> = mesh.positions().concat();
     let bytes: Vec<u8> = positions.iter().flat_map(|x| x.to_ne_bytes()).collect();
@@ -263,7 +265,7 @@ fn gpu_silhouette_of_positions_that_change_follows_them() {
         device.gpu.queue().submit([encoder.finish()]);
         let facing = classify(&moved, &light);
         assert_eq!(silhouette.download_facing().unwrap(), facing, "in general position f32 is right");
-        let expected = Silhouette::extract(&topology, &Casters::All.signs(&facing));
+        let expected = Silhouette::extract(&topology, &CasterFaces::All.signs(&facing));
         assert_eq!(silhouette.extract().unwrap(), expected);
         assert!(facing.contains(&Facing::Front) && facing.contains(&Facing::Back));
     }

@@ -2,19 +2,22 @@
 //!
 //! `UMBRAGE_STENCIL_SIZE=512 cargo test --release --test suite stencil_pass_counts -- --nocapture` is the long form.
 
-use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
-use umbrage::geom::{Aabb, Light, Projection};
+use umbrage::geom::{Aabb, Light};
 use umbrage::glam::Vec3;
 use umbrage::gpu::{Gpu, wgpu};
-use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::{Oracle, Verdict};
-use umbrage::scene::{Camera, Scope, Size, Up};
-use umbrage::silhouette::{GpuCaster, GpuSilhouette, SilhouetteShaders};
-use umbrage::stencil::{
+use umbrage::scene::Scope;
+use umbrage::shadow::stencil::{
     Asked, Caster, Counting, Depth, Draw, Receivers, ShadowMask, StencilFrame, StencilMethod, StencilPass,
 };
+use umbrage::shadow::volume::{Caps, Faces, GpuExtrusion, GpuVolume, Part, VolumeShaders};
+use umbrage::silhouette::{GpuCaster, GpuSilhouette, SilhouetteShaders};
+use umbrage::testing::shapes;
 use umbrage::topology::GpuTopology;
-use umbrage::volume::{Caps, Faces, GpuExtrusion, GpuVolume, Part, VolumeShaders};
+use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
+use umbrage::view::Projection;
+use umbrage::view::{Camera, Size, Up};
 
 use crate::support::{gpu, real_meshes};
 
@@ -76,10 +79,10 @@ impl<'a> Stage<'a> {
 
 /// A point light outside, one inside the bounding box, and a directional one.
 fn lights(bounds: &Aabb) -> [Light; 3] {
-    let (centre, size) = (bounds.centre(), bounds.diagonal() as f32);
-    let inside = |i: usize| centre[i] + 0.21 * (bounds.high[i] - bounds.low[i]);
+    let (center, size) = (bounds.center(), bounds.diagonal() as f32);
+    let inside = |i: usize| center[i] + 0.21 * (bounds.high[i] - bounds.low[i]);
     [
-        Light::point([centre[0] + 0.7 * size, centre[1] + 1.1 * size, centre[2] + 0.4 * size]),
+        Light::point([center[0] + 0.7 * size, center[1] + 1.1 * size, center[2] + 0.4 * size]),
         Light::point([0, 1, 2].map(inside)),
         Light::directional([-0.3, -1.0, -0.45]),
     ]
@@ -89,19 +92,19 @@ fn lights(bounds: &Aabb) -> [Light; 3] {
 /// An eye outside, one in a shadow, one whose near plane cuts the mesh and its volume, and a wide view from close by.
 fn projections(oracle: &Oracle, light: &Light, size: Size) -> [(&'static str, Projection); 4] {
     let bounds = oracle.bounds();
-    let (centre, diagonal) = (bounds.centre(), bounds.diagonal() as f32);
+    let (center, diagonal) = (bounds.center(), bounds.diagonal() as f32);
     let outside = Camera::fit(&bounds, Up::Y, size.aspect());
-    let distance = (outside.eye - Vec3::from(centre)).as_dvec3().length() as f32;
+    let distance = (outside.eye - Vec3::from(center)).as_dvec3().length() as f32;
     let dark = (1..200_u32)
         .map(|i| {
             let turn = |k: u32| (i.wrapping_mul(k) >> 8) as f32 / (1 << 24) as f32 * 2.0 - 1.0;
             let unit = [0x9e37_79b1, 0x85eb_ca6b, 0xc2b2_ae35].map(turn);
-            [0, 1, 2].map(|i| centre[i] + 0.7 * diagonal * unit[i])
+            [0, 1, 2].map(|i| center[i] + 0.7 * diagonal * unit[i])
         })
         .find(|&p| oracle.verdict(p, light) == Verdict::Shadowed)
-        .unwrap_or(centre);
-    let inside = Camera::look_at(dark, centre.map(|x| x + 1e-3 * diagonal), 1.0, Up::Y).unwrap();
-    let close = [0, 1, 2].map(|i| centre[i] + 0.3 * (bounds.high[i] - bounds.low[i]));
+        .unwrap_or(center);
+    let inside = Camera::look_at(dark, center.map(|x| x + 1e-3 * diagonal), 1.0, Up::Y).unwrap();
+    let close = [0, 1, 2].map(|i| center[i] + 0.3 * (bounds.high[i] - bounds.low[i]));
     let wide = Camera::look_at(close, bounds.low, 120_f32.to_radians(), Up::Y).unwrap();
     let near = 1e-3 * diagonal;
     [
@@ -161,11 +164,11 @@ fn stencil_pass_adds_up_to_nothing_around_closed_volumes_and_to_something_withou
     let Some(gpu) = gpu() else { return };
     let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
     let solids = [
-        solid::torus_knot(2, 3, 120, 12, 0.3),
-        solid::mobius(40),
-        solid::sheet(3),
-        solid::menger_sponge(2),
-        solid::figure_eight_prism(),
+        shapes::torus_knot(2, 3, 120, 12, 0.3),
+        shapes::mobius(40),
+        shapes::sheet(3),
+        shapes::menger_sponge(2),
+        shapes::figure_eight_prism(),
         tangle(60),
     ];
     for mesh in solids {
@@ -186,27 +189,27 @@ fn stencil_pass_adds_up_to_nothing_around_closed_volumes_and_to_something_withou
 fn stencil_pass_holds_where_drawing_is_hard() {
     let Some(gpu) = gpu() else { return };
     let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
-    let cube = solid::cube();
+    let cube = shapes::cube();
     let mirrored =
-        Mesh::concat(&[cube.clone(), solid::inside_out(&solid::translated(&cube, [1.5, 0.25, 0.0]))]);
-    let touching = Mesh::concat(&[cube.clone(), solid::translated(&cube, [1.0, 0.0, 0.0])]);
+        Mesh::concat(&[cube.clone(), shapes::inside_out(&shapes::translated(&cube, [1.5, 0.25, 0.0]))]);
+    let touching = Mesh::concat(&[cube.clone(), shapes::translated(&cube, [1.0, 0.0, 0.0])]);
     let cases = [
-        ("one sheet", solid::sheet(2)),
-        ("a double sheet", solid::double_sheet()),
-        ("a Moebius strip", solid::mobius(24)),
-        ("eighteen faces on an edge", solid::book(18)),
+        ("one sheet", shapes::sheet(2)),
+        ("a double sheet", shapes::double_sheet()),
+        ("a Moebius strip", shapes::mobius(24)),
+        ("eighteen faces on an edge", shapes::book(18)),
         ("inside out beside right way out", mirrored.unwrap()),
         ("coincident edges of two meshes", touching.unwrap()),
-        ("a lobe of winding -1", solid::figure_eight_prism()),
-        ("a cavity", solid::hollow_cube()),
-        ("slivers", solid::sliver()),
-        ("a T-junction", solid::t_junction()),
-        ("poles of a capsule", solid::uv_capsule(12, 6, 0.5, 1.0)),
-        ("axis-aligned ties", solid::menger_sponge(1)),
+        ("a lobe of winding -1", shapes::figure_eight_prism()),
+        ("a cavity", shapes::hollow_cube()),
+        ("slivers", shapes::sliver()),
+        ("a T-junction", shapes::t_junction()),
+        ("poles of a capsule", shapes::uv_capsule(12, 6, 0.5, 1.0)),
+        ("axis-aligned ties", shapes::menger_sponge(1)),
         ("everything at once", tangle(40)),
-        ("small", solid::scaled(&solid::icosphere(2), 1e-30)),
-        ("large", solid::scaled(&solid::icosphere(2), 1e30)),
-        ("far from the origin", solid::translated(&solid::icosphere(2), [1e6, -2e6, 5e5])),
+        ("small", shapes::scaled(&shapes::icosphere(2), 1e-30)),
+        ("large", shapes::scaled(&shapes::icosphere(2), 1e30)),
+        ("far from the origin", shapes::translated(&shapes::icosphere(2), [1e6, -2e6, 5e5])),
         (
             "one triangle",
             Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]], vec![[0, 1, 2]]).unwrap(),
@@ -226,7 +229,7 @@ fn stencil_pass_holds_where_drawing_is_hard() {
                 Light::point(outside.eye),
                 Light::point(ahead(-diagonal)),
                 Light::point(ahead(outside.near)),
-                Light::point(bounds.centre().map(|x| x + (40_f32).exp2() * diagonal.min(1e20))),
+                Light::point(bounds.center().map(|x| x + (40_f32).exp2() * diagonal.min(1e20))),
                 Light::directional([0.0, -1.0, 0.0]),
                 Light::directional(outside.forward),
                 Light::directional(outside.forward.map(|x| -x)),
@@ -255,7 +258,7 @@ fn stencil_pass_counts_beyond_eight_bits_in_whole_numbers() {
     let Some(gpu) = gpu() else { return };
     let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
     for (shells, wraps) in [(60, false), (128, true), (256, true), (300, true)] {
-        let mesh = solid::nested_cubes(shells);
+        let mesh = shapes::nested_cubes(shells);
         let stage = Stage::new(&gpu, &pass, &mesh, Faces::All, 48);
         // Against the light, so that the dark sides are seen.
         let (_, projection) = projections(&stage.oracle, &Light::point([0.0; 3]).unwrap(), stage.size)[0];
@@ -282,7 +285,7 @@ fn stencil_pass_counts_beyond_eight_bits_in_whole_numbers() {
 fn stencil_pass_of_a_volume_without_a_face_is_caught() {
     let Some(gpu) = gpu() else { return };
     let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
-    let mesh = solid::torus_knot(2, 3, 60, 8, 0.3);
+    let mesh = shapes::torus_knot(2, 3, 60, 8, 0.3);
     let stage = Stage::new(&gpu, &pass, &mesh, Faces::All, 64);
     let light = lights(&stage.oracle.bounds())[0];
     let (_, projection) = projections(&stage.oracle, &light, stage.size)[0];
@@ -300,7 +303,7 @@ fn stencil_pass_of_a_volume_without_a_face_is_caught() {
 fn stencil_frame_in_a_callers_encoder_counts_as_the_pass_of_our_own() {
     let Some(gpu) = gpu() else { return };
     let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
-    let mesh = solid::torus_knot(2, 3, 80, 10, 0.3);
+    let mesh = shapes::torus_knot(2, 3, 80, 10, 0.3);
     let stage = Stage::new(&gpu, &pass, &mesh, Faces::All, 64);
     let shaders = SilhouetteShaders::new(&gpu).unwrap();
     let topology = GpuTopology::upload(&gpu, stage.caster.topology()).unwrap();

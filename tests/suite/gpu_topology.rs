@@ -49,7 +49,7 @@ fn gpu_topology_of_real_meshes_equals_the_hosts() {
 fn gpu_topology_of_a_mesh_changed_on_the_device_is_that_meshs() {
     let Some(gpu) = gpu() else { return };
     let builder = GpuTopologyBuilder::new(&gpu).unwrap();
-    let mesh = umbrage::mesh::solid::icosphere(3);
+    let mesh = umbrage::testing::shapes::icosphere(3);
     let mut topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
     let buffer: wgpu::Buffer = GpuTopology::upload(&gpu, &topology).unwrap().triangles;
     // Each frame another face collapses, as in a level-of-detail chain.

@@ -1,6 +1,8 @@
 //! Every integration test, one file a stage, named as in `src`.
 
 mod chart;
+#[path = "../../src/cli/chart.rs"]
+mod svg;
 mod cli;
 mod compare;
 mod crack;

@@ -25,7 +25,7 @@ use proptest::sample::Index;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, TestRunner};
 use umbrage::mesh::Mesh;
-use umbrage::strategy::{Case, cad, case, closed, damaged, soup, soup_at};
+use umbrage::testing::strategy::{Case, cad, case, closed, damaged, soup, soup_at};
 
 use answers::{Fault, Slip, Tally};
 

@@ -1,20 +1,22 @@
 //! The ray cast against a loop over all faces, and against whole numbers.
 
 use proptest::prelude::*;
+use umbrage::geom::Facing;
 use umbrage::geom::Light;
-use umbrage::mesh::{Mesh, solid};
-use umbrage::oracle::{Crossings, Meeting, Oracle, Verdict, meet, reference};
-use umbrage::silhouette::Facing;
-use umbrage::strategy::{light, place, soup};
+use umbrage::mesh::Mesh;
+use umbrage::oracle::{Crossings, Intersection, Oracle, Verdict, intersect};
+use umbrage::testing::shapes;
+use umbrage::testing::strategy::{light, place, soup};
+use umbrage::verify::reference;
 
 fn loop_over_all(mesh: &Mesh, p: [f32; 3], light: &Light) -> Crossings {
     let mut crossings = Crossings::default();
     for face in mesh.triangles() {
-        match meet(p, light, face.map(|v| mesh.positions()[v as usize])) {
-            Meeting::None => {}
-            Meeting::Touching => crossings.touching += 1,
-            Meeting::Crossing(Facing::Front) => crossings.front += 1,
-            Meeting::Crossing(_) => crossings.back += 1,
+        match intersect(p, light, face.map(|v| mesh.positions()[v as usize])) {
+            Intersection::None => {}
+            Intersection::Touching => crossings.touching += 1,
+            Intersection::Crossing(Facing::Front) => crossings.front += 1,
+            Intersection::Crossing(_) => crossings.back += 1,
         }
     }
     crossings
@@ -35,7 +37,7 @@ proptest! {
 
 #[test]
 fn oracle_a_lost_or_turned_face_is_seen_by_the_reference() {
-    let mesh = solid::icosphere(2);
+    let mesh = shapes::icosphere(2);
     let light = Light::point([0.3, 0.2, 5.0]).unwrap();
     let p = [0.1, 0.05, -3.0];
     let truth = reference(&mesh, p, &light).crossings;
@@ -43,7 +45,7 @@ fn oracle_a_lost_or_turned_face_is_seen_by_the_reference() {
     let (positions, mut triangles, ..) = mesh.into_parts();
     let hit = (0..triangles.len()).find(|&face| {
         let corners = triangles[face].map(|v| positions[v as usize]);
-        meet(p, &light, corners) == Meeting::Crossing(Facing::Front)
+        intersect(p, &light, corners) == Intersection::Crossing(Facing::Front)
     });
     triangles[hit.unwrap()].swap(1, 2);
     let turned = Mesh::new(positions.clone(), triangles.clone()).unwrap();
@@ -55,7 +57,7 @@ fn oracle_a_lost_or_turned_face_is_seen_by_the_reference() {
 
 #[test]
 fn oracle_a_sphere_shadows_what_lies_behind_it() {
-    let oracle = Oracle::build(&solid::icosphere(3));
+    let oracle = Oracle::build(&shapes::icosphere(3));
     let sun = Light::directional([0.0, -1.0, 0.0]).unwrap();
     assert_eq!(oracle.verdict([0.1, -7.0, 0.2], &sun), Verdict::Shadowed);
     assert_eq!(oracle.verdict([0.1, 7.0, 0.2], &sun), Verdict::Lit);
@@ -64,7 +66,7 @@ fn oracle_a_sphere_shadows_what_lies_behind_it() {
 
 #[test]
 fn oracle_first_hit_is_the_nearest_of_all_faces() {
-    let mesh = solid::torus(24, 12, 2.0, 0.7);
+    let mesh = shapes::torus(24, 12, 2.0, 0.7);
     let oracle = Oracle::build(&mesh);
     let eye = [0.3_f32, -6.0, 2.0];
     let mut hits = 0;
@@ -73,7 +75,10 @@ fn oracle_first_hit_is_the_nearest_of_all_faces() {
             let direction = [f32::from(x) * 0.031, 1.0, f32::from(z) * 0.023 - 0.3];
             let back = Light::directional(direction.map(|d| -d)).unwrap();
             let crossed = mesh.triangles().iter().filter(|face| {
-                matches!(meet(eye, &back, face.map(|v| mesh.positions()[v as usize])), Meeting::Crossing(_))
+                matches!(
+                    intersect(eye, &back, face.map(|v| mesh.positions()[v as usize])),
+                    Intersection::Crossing(_)
+                )
             });
             let hit = oracle.first_hit(eye, direction);
             assert_eq!(hit.is_some(), crossed.count() > 0);
@@ -91,11 +96,11 @@ fn oracle_first_hit_is_the_nearest_of_all_faces() {
 
 #[test]
 fn oracle_at_the_ends_of_f32_neither_overflows_nor_errs() {
-    let huge = solid::scaled(&solid::cube(), 3.4e38);
+    let huge = shapes::scaled(&shapes::cube(), 3.4e38);
     let light = Light::point([0.0, 0.0, 3.4e38]).unwrap();
     let oracle = Oracle::build(&huge);
     assert_eq!(oracle.verdict([1e30, 2e30, -3.39e38], &light), Verdict::Lit);
-    let tiny = solid::scaled(&solid::cube(), 1e-30);
+    let tiny = shapes::scaled(&shapes::cube(), 1e-30);
     let oracle = Oracle::build(&tiny);
     let far = Light::point([1.0e30, 2.0e30, 3.0e30]).unwrap();
     assert_eq!(oracle.verdict([-1e-29, -2e-29, -3e-29], &far), Verdict::Shadowed);

@@ -7,10 +7,11 @@ use glam::{DVec3, Vec3};
 
 use umbrage::geom::predicate::{Sign, side_of_point};
 use umbrage::geom::{Aabb, Light};
-use umbrage::mesh::{FaceId, Mesh, solid};
-use umbrage::oracle::{Meeting, Oracle, Verdict, meet};
-use umbrage::picture::{CLAY, Ground, Lamp, Line, Overlay, Picture, Spot, View};
-use umbrage::scene::{Camera, Pinhole, Size, Up};
+use umbrage::mesh::{FaceId, Mesh};
+use umbrage::oracle::{Intersection, Oracle, Verdict, intersect};
+use umbrage::render::{CLAY, Ground, Line, Marker, Overlay, Picture, ShadedLight, View};
+use umbrage::testing::shapes;
+use umbrage::view::{Camera, Pinhole, Size, Up};
 
 const QUIET: &(dyn Fn(u64) + Sync) = &|_| ();
 
@@ -29,7 +30,7 @@ fn bounds(mesh: &Mesh) -> Aabb {
 
 /// A sphere of radius 1 at height 2, and the floor at height 0.
 fn sphere_over_floor() -> Mesh {
-    let sphere = solid::translated(&solid::icosphere(3), [0.0, 2.0, 0.0]);
+    let sphere = shapes::translated(&shapes::icosphere(3), [0.0, 2.0, 0.0]);
     let floor = Mesh::new(
         vec![[-20.0, 0.0, 20.0], [20.0, 0.0, 20.0], [20.0, 0.0, -20.0], [-20.0, 0.0, -20.0]],
         vec![[0, 1, 2], [0, 2, 3]],
@@ -37,16 +38,16 @@ fn sphere_over_floor() -> Mesh {
     Mesh::concat(&[sphere, floor.unwrap()]).unwrap()
 }
 
-fn view<'a>(camera: Camera, size: Size, lamps: &'a [Lamp]) -> View<'a> {
+fn view<'a>(camera: Camera, size: Size, lamps: &'a [ShadedLight]) -> View<'a> {
     View { camera, size, lamps, up: Up::Y, ground: None, paint: &|_| CLAY, edge_samples: 1 }
 }
 
 /// By a loop over all triangles.
 fn naive_verdict(mesh: &Mesh, p: [f32; 3], light: &Light) -> Verdict {
-    let faces = (0..mesh.face_count()).map(|face| meet(p, light, mesh.corners(FaceId::new(face))));
+    let faces = (0..mesh.face_count()).map(|face| intersect(p, light, mesh.corners(FaceId::new(face))));
     faces.fold(Verdict::Lit, |verdict, meeting| match (verdict, meeting) {
-        (Verdict::Shadowed, _) | (_, Meeting::Crossing(_)) => Verdict::Shadowed,
-        (_, Meeting::Touching) => Verdict::Grazing,
+        (Verdict::Shadowed, _) | (_, Intersection::Crossing(_)) => Verdict::Shadowed,
+        (_, Intersection::Touching) => Verdict::Grazing,
         _ => verdict,
     })
 }
@@ -73,7 +74,7 @@ fn naive_light(
     let away = Light::directional(direction.map(|x| -x)).unwrap();
     let (face, t) = (0..mesh.face_count())
         .map(FaceId::new)
-        .filter(|&face| meet(eye, &away, mesh.corners(face)) != Meeting::None)
+        .filter(|&face| intersect(eye, &away, mesh.corners(face)) != Intersection::None)
         .filter(|&face| !side_of_point(mesh.corners(face), eye).is_zero())
         .map(|face| {
             let [a, b, c] = mesh.corners(face).map(wide);
@@ -107,7 +108,7 @@ fn naive_light(
         let h = (l - Vec3::from(direction)).normalize();
         let diffuse = normal.dot(l);
         if diffuse > 0.0 {
-            sum += Vec3::from(lamp.colour) * (base * diffuse + 0.12 * normal.dot(h).max(0.0).powi(32));
+            sum += Vec3::from(lamp.color) * (base * diffuse + 0.12 * normal.dot(h).max(0.0).powi(32));
         }
     }
     Some(sum)
@@ -121,7 +122,7 @@ fn linear(byte: u8) -> f32 {
 
 /// Pictures of a test are small.
 fn render(oracle: &Oracle, view: &View<'_>, progress: &(dyn Fn(u64) + Sync)) -> Picture {
-    umbrage::picture::render(oracle, view, progress).unwrap()
+    umbrage::render::render(oracle, view, progress).unwrap()
 }
 
 /// How many pixels of `picture` the naive renderer contradicts.
@@ -146,18 +147,18 @@ fn contradictions(mesh: &Mesh, view: &View<'_>, picture: &Picture, stand: Stand)
 
 #[test]
 fn picture_agrees_with_a_renderer_that_asks_every_triangle() {
-    let knot = solid::translated(&solid::torus_knot(2, 3, 40, 6, 0.4), [0.0, 3.0, 0.0]);
-    let sphere = solid::translated(&solid::icosphere(1), [3.0, 1.5, 1.0]);
+    let knot = shapes::translated(&shapes::torus_knot(2, 3, 40, 6, 0.4), [0.0, 3.0, 0.0]);
+    let sphere = shapes::translated(&shapes::icosphere(1), [3.0, 1.5, 1.0]);
     let scenes = [
-        Mesh::concat(&[knot, sphere, solid::scaled(&solid::sheet(3), 5.0)]).unwrap(),
-        solid::menger_sponge(1),
-        solid::open_cube(),
+        Mesh::concat(&[knot, sphere, shapes::scaled(&shapes::sheet(3), 5.0)]).unwrap(),
+        shapes::menger_sponge(1),
+        shapes::open_cube(),
     ];
     for mesh in scenes {
         let bounds = bounds(&mesh);
         let far = 2.0 * bounds.diagonal() as f32;
         let lights = [Light::point([far, far, 0.3 * far]).unwrap(), light("directional:0.3,-1,-0.2")];
-        let lamps = Lamp::equal(&lights);
+        let lamps = ShadedLight::equal(&lights);
         let size = size("64x48");
         let view = view(Camera::fit(&bounds, Up::Y, size.aspect()), size, &lamps);
         let picture = render(&Oracle::build(&mesh), &view, QUIET);
@@ -172,7 +173,7 @@ fn picture_agrees_with_a_renderer_that_asks_every_triangle() {
 fn picture_of_a_sphere_over_a_floor_is_dark_where_the_light_is_hidden() {
     let mesh = sphere_over_floor();
     let lamp = light("point:1,8,1");
-    let lamps = Lamp::equal(&[lamp]);
+    let lamps = ShadedLight::equal(&[lamp]);
     let size = size("160x120");
     let camera = Camera::look_at([0.0, 7.0, 12.0], [0.0, 1.0, 0.0], 0.7, Up::Y).unwrap();
     let view = view(camera, size, &lamps);
@@ -200,11 +201,11 @@ fn picture_of_a_sphere_over_a_floor_is_dark_where_the_light_is_hidden() {
 
 #[test]
 fn picture_bytes_do_not_depend_on_the_number_of_threads() {
-    let (mesh, ground) = Ground::under(solid::torus_knot(2, 3, 60, 8, 0.4), Up::Y).unwrap();
+    let (mesh, ground) = Ground::under(shapes::torus_knot(2, 3, 60, 8, 0.4), Up::Y).unwrap();
     let oracle = Oracle::build(&mesh);
-    let lamps = Lamp::equal(&[light("point:3,6,4"), light("directional:0.3,-1,-0.2")]);
+    let lamps = ShadedLight::equal(&[light("point:3,6,4"), light("directional:0.3,-1,-0.2")]);
     let size = size("96x64");
-    let camera = Camera::fit(&bounds(&solid::torus_knot(2, 3, 60, 8, 0.4)), Up::Y, size.aspect());
+    let camera = Camera::fit(&bounds(&shapes::torus_knot(2, 3, 60, 8, 0.4)), Up::Y, size.aspect());
     let view = View { ground: Some(ground), edge_samples: 2, ..view(camera, size, &lamps) };
     let steps = std::sync::atomic::AtomicU64::new(0);
     let count = |n| {
@@ -223,8 +224,8 @@ fn picture_bytes_do_not_depend_on_the_number_of_threads() {
 
 #[test]
 fn picture_with_smooth_edges_differs_at_edges_only() {
-    let mesh = solid::cube();
-    let lamps = Lamp::equal(&[light("directional:0.3,-1,-0.2")]);
+    let mesh = shapes::cube();
+    let lamps = ShadedLight::equal(&[light("directional:0.3,-1,-0.2")]);
     let size = size("64x48");
     let plain = view(Camera::fit(&bounds(&mesh), Up::Y, size.aspect()), size, &lamps);
     let oracle = Oracle::build(&mesh);
@@ -236,8 +237,8 @@ fn picture_with_smooth_edges_differs_at_edges_only() {
 
 #[test]
 fn png_reads_back_and_is_the_same_each_time() {
-    let mesh = solid::icosphere(1);
-    let lamps = Lamp::equal(&[light("point:3,6,4")]);
+    let mesh = shapes::icosphere(1);
+    let lamps = ShadedLight::equal(&[light("point:3,6,4")]);
     let size = size("33x17");
     let view = view(Camera::fit(&bounds(&mesh), Up::Y, size.aspect()), size, &lamps);
     let picture = render(&Oracle::build(&mesh), &view, QUIET);
@@ -261,14 +262,14 @@ fn png_reads_back_and_is_the_same_each_time() {
 
 #[test]
 fn overlay_lines_are_bright_in_front_and_dim_behind() {
-    let mesh = solid::cube();
+    let mesh = shapes::cube();
     let oracle = Oracle::build(&mesh);
     let Aabb { low, high } = oracle.bounds();
     let size = size("160x120");
     let red = [255, 0, 0];
     // The vertical edge nearest to the fitted camera, and the one that is hidden: a part away from corners.
     let heights = [0.25, 0.5].map(|part| low[1] + part * (high[1] - low[1]));
-    let edge = |x: f32, z: f32| Line { ends: heights.map(|y| [x, y, z]), colour: red };
+    let edge = |x: f32, z: f32| Line { ends: heights.map(|y| [x, y, z]), color: red };
     let plain = Overlay::default().render(&oracle, Up::Y, size, QUIET).unwrap();
     let redness = |line: Line| {
         let picture =
@@ -282,7 +283,7 @@ fn overlay_lines_are_bright_in_front_and_dim_behind() {
 
 #[test]
 fn overlay_draws_spots_tints_and_swatches() {
-    let mesh = solid::cube();
+    let mesh = shapes::cube();
     let oracle = Oracle::build(&mesh);
     let size = size("160x120");
     let blue = [0, 0, 255];
@@ -292,7 +293,7 @@ fn overlay_draws_spots_tints_and_swatches() {
         picture.pixels.iter().filter(|pixel| is_blue(pixel)).count()
     };
     assert_eq!(count(Overlay::default()), 0);
-    let spot = Spot { at: oracle.bounds().high, colour: blue };
+    let spot = Marker { at: oracle.bounds().high, color: blue };
     let spots = count(Overlay { spots: vec![spot], ..Overlay::default() });
     assert!((40..90).contains(&spots), "{spots}"); // a disc of radius 4.5
     let faces = (0..12).map(|face| (FaceId(face), blue)).collect();
@@ -302,13 +303,13 @@ fn overlay_draws_spots_tints_and_swatches() {
 
 #[test]
 fn overlay_survives_places_at_the_ends_of_the_range() {
-    let oracle = Oracle::build(&solid::cube());
+    let oracle = Oracle::build(&shapes::cube());
     let most = f32::MAX;
     let places = [[most; 3], [-most; 3], [0.0; 3], [most, 0.0, -most], [f32::from_bits(1); 3]];
     let ends = places.iter().flat_map(|&a| places.map(|b| [a, b]));
     let overlay = Overlay {
-        lines: ends.map(|ends| Line { ends, colour: [255, 0, 0] }).collect(),
-        spots: places.map(|at| Spot { at, colour: [255, 0, 0] }).to_vec(),
+        lines: ends.map(|ends| Line { ends, color: [255, 0, 0] }).collect(),
+        spots: places.map(|at| Marker { at, color: [255, 0, 0] }).to_vec(),
         faces: vec![(FaceId(999), [255, 0, 0])],
         legend: vec![[255, 0, 0]; 99],
     };

@@ -1,11 +1,13 @@
 //! The screen for balance against the edge table.
 
 use proptest::prelude::*;
-use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::check::Screen;
+use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::read;
 use umbrage::scene::Scope;
-use umbrage::strategy::soup;
-use umbrage::topology::{Screen, Topology};
+use umbrage::testing::shapes;
+use umbrage::testing::strategy::soup;
+use umbrage::topology::Topology;
 
 use super::support::real_meshes;
 
@@ -26,32 +28,32 @@ fn assert_same(mesh: &Mesh, screen: Screen) -> bool {
 
 fn solids() -> Vec<Mesh> {
     vec![
-        solid::cube(),
-        solid::cuboid([0.0; 3], [1.0, 2.0, 3.0]),
-        solid::tetrahedron(),
-        solid::octahedron(),
-        solid::icosphere(4),
-        solid::torus(40, 30, 2.0, 0.75),
-        solid::torus_knot(2, 3, 60, 8, 0.2),
-        solid::menger_sponge(2),
-        solid::hollow_cube(),
-        solid::nested_cubes(3),
-        solid::figure_eight_prism(),
-        solid::cubes_sharing_edge(),
-        solid::cubes_sharing_vertex(),
-        solid::sliver(),
-        solid::collinear_face(),
-        solid::double_sheet(),
-        solid::sheet(7),
-        solid::mobius(20),
-        solid::book(5),
-        solid::open_cube(),
-        solid::t_junction(),
-        solid::seam(6),
-        solid::uv_capsule(12, 4, 1.0, 2.0),
-        solid::duplicated_face(),
-        solid::misoriented_cube(),
-        solid::inside_out(&solid::cube()),
+        shapes::cube(),
+        shapes::cuboid([0.0; 3], [1.0, 2.0, 3.0]),
+        shapes::tetrahedron(),
+        shapes::octahedron(),
+        shapes::icosphere(4),
+        shapes::torus(40, 30, 2.0, 0.75),
+        shapes::torus_knot(2, 3, 60, 8, 0.2),
+        shapes::menger_sponge(2),
+        shapes::hollow_cube(),
+        shapes::nested_cubes(3),
+        shapes::figure_eight_prism(),
+        shapes::cubes_sharing_edge(),
+        shapes::cubes_sharing_vertex(),
+        shapes::sliver(),
+        shapes::collinear_face(),
+        shapes::double_sheet(),
+        shapes::sheet(7),
+        shapes::mobius(20),
+        shapes::book(5),
+        shapes::open_cube(),
+        shapes::t_junction(),
+        shapes::seam(6),
+        shapes::uv_capsule(12, 4, 1.0, 2.0),
+        shapes::duplicated_face(),
+        shapes::misoriented_cube(),
+        shapes::inside_out(&shapes::cube()),
     ]
 }
 
@@ -59,7 +61,7 @@ fn solids() -> Vec<Mesh> {
 fn screen_equals_the_edge_table_on_all_generated_solids() {
     let mut found = [0, 0];
     for mesh in solids() {
-        for mesh in [solid::soup(&mesh), solid::shuffled(&mesh, 3), mesh] {
+        for mesh in [shapes::soup(&mesh), shapes::shuffled(&mesh, 3), mesh] {
             found[usize::from(assert_same(&mesh, Screen::default()))] += 1;
         }
     }
@@ -93,7 +95,7 @@ proptest! {
 
 #[test]
 fn screen_sees_one_face_turned_or_dropped_wherever_it_stands() {
-    let sphere = solid::icosphere(2);
+    let sphere = shapes::icosphere(2);
     let faces = sphere.face_count();
     assert!(faces > 300, "several blocks and a part of one");
     for at in 0..faces {
@@ -107,14 +109,14 @@ fn screen_sees_one_face_turned_or_dropped_wherever_it_stands() {
             let broken = Mesh::new(sphere.positions().to_vec(), triangles).unwrap();
             assert!(!Screen::default().indices(broken.triangles()), "face {at}, turned: {turn}");
             assert!(!Screen::default().positions(&broken), "face {at}, turned: {turn}");
-            assert!(!Screen::default().positions(&solid::soup(&broken)), "face {at}, turned: {turn}");
+            assert!(!Screen::default().positions(&shapes::soup(&broken)), "face {at}, turned: {turn}");
         }
     }
 }
 
 #[test]
 fn screen_takes_every_frame_for_what_parts_vertices() {
-    let soup = solid::soup(&solid::cube());
+    let soup = shapes::soup(&shapes::cube());
     let frame = soup.positions().to_vec();
     let mut parted = frame.clone();
     parted[5][1] += 0.25;

@@ -1,12 +1,14 @@
 //! Tree, certificates and the choice between them against the scan, on whole meshes.
 
+use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::{Aabb, Light};
-use umbrage::mesh::{FaceId, Mesh, Weld, solid, weld};
+use umbrage::mesh::{FaceId, Mesh, Weld, weld};
 use umbrage::scene::Scope;
 use umbrage::silhouette::{
-    Casters, FacePlanes, KineticSilhouette, KineticStep, Silhouette, SilhouetteFinder, SilhouetteMethod,
-    SilhouetteTree, TreeSearch, classify,
+    KineticSilhouette, KineticStep, Silhouette, SilhouetteFinder, SilhouetteMethod, SilhouetteTree,
+    TreeSearch,
 };
+use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 
 use crate::support::real_meshes;
@@ -23,15 +25,15 @@ struct Taken {
 fn lights(mesh: &Mesh) -> Vec<Light> {
     let [low, high] = mesh.bounds().expect("it has faces");
     let bounds = Aabb { low, high };
-    let (centre, size) = (bounds.centre(), bounds.diagonal() as f32);
+    let (center, size) = (bounds.center(), bounds.diagonal() as f32);
     let size = size.min(f32::MAX / 8.0);
-    let at = |x: f32, y: f32, z: f32| [centre[0] + x * size, centre[1] + y * size, centre[2] + z * size];
+    let at = |x: f32, y: f32, z: f32| [center[0] + x * size, center[1] + y * size, center[2] + z * size];
     let [a, b, c] = mesh.corners(FaceId::new(mesh.face_count() / 2));
     let in_plane = [0, 1, 2].map(|i| 0.5 * a[i] + 0.25 * b[i] + 0.25 * c[i]);
     let points = [
         at(0.7, 1.1, 0.4),
         at(-4.0, 2.0, 3.0),
-        centre,
+        center,
         a,
         in_plane,
         in_plane.map(f32::next_up),
@@ -47,10 +49,10 @@ fn lights(mesh: &Mesh) -> Vec<Light> {
 fn walk(mesh: &Mesh, i: u16) -> Light {
     let [low, high] = mesh.bounds().expect("it has faces");
     let bounds = Aabb { low, high };
-    let (centre, size) = (bounds.centre(), (bounds.diagonal() as f32).min(f32::MAX / 8.0));
+    let (center, size) = (bounds.center(), (bounds.diagonal() as f32).min(f32::MAX / 8.0));
     let (jump, i) = (if i > 12 { 1.5 } else { 0.0 }, f32::from(if i == 7 { 6 } else { i }));
     let way = [0.6, 0.2 + jump + 1e-4 * i, 0.5 - 2e-5 * i];
-    Light::point([0, 1, 2].map(|axis| centre[axis] + way[axis] * size)).expect("finite")
+    Light::point([0, 1, 2].map(|axis| center[axis] + way[axis] * size)).expect("finite")
 }
 
 /// Every way against the scan.
@@ -61,7 +63,7 @@ fn judge(mesh: &Mesh, taken: &mut Taken) {
     for light in lights(mesh) {
         let facing = classify(mesh, &light);
         assert!(planes.classify(mesh, &light) == facing, "{} {light}: other sides", mesh.name);
-        for casters in [Casters::All, Casters::Front] {
+        for casters in [CasterFaces::All, CasterFaces::Front] {
             let expected = Silhouette::extract(&topology, &casters.signs(&facing));
             let (found, search) = tree.search(mesh, &topology, &light, casters);
             assert!(found == expected, "{} {light} {casters:?}: another silhouette, {search:?}", mesh.name);
@@ -71,7 +73,7 @@ fn judge(mesh: &Mesh, taken: &mut Taken) {
             }
         }
     }
-    let casters = Casters::All;
+    let casters = CasterFaces::All;
     let mut moving = KineticSilhouette::new(mesh, &topology, &mut tree, &walk(mesh, 0), casters);
     let mut finder = SilhouetteFinder::new(mesh, &topology, casters, usize::MAX);
     for light in (0..20).map(|i| walk(mesh, i)).chain(lights(mesh)) {
@@ -86,43 +88,43 @@ fn judge(mesh: &Mesh, taken: &mut Taken) {
 
 #[test]
 fn silhouette_by_every_way_is_that_of_the_scan_on_generated_meshes() {
-    let sphere = solid::icosphere(4);
+    let sphere = shapes::icosphere(4);
     let meshes = [
-        solid::cube(),
-        solid::tetrahedron(),
-        solid::octahedron(),
+        shapes::cube(),
+        shapes::tetrahedron(),
+        shapes::octahedron(),
         sphere.clone(),
-        solid::torus(60, 40, 2.0, 0.7),
-        solid::icosphere(6),
-        solid::torus(240, 160, 2.0, 0.7),
-        solid::shuffled(&solid::torus(200, 150, 2.0, 0.7), 3),
-        solid::torus_knot(2, 3, 120, 12, 0.3),
-        solid::shuffled(&solid::torus(60, 40, 2.0, 0.7), 7),
-        solid::hollow_cube(),
-        solid::nested_cubes(20),
-        solid::figure_eight_prism(),
-        solid::open_cube(),
-        solid::misoriented_cube(),
-        solid::duplicated_face(),
-        solid::t_junction(),
-        solid::collinear_face(),
-        solid::seam(1),
-        solid::sliver(),
-        solid::sheet(20),
-        solid::double_sheet(),
-        solid::mobius(24),
-        solid::book(18),
-        solid::uv_capsule(24, 8, 1.0, 0.5),
-        solid::menger_sponge(2),
-        solid::cubes_sharing_edge(),
-        solid::cubes_sharing_vertex(),
-        solid::inside_out(&sphere),
-        solid::soup(&solid::icosphere(2)),
-        solid::scaled(&sphere, 1e-30),
-        solid::scaled(&sphere, 1e-42), // below the normal range
-        solid::scaled(&sphere, 1e30),
-        solid::scaled(&solid::cube(), f32::MAX),
-        solid::translated(&solid::scaled(&sphere, 1e-4), [4096.0, -4096.0, 1.0]),
+        shapes::torus(60, 40, 2.0, 0.7),
+        shapes::icosphere(6),
+        shapes::torus(240, 160, 2.0, 0.7),
+        shapes::shuffled(&shapes::torus(200, 150, 2.0, 0.7), 3),
+        shapes::torus_knot(2, 3, 120, 12, 0.3),
+        shapes::shuffled(&shapes::torus(60, 40, 2.0, 0.7), 7),
+        shapes::hollow_cube(),
+        shapes::nested_cubes(20),
+        shapes::figure_eight_prism(),
+        shapes::open_cube(),
+        shapes::misoriented_cube(),
+        shapes::duplicated_face(),
+        shapes::t_junction(),
+        shapes::collinear_face(),
+        shapes::seam(1),
+        shapes::sliver(),
+        shapes::sheet(20),
+        shapes::double_sheet(),
+        shapes::mobius(24),
+        shapes::book(18),
+        shapes::uv_capsule(24, 8, 1.0, 0.5),
+        shapes::menger_sponge(2),
+        shapes::cubes_sharing_edge(),
+        shapes::cubes_sharing_vertex(),
+        shapes::inside_out(&sphere),
+        shapes::soup(&shapes::icosphere(2)),
+        shapes::scaled(&sphere, 1e-30),
+        shapes::scaled(&sphere, 1e-42), // below the normal range
+        shapes::scaled(&sphere, 1e30),
+        shapes::scaled(&shapes::cube(), f32::MAX),
+        shapes::translated(&shapes::scaled(&sphere, 1e-4), [4096.0, -4096.0, 1.0]),
         Mesh::new(vec![[1.0; 3]; 3], vec![[0, 1, 2]]).unwrap(),
         Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2], [0, 0, 1]]).unwrap(),
     ];
@@ -139,11 +141,11 @@ fn silhouette_of_an_empty_mesh_is_empty_by_every_way() {
     let topology = Topology::build(0, vec![]);
     let mut tree = SilhouetteTree::new(&mesh, &topology);
     let [a, b] = [1.0, 2.0].map(|x| Light::point([x, 0.0, 0.0]).unwrap());
-    assert_eq!(tree.silhouette(&mesh, &topology, &a, Casters::All), Silhouette::default());
-    let mut moving = KineticSilhouette::new(&mesh, &topology, &mut tree, &a, Casters::All);
+    assert_eq!(tree.silhouette(&mesh, &topology, &a, CasterFaces::All), Silhouette::default());
+    let mut moving = KineticSilhouette::new(&mesh, &topology, &mut tree, &a, CasterFaces::All);
     moving.step(&mesh, &topology, &mut tree, &b);
     assert!(moving.is_empty() && moving.changes().is_empty());
-    let mut finder = SilhouetteFinder::new(&mesh, &topology, Casters::All, usize::MAX);
+    let mut finder = SilhouetteFinder::new(&mesh, &topology, CasterFaces::All, usize::MAX);
     assert_eq!(finder.find(&mesh, &topology, &a).0, SilhouetteMethod::Scan);
     assert_eq!(finder.edges().count(), 0);
 }

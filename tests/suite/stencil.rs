@@ -2,14 +2,18 @@
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
-use umbrage::geom::{Light, Projection};
-use umbrage::mesh::{FaceId, Mesh, solid};
-use umbrage::oracle::{Meeting, Oracle, meet};
+use umbrage::facing::{CasterFaces, classify};
+use umbrage::geom::Light;
+use umbrage::mesh::{FaceId, Mesh};
+use umbrage::oracle::{Intersection, Oracle, intersect};
 use umbrage::scene::Scope;
-use umbrage::silhouette::{Casters, classify};
-use umbrage::stencil::{Asked, Layers, MethodPlan, Reason, ShellBoxes, StencilMethod, most_layers};
-use umbrage::strategy::{light, place, soup};
+use umbrage::shadow::stencil::{
+    Asked, DepthComplexity, MethodPlan, Reason, ShellBoxes, StencilMethod, max_depth_complexity,
+};
+use umbrage::testing::shapes;
+use umbrage::testing::strategy::{light, place, soup};
 use umbrage::topology::{Shells, Topology};
+use umbrage::view::Projection;
 
 use crate::support::real_meshes;
 
@@ -70,7 +74,7 @@ fn harmful(mesh: &Mesh, shells: &Shells, shell: usize, projection: &Projection, 
     let faces = (0..mesh.face_count()).filter(|&face| shells.of_face[face] == Some(shell as u32));
     faces.map(|face| mesh.corners(FaceId::new(face))).any(|corners| {
         let [a, b, c] = corners.map(wide);
-        places.iter().any(|&p| meet(p, light, corners) != Meeting::None)
+        places.iter().any(|&p| intersect(p, light, corners) != Intersection::None)
             || [a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, (a + b + c) / 3.0]
                 .into_iter()
                 .any(|place| shadow_meets(projection, light, place))
@@ -117,10 +121,11 @@ fn generic(count: u64, between: bool) -> impl Iterator<Item = (Mesh, Projection,
         let projection = turned(&ahead([0.1, 0.2, 0.3], 0.1), turn);
         let place = DVec3::new(20.0 * unit(), 20.0 * unit(), 20.0 * unit());
         let light = if k % 3 == 0 { Light::directional(narrow(-place)) } else { Light::point(narrow(place)) };
-        let shape = [solid::icosphere(1), solid::cube(), solid::torus(12, 8, 1.0, 0.4), solid::tetrahedron()];
+        let shape =
+            [shapes::icosphere(1), shapes::cube(), shapes::torus(12, 8, 1.0, 0.4), shapes::tetrahedron()];
         let scatter = DVec3::new(unit(), unit(), unit());
         let offset = if between { place * (0.5 + 0.3 * unit()) + 1.5 * scatter } else { 8.0 * scatter };
-        (solid::translated(&shape[k as usize % 4], narrow(offset)), projection, light.unwrap())
+        (shapes::translated(&shape[k as usize % 4], narrow(offset)), projection, light.unwrap())
     })
 }
 
@@ -177,7 +182,7 @@ fn zpass_faults_are_seen_by_the_samples() {
 #[test]
 fn zpass_hard_cases_of_light_and_camera() {
     use StencilMethod::{ZFail, ZPass};
-    let cube = solid::cuboid([-1.0; 3], [1.0; 3]);
+    let cube = shapes::cuboid([-1.0; 3], [1.0; 3]);
     let point = |x, y, z| Light::point([x, y, z]).unwrap();
     let sun = |x, y, z| Light::directional([x, y, z]).unwrap();
     let outside = ahead([0.0, 0.0, 8.0], 0.5);
@@ -246,10 +251,10 @@ fn zpass_hard_cases_of_light_and_camera() {
 
 #[test]
 fn zpass_does_not_depend_on_the_size_of_the_scene_until_numbers_leave_f32() {
-    let cube = solid::cuboid([-1.0; 3], [1.0; 3]);
+    let cube = shapes::cuboid([-1.0; 3], [1.0; 3]);
     for k in [-100, -60, 0, 60, 100] {
         let scale = 2.0_f32.powi(k);
-        let mesh = solid::scaled(&cube, scale);
+        let mesh = shapes::scaled(&cube, scale);
         let projection = ahead([0.0, 0.0, 8.0 * scale], 0.5 * scale);
         let method = |light: [f32; 3]| {
             auto(&mesh, &projection, &Light::point(light.map(|x| x * scale)).unwrap()).choices[0].method
@@ -258,7 +263,7 @@ fn zpass_does_not_depend_on_the_size_of_the_scene_until_numbers_leave_f32() {
         assert_eq!(method([0.0, 0.0, -9.0]), StencilMethod::ZFail, "2^{k}");
     }
     // Nothing is claimed where a shader's numbers may overflow, or of a projection that is none.
-    let huge = solid::cuboid([-3e38; 3], [3e38, 3e38, -1e38]);
+    let huge = shapes::cuboid([-3e38; 3], [3e38, 3e38, -1e38]);
     let light = Light::directional([0.0, 0.0, -1.0]).unwrap();
     assert_eq!(auto(&huge, &ahead([0.0; 3], 1.0), &light).choices[0].method, StencilMethod::ZFail);
     for broken in [
@@ -273,9 +278,9 @@ fn zpass_does_not_depend_on_the_size_of_the_scene_until_numbers_leave_f32() {
 
 #[test]
 fn zpass_is_decided_for_each_shell_by_itself() {
-    let aside = solid::translated(&solid::cube(), [40.0, 0.0, 0.0]);
-    let mesh =
-        Mesh::concat(&[solid::cube(), aside, solid::translated(&solid::cube(), [0.0, 0.0, -9.0])]).unwrap();
+    let aside = shapes::translated(&shapes::cube(), [40.0, 0.0, 0.0]);
+    let mesh = Mesh::concat(&[shapes::cube(), aside, shapes::translated(&shapes::cube(), [0.0, 0.0, -9.0])])
+        .unwrap();
     let (projection, light) = (ahead([0.0, 0.0, 8.0], 0.1), Light::point([0.0, 0.0, -5.0]).unwrap());
     let plan = auto(&mesh, &projection, &light);
     let methods: Vec<&str> = plan.choices.iter().map(|choice| choice.method.name()).collect();
@@ -314,8 +319,8 @@ fn most_seen(mesh: &Mesh, light: &Light) -> u32 {
     most
 }
 
-fn layers(mesh: &Mesh, light: &Light, limit: u32) -> Layers {
-    most_layers(mesh, &Casters::All.signs(&classify(mesh, light)), light, limit)
+fn layers(mesh: &Mesh, light: &Light, limit: u32) -> DepthComplexity {
+    max_depth_complexity(mesh, &CasterFaces::All.signs(&classify(mesh, light)), light, limit)
 }
 
 proptest! {
@@ -335,7 +340,7 @@ proptest! {
 
     #[test]
     fn layers_a_light_anywhere_around_a_surface_is_bounded(at in place(), torus in any::<bool>(), limit in 3_u32..80) {
-        let mesh = if torus { solid::torus(40, 20, 2.0, 0.75) } else { solid::icosphere(3) };
+        let mesh = if torus { shapes::torus(40, 20, 2.0, 0.75) } else { shapes::icosphere(3) };
         let light = Light::point(at).unwrap();
         let bound = layers(&mesh, &light, limit);
         prop_assert!(most_seen(&mesh, &light) <= bound.at_most());
@@ -352,21 +357,22 @@ fn layers_nested_cubes_reach_the_limit_when_they_do() {
         Light::point([0.3 * far, far, 0.2 * far]).unwrap(),
     ] {
         for (count, below) in [(100, true), (128, false), (256, false), (300, false)] {
-            let mesh = solid::nested_cubes(count);
+            let mesh = shapes::nested_cubes(count);
             let bound = layers(&mesh, &light, 256);
             // Both sides of every cube are crossed on the way through the middle.
             assert_eq!(most_seen(&mesh, &light).max(2 * count), 2 * count);
             assert!(bound.at_most() >= 2 * count, "{count}: {bound:?}");
             assert_eq!(bound.is_below(), below, "{count}: {bound:?}");
             // Half of them with front faces alone.
-            let front = most_layers(&mesh, &Casters::Front.signs(&classify(&mesh, &light)), &light, 256);
+            let front =
+                max_depth_complexity(&mesh, &CasterFaces::Front.signs(&classify(&mesh, &light)), &light, 256);
             assert!(front.at_most() >= count);
             assert_eq!(front.is_below(), count < 256, "{count}: {front:?}");
         }
         // The light in the middle: every cube once.
         let inside = Light::point([0.1, 0.2, 0.3]).unwrap();
-        assert!(layers(&solid::nested_cubes(60), &inside, 256).is_below());
-        assert!(!layers(&solid::nested_cubes(256), &inside, 256).is_below());
+        assert!(layers(&shapes::nested_cubes(60), &inside, 256).is_below());
+        assert!(!layers(&shapes::nested_cubes(256), &inside, 256).is_below());
     }
 }
 
@@ -378,23 +384,23 @@ fn layers_a_face_that_is_left_out_is_seen_by_the_rays() {
     let corners: Vec<[f32; 3]> = stack.chain((1..=40).map(|k| at(2.0 * k as f32, 0.0))).flatten().collect();
     let mesh = Mesh::new(corners, (0..50).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect()).unwrap();
     let light = Light::directional([0.01, 0.02, -1.0]).unwrap();
-    let mut signs = Casters::All.signs(&classify(&mesh, &light));
+    let mut signs = CasterFaces::All.signs(&classify(&mesh, &light));
     let seen = most_seen(&mesh, &light);
     assert_eq!(seen, 10);
-    assert!(most_layers(&mesh, &signs, &light, 11).is_below());
-    assert!(most_layers(&mesh, &signs, &light, 10).at_most() >= seen);
+    assert!(max_depth_complexity(&mesh, &signs, &light, 11).is_below());
+    assert!(max_depth_complexity(&mesh, &signs, &light, 10).at_most() >= seen);
     signs[4] = 0;
-    assert!(most_layers(&mesh, &signs, &light, 10).at_most() < seen, "the fault is not seen");
+    assert!(max_depth_complexity(&mesh, &signs, &light, 10).at_most() < seen, "the fault is not seen");
 }
 
 #[test]
 fn layers_fewer_faces_than_the_limit_need_no_search() {
     let light = Light::point([8.5, 9.5, 7.0]).unwrap();
-    assert_eq!(layers(&solid::cube(), &light, 256), Layers::Below(12));
-    assert_eq!(layers(&Mesh::default(), &light, 1), Layers::Below(0));
-    assert_eq!(layers(&Mesh::default(), &light, 0), Layers::Below(0));
+    assert_eq!(layers(&shapes::cube(), &light, 256), DepthComplexity::Below(12));
+    assert_eq!(layers(&Mesh::default(), &light, 1), DepthComplexity::Below(0));
+    assert_eq!(layers(&Mesh::default(), &light, 0), DepthComplexity::Below(0));
     assert_eq!(
-        layers(&solid::cube(), &light, 256).to_string(),
+        layers(&shapes::cube(), &light, 256).to_string(),
         "no ray from the light crosses more than 12 casting faces"
     );
 }
@@ -412,10 +418,10 @@ fn layers_of_real_meshes_fit_eight_bits() {
     ] {
         let meshes = umbrage::read::read(folder.join(name)).unwrap().bake(Scope::Scene).unwrap();
         let [low, high] = meshes[0].bounds().unwrap().map(wide);
-        let (centre, size) = ((low + high) / 2.0, (high - low).length());
+        let (center, size) = ((low + high) / 2.0, (high - low).length());
         for light in [
-            Light::point(narrow(centre + size * DVec3::new(0.8, 1.9, 1.1))),
-            Light::point(narrow(centre)),
+            Light::point(narrow(center + size * DVec3::new(0.8, 1.9, 1.1))),
+            Light::point(narrow(center)),
             Light::directional([-0.4, -1.0, -0.3]),
         ] {
             let light = light.unwrap();

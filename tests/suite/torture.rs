@@ -2,7 +2,7 @@
 //!
 //! `UMBRAGE_TORTURE_QUERIES=1000000000 cargo test --release --test suite torture_all -- --nocapture` is the long form.
 
-use umbrage::verify::torture::{Options, run};
+use umbrage::testing::torture::{Options, run};
 
 #[test]
 fn torture_all_judges_agree_and_plain_f32_does_not() {
@@ -13,7 +13,7 @@ fn torture_all_judges_agree_and_plain_f32_does_not() {
     eprintln!("{total:?}, rate of disagreement below {:?}", found.bound_95());
     assert!(found.agrees(), "{:?} {:?}", found.strata, found.disagreements);
     assert_eq!(total.queries, queries);
-    let tries = |row: &umbrage::verify::torture::Stratum| (row.queries - row.ties) as f64;
+    let tries = |row: &umbrage::testing::torture::Stratum| (row.queries - row.ties) as f64;
     let [generic, adversarial @ ..] = found.strata.as_slice() else { panic!("no strata") };
     assert_eq!(generic.name, "generic");
     for row in adversarial {

@@ -5,7 +5,7 @@
 use umbrage::geom::{Aabb, Light};
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::scene::Scope;
-use umbrage::verify::{Options, Stratum, Verifier};
+use umbrage::verify::points::{Options, Stratum, Verifier};
 
 use crate::support::real_meshes;
 
@@ -13,12 +13,12 @@ use crate::support::real_meshes;
 fn lights(mesh: &Mesh) -> [Light; 4] {
     let [low, high] = mesh.bounds().expect("a real mesh has faces");
     let bounds = Aabb { low, high };
-    let centre = bounds.centre();
+    let center = bounds.center();
     let size = bounds.diagonal() as f32;
     let vertex = mesh.positions()[mesh.vertex_count() / 2];
     [
-        Light::point([centre[0] + 0.7 * size, centre[1] + 1.1 * size, centre[2] + 0.4 * size]),
-        Light::point([0, 1, 2].map(|i| centre[i] + 0.21 * (high[i] - low[i]))),
+        Light::point([center[0] + 0.7 * size, center[1] + 1.1 * size, center[2] + 0.4 * size]),
+        Light::point([0, 1, 2].map(|i| center[i] + 0.21 * (high[i] - low[i]))),
         Light::point(vertex),
         Light::directional([0.0, -1.0, 0.0]),
     ]

@@ -5,13 +5,17 @@ use std::cell::Cell;
 use proptest::prelude::*;
 use proptest::sample::Index;
 use proptest::test_runner::{Config, TestRunner};
+use umbrage::caster::ShellProof;
+use umbrage::check::CrackReport;
+use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::{Aabb, Light};
-use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::Oracle;
-use umbrage::silhouette::{Casters, FacePlanes, Silhouette, classify};
-use umbrage::strategy::{light, place, soup};
-use umbrage::topology::{CrackReport, Topology};
-use umbrage::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof, Variant, WindingIndex, winding_number};
+use umbrage::shadow::volume::{Caps, Faces, Plan, ShadowVolume, Variant, WindingIndex, winding_number};
+use umbrage::silhouette::Silhouette;
+use umbrage::testing::shapes;
+use umbrage::testing::strategy::{light, place, soup};
+use umbrage::topology::Topology;
 
 fn topology(mesh: &Mesh) -> Topology {
     Topology::build(mesh.vertex_count(), mesh.triangles().to_vec())
@@ -31,7 +35,7 @@ proptest! {
         mesh in soup(40), light in light(), random in prop::collection::vec(-1_i8..=1, 40)
     ) {
         let facing = classify(&mesh, &light);
-        for signs in [Casters::All.signs(&facing), Casters::Front.signs(&facing), random[..mesh.face_count()].to_vec()] {
+        for signs in [CasterFaces::All.signs(&facing), CasterFaces::Front.signs(&facing), random[..mesh.face_count()].to_vec()] {
             prop_assert!(volume(&mesh, &light, &signs).boundary_sum().is_closed());
         }
     }
@@ -41,7 +45,7 @@ proptest! {
         mesh in soup(24), light in light(), points in prop::collection::vec(place(), 1..6)
     ) {
         let oracle = Oracle::build(&mesh);
-        let volume = volume(&mesh, &light, &Casters::All.signs(&classify(&mesh, &light)));
+        let volume = volume(&mesh, &light, &CasterFaces::All.signs(&classify(&mesh, &light)));
         let index = WindingIndex::build(&volume, Aabb { low: [-4.0; 3], high: [4.0; 3] });
         for p in points {
             let winding = winding_number(&volume, p);
@@ -110,10 +114,10 @@ fn volume_of_random_soups_with_random_signs_is_never_open_and_one_torn_face_open
 
 #[test]
 fn volume_of_the_wrong_signs_is_not_closed_and_a_dropped_triangle_changes_the_winding() {
-    let mesh = solid::icosphere(2);
+    let mesh = shapes::icosphere(2);
     let light = Light::point([0.2, 0.3, 4.0]).unwrap();
     let topology = topology(&mesh);
-    let mut signs = Casters::All.signs(&classify(&mesh, &light));
+    let mut signs = CasterFaces::All.signs(&classify(&mesh, &light));
     let silhouette = Silhouette::extract(&topology, &signs);
     let sound = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
     assert_eq!(winding_number(&sound, [0.1, 0.2, -5.0]), Some(2));
@@ -137,20 +141,20 @@ fn silhouette_of_solids_has_the_counts_of_its_closed_form() {
     let sun = |x, y, z| Light::directional([x, y, z]).unwrap();
     let at = |x, y, z| Light::point([x, y, z]).unwrap();
     for (name, mesh, light, all, front, loops) in [
-        ("cube, body diagonal", solid::cube(), sun(-1.0, -1.0, -1.0), 6, 6, 1),
-        ("cube, axis", solid::cube(), sun(0.0, 0.0, -1.0), 8, 4, 2),
-        ("cube, face diagonal", solid::cube(), sun(-1.0, -1.0, 0.0), 10, 6, 1),
-        ("cube, light inside", solid::cube(), at(0.1, 0.2, 0.3), 0, 0, 0),
-        ("tetrahedron from afar", solid::tetrahedron(), at(9.0, 8.0, 7.5), 3, 3, 1),
-        ("octahedron, generic", solid::octahedron(), sun(-0.5, -0.3, -0.2), 6, 6, 1),
-        ("sheet, facing the light", solid::sheet(3), at(0.3, 0.2, 5.0), 12, 12, 1),
-        ("sheet, facing away", solid::sheet(3), at(0.3, 0.2, -5.0), 12, 0, 1),
-        ("sheet, edge-on", solid::sheet(3), sun(1.0, 0.0, 0.0), 0, 0, 0),
+        ("cube, body diagonal", shapes::cube(), sun(-1.0, -1.0, -1.0), 6, 6, 1),
+        ("cube, axis", shapes::cube(), sun(0.0, 0.0, -1.0), 8, 4, 2),
+        ("cube, face diagonal", shapes::cube(), sun(-1.0, -1.0, 0.0), 10, 6, 1),
+        ("cube, light inside", shapes::cube(), at(0.1, 0.2, 0.3), 0, 0, 0),
+        ("tetrahedron from afar", shapes::tetrahedron(), at(9.0, 8.0, 7.5), 3, 3, 1),
+        ("octahedron, generic", shapes::octahedron(), sun(-0.5, -0.3, -0.2), 6, 6, 1),
+        ("sheet, facing the light", shapes::sheet(3), at(0.3, 0.2, 5.0), 12, 12, 1),
+        ("sheet, facing away", shapes::sheet(3), at(0.3, 0.2, -5.0), 12, 0, 1),
+        ("sheet, edge-on", shapes::sheet(3), sun(1.0, 0.0, 0.0), 0, 0, 0),
     ] {
         let topology = topology(&mesh);
         let facing = classify(&mesh, &light);
-        let of_all = Silhouette::extract(&topology, &Casters::All.signs(&facing));
-        let of_front = Silhouette::extract(&topology, &Casters::Front.signs(&facing));
+        let of_all = Silhouette::extract(&topology, &CasterFaces::All.signs(&facing));
+        let of_front = Silhouette::extract(&topology, &CasterFaces::Front.signs(&facing));
         assert_eq!(
             (of_all.edges.len(), of_front.edges.len(), of_all.loops(&topology).len()),
             (all, front, loops),
@@ -163,9 +167,9 @@ fn silhouette_of_solids_has_the_counts_of_its_closed_form() {
 #[test]
 fn silhouette_multiplicity_counts_every_page_of_a_book() {
     for pages in [1, 3, 5, 9, 18] {
-        let mesh = solid::book(pages);
+        let mesh = shapes::book(pages);
         let light = Light::point([0.37, 0.21, 11.0]).unwrap();
-        let signs = Casters::All.signs(&classify(&mesh, &light));
+        let signs = CasterFaces::All.signs(&classify(&mesh, &light));
         let volume = volume(&mesh, &light, &signs);
         assert!(volume.boundary_sum().is_closed(), "{pages} pages");
         let casting = signs.iter().filter(|&&sign| sign != 0).count();
@@ -189,16 +193,16 @@ fn plan_halves_only_what_is_proven() {
     let on_face = Light::point([0.1, 0.2, 1.0]).unwrap();
     let sun = Light::directional([1.0, -2.0, 3.0]).unwrap();
     for (name, mesh, light, expected) in [
-        ("cube", solid::cube(), outside, Variant::FrontOnly),
-        ("cube, sun", solid::cube(), sun, Variant::FrontOnly),
-        ("cube, light inside", solid::cube(), inside, Variant::General),
-        ("cube, light on a face", solid::cube(), on_face, Variant::General),
-        ("cube inside out", solid::inside_out(&solid::cube()), outside, Variant::BackOnly),
-        ("open cube", solid::open_cube(), outside, Variant::General),
-        ("figure eight", solid::figure_eight_prism(), outside, Variant::General),
-        ("sheet", solid::sheet(2), outside, Variant::General),
-        ("Möbius strip", solid::mobius(24), outside, Variant::General),
-        ("misoriented cube", solid::misoriented_cube(), outside, Variant::General),
+        ("cube", shapes::cube(), outside, Variant::FrontOnly),
+        ("cube, sun", shapes::cube(), sun, Variant::FrontOnly),
+        ("cube, light inside", shapes::cube(), inside, Variant::General),
+        ("cube, light on a face", shapes::cube(), on_face, Variant::General),
+        ("cube inside out", shapes::inside_out(&shapes::cube()), outside, Variant::BackOnly),
+        ("open cube", shapes::open_cube(), outside, Variant::General),
+        ("figure eight", shapes::figure_eight_prism(), outside, Variant::General),
+        ("sheet", shapes::sheet(2), outside, Variant::General),
+        ("Möbius strip", shapes::mobius(24), outside, Variant::General),
+        ("misoriented cube", shapes::misoriented_cube(), outside, Variant::General),
     ] {
         let mesh = weld(&mesh, Weld::Exact).mesh;
         let topology = topology(&mesh);
@@ -242,9 +246,9 @@ fn plan_goes_by_the_exact_sign_of_a_volume_that_rounding_gets_wrong() {
 #[test]
 fn plan_front_faces_of_an_unproven_shell_are_wrong_somewhere() {
     // Why the proof is asked for: the negative lobe of a figure eight loses its shadow.
-    let mesh = solid::figure_eight_prism();
+    let mesh = shapes::figure_eight_prism();
     let light = Light::point([30.0, 50.0, 70.0]).unwrap();
-    let volume = volume(&mesh, &light, &Casters::Front.signs(&classify(&mesh, &light)));
+    let volume = volume(&mesh, &light, &CasterFaces::Front.signs(&classify(&mesh, &light)));
     let oracle = Oracle::build(&mesh);
     let bounds = oracle.bounds();
     let mut wrong = 0;
@@ -264,9 +268,9 @@ fn plan_front_faces_of_an_unproven_shell_are_wrong_somewhere() {
 
 #[test]
 fn volume_exports_are_as_near_as_they_say() {
-    let mesh = solid::icosphere(1);
+    let mesh = shapes::icosphere(1);
     let light = Light::point([0.1, 0.2, 0.3]).unwrap();
-    let volume = volume(&mesh, &light, &Casters::All.signs(&classify(&mesh, &light)));
+    let volume = volume(&mesh, &light, &CasterFaces::All.signs(&classify(&mesh, &light)));
     for (index, vertex) in volume.to_f32().into_iter().enumerate() {
         let exact = volume.vertex(index as u32).to_f64();
         for i in 0..4 {
@@ -282,8 +286,8 @@ fn volume_exports_are_as_near_as_they_say() {
         assert!((length - far).abs() < 1e-3 * far, "{length}");
     }
     // At the ends of f32 the vertices at infinity are halved rather than lost.
-    let huge = solid::scaled(&solid::cube(), 3.0e38);
+    let huge = shapes::scaled(&shapes::cube(), 3.0e38);
     let light = Light::point([-3.0e38, -3.1e38, -3.2e38]).unwrap();
-    let volume = self::volume(&huge, &light, &Casters::All.signs(&classify(&huge, &light)));
+    let volume = self::volume(&huge, &light, &CasterFaces::All.signs(&classify(&huge, &light)));
     assert!(volume.to_f32().iter().flatten().all(|x| x.is_finite()));
 }

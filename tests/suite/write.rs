@@ -1,8 +1,9 @@
 //! What is written reads back to the same bits.
 
 use proptest::prelude::*;
-use umbrage::mesh::{Mesh, solid};
+use umbrage::mesh::Mesh;
 use umbrage::read::read_bytes;
+use umbrage::testing::shapes;
 use umbrage::write::{Elements, Layer, Model, Target, to_bytes};
 
 fn back(model: &Model, target: Target, name: &str) -> Vec<Mesh> {
@@ -39,8 +40,8 @@ proptest! {
 
 #[test]
 fn write_a_moved_vertex_would_be_seen() {
-    let mesh = solid::cube();
-    let moved = solid::translated(&mesh, [0.0, f32::EPSILON * 2.0, 0.0]);
+    let mesh = shapes::cube();
+    let moved = shapes::translated(&mesh, [0.0, f32::EPSILON * 2.0, 0.0]);
     let read = back(&Model { layers: vec![Layer::from(&moved)] }, Target::Obj, "a.obj");
     assert_ne!(bits(&read[0]), bits(&mesh));
 }

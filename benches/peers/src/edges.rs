@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use meshopt::VertexDataAdapter;
 use parry3d::math::Vector;
 use parry3d::shape::{TriMesh, TriMeshFlags};
-use umbrage::mesh::{HalfEdgeId, Mesh, Weld, solid, weld};
+use umbrage::mesh::{HalfEdgeId, Mesh, Weld, weld};
+use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 
 use crate::Subject;
@@ -38,7 +39,7 @@ fn edge_table(bench: &mut Bench<'_>, subject: &Subject) {
         paired(found.iter().filter(|&&twin| twin != NONE).count())
     };
     let of_patches = |found: &[u32]| {
-        assert!(!manifold || found == right_patches, "other neighbours");
+        assert!(!manifold || found == right_patches, "other neighbors");
         paired(found.chunks_exact(2).filter(|pair| pair[0] != pair[1]).count())
     };
     let expected = of_twins(&right_twins);
@@ -103,7 +104,7 @@ fn soup(bench: &mut Bench<'_>, mesh: &Mesh) {
     let expected = paired(3 * topology.face_count() - unpaired(&topology));
     let manifold = is_manifold(&topology);
     drop(topology);
-    let soup = solid::soup(mesh);
+    let soup = shapes::soup(mesh);
     let theirs = parry(&soup);
     let mut contenders = vec![
         Contender::new("meshopt adjacency", || {

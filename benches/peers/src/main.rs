@@ -23,7 +23,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use measure::{Bench, Target};
-use umbrage::mesh::{Mesh, Weld, solid};
+use umbrage::mesh::{Mesh, Weld};
+use umbrage::testing::shapes;
 use umbrage::scene::Scope;
 
 const USAGE: &str = "\
@@ -94,10 +95,10 @@ fn subjects(options: &Options) -> Result<Vec<Subject>, String> {
         return Ok(vec![Subject { mesh: mesh(file)?, edges: Target::None }]);
     }
     let n = if options.quick { 50 } else { 1000 };
-    let torus = solid::shuffled(&solid::torus(n, n, 2.0, 0.75), 1).with_name(format!("shuffled torus {n}"));
+    let torus = shapes::shuffled(&shapes::torus(n, n, 2.0, 0.75), 1).with_name(format!("shuffled torus {n}"));
     let mut subjects = vec![
         Subject {
-            mesh: solid::icosphere(if options.quick { 4 } else { 8 }),
+            mesh: shapes::icosphere(if options.quick { 4 } else { 8 }),
             edges: Target::Ratio(1.0 / 15.0),
         },
         Subject { mesh: torus, edges: Target::Ratio(1.0 / 10.0) },

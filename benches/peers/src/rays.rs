@@ -59,8 +59,8 @@ fn trees(bench: &mut Bench<'_>, mesh: &Mesh, triangles: &[Triangle]) {
 fn shadow_rays(bench: &mut Bench<'_>, mesh: &Mesh, triangles: &[Triangle]) {
     let [low, high] = mesh.bounds().expect("there are faces");
     let bounds = Aabb { low, high };
-    let (centre, reach) = (bounds.centre(), 0.5 * bounds.diagonal() as f32);
-    let away = |by: [f32; 3]| [0, 1, 2].map(|i| centre[i] + reach * by[i]);
+    let (center, reach) = (bounds.center(), 0.5 * bounds.diagonal() as f32);
+    let away = |by: [f32; 3]| [0, 1, 2].map(|i| center[i] + reach * by[i]);
     let light = Light::point(away([1.1, 1.5, 1.8])).expect("finite");
     let mut scatter = Scatter(2);
     let count = if bench.quick { 500 } else { 100_000 };

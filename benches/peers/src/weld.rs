@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use parry3d::shape::TriMeshFlags;
-use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::mesh::{Mesh, Weld, weld};
+use umbrage::testing::shapes;
 
 use crate::edges::{parry, vertices};
 use crate::measure::{Bench, Contender, Group, timed};
@@ -12,7 +13,7 @@ pub(crate) fn run(bench: &mut Bench<'_>, mesh: &Mesh) {
     if !bench.wants("weld") {
         return;
     }
-    let soup = solid::soup(mesh);
+    let soup = shapes::soup(mesh);
     let (right_positions, right_triangles, ..) = weld(&soup, Weld::Exact).mesh.into_parts();
     let right = |positions: &[[f32; 3]], corners: &[u32]| {
         assert!(positions == right_positions && corners == right_triangles.as_flattened(), "another mesh");

@@ -7,7 +7,7 @@ use std::fmt::{Debug, Display};
 use std::str::FromStr;
 
 use umbrage::geom::Light;
-use umbrage::scene::Size;
+use umbrage::view::Size;
 
 use super::bytes::Bytes;
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-/// What is counted; see `umbrage::topology::Counts` for the terms.
+/// What is counted; see `umbrage::check::Counts` for the terms.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Counts {
     pub(crate) edges: usize,

@@ -1,10 +1,11 @@
 //! The ray cast against a loop over all faces, and against whole numbers.
 
 use num_bigint::BigInt;
+use umbrage::geom::Facing;
 use umbrage::geom::Light;
 use umbrage::mesh::{FaceId, Mesh};
-use umbrage::oracle::{Crossings, Hit, Meeting, Oracle, meet, reference};
-use umbrage::silhouette::Facing;
+use umbrage::oracle::{Crossings, Hit, Intersection, Oracle, intersect};
+use umbrage::verify::reference;
 
 use super::bytes::Bytes;
 use super::{shape, whole};
@@ -28,11 +29,11 @@ pub(crate) fn run(data: &[u8]) {
 pub(crate) fn judge(mesh: &Mesh, oracle: &Oracle, p: [f32; 3], light: &Light) {
     let mut looped = Crossings::default();
     for face in (0..mesh.face_count()).map(FaceId::new) {
-        match meet(p, light, mesh.corners(face)) {
-            Meeting::None => {}
-            Meeting::Touching => looped.touching += 1,
-            Meeting::Crossing(Facing::Front) => looped.front += 1,
-            Meeting::Crossing(_) => looped.back += 1,
+        match intersect(p, light, mesh.corners(face)) {
+            Intersection::None => {}
+            Intersection::Touching => looped.touching += 1,
+            Intersection::Crossing(Facing::Front) => looped.front += 1,
+            Intersection::Crossing(_) => looped.back += 1,
         }
     }
     let crossings = oracle.crossings(p, light);
@@ -54,10 +55,10 @@ fn judge_hit(mesh: &Mesh, oracle: &Oracle, eye: [f32; 3], direction: [f32; 3]) {
     };
     let passed: Vec<(FaceId, (BigInt, BigInt))> = (0..mesh.face_count())
         .map(FaceId::new)
-        .filter(|&face| match meet(eye, &back, mesh.corners(face)) {
-            Meeting::None => false,
-            Meeting::Crossing(_) => true,
-            Meeting::Touching => whole::side_of_point(mesh.corners(face), eye) != 0,
+        .filter(|&face| match intersect(eye, &back, mesh.corners(face)) {
+            Intersection::None => false,
+            Intersection::Crossing(_) => true,
+            Intersection::Touching => whole::side_of_point(mesh.corners(face), eye) != 0,
         })
         .map(|face| (face, whole::distance(mesh.corners(face), eye, direction)))
         .collect();

@@ -1,9 +1,10 @@
 //! Bytes to a scene, or to an error of one line; what was read goes through every stage and every writer.
 
+use umbrage::check::CrackReport;
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::read::read_bytes;
 use umbrage::scene::{Scene, Scope};
-use umbrage::topology::{CrackReport, Topology};
+use umbrage::topology::Topology;
 use umbrage::write::{Layer, Model, Target, to_bytes};
 
 /// More faces or vertices than this come only from instances of instances, and are left alone.

@@ -2,12 +2,15 @@
 
 use std::collections::BTreeMap;
 
+use umbrage::caster::ShellProof;
+use umbrage::facing::{CasterFaces, FacePlanes, classify};
+use umbrage::geom::Facing;
 use umbrage::geom::{Aabb, Light};
 use umbrage::mesh::{FaceId, Mesh};
-use umbrage::oracle::{Meeting, Oracle};
-use umbrage::silhouette::{Casters, FacePlanes, Facing, Silhouette, classify};
+use umbrage::oracle::{Intersection, Oracle};
+use umbrage::shadow::volume::{Caps, Faces, Plan, ShadowVolume, WindingIndex, winding_number};
+use umbrage::silhouette::Silhouette;
 use umbrage::topology::Topology;
-use umbrage::volume::{Caps, Faces, Plan, ShadowVolume, ShellProof, WindingIndex, winding_number};
 
 use super::bytes::Bytes;
 use super::{naive, shape, whole};
@@ -40,7 +43,7 @@ pub(crate) fn judge(mesh: &Mesh, light: &Light, points: &[[f32; 3]], facing: &[F
         assert_eq!(facing.sign(), truth, "face {face}, in whole numbers");
     }
     let scene = Scene::new(mesh, light, points);
-    for casters in [Casters::All, Casters::Front] {
+    for casters in [CasterFaces::All, CasterFaces::Front] {
         scene.judge_volume(&casters.signs(facing), facing);
     }
     // What is in shadow is inside the volume of the chosen faces too.
@@ -97,7 +100,7 @@ impl<'a> Scene<'a> {
             let (mut low, mut high) = (0, 0);
             self.oracle.for_each_meeting(p, self.light, |face, meeting| {
                 let count = i32::from(signs[face.index()]) * i32::from(facing[face.index()].sign());
-                let touched = meeting == Meeting::Touching;
+                let touched = meeting == Intersection::Touching;
                 low += if touched { count.min(0) } else { count };
                 high += if touched { count.max(0) } else { count };
             });

@@ -1,26 +1,27 @@
 //! Small meshes out of bytes: soups full of ties and duplicates, and closed solids that are bent and cut.
 
 use umbrage::geom::Light;
-use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::mesh::{Mesh, Weld, weld};
+use umbrage::testing::shapes;
 
 use super::bytes::Bytes;
 
 /// A mesh of at most 40 vertices and 80 faces or so.
 pub(crate) fn mesh(bytes: &mut Bytes) -> Mesh {
     let (mut positions, mut triangles) = match bytes.below(16) {
-        0 => base(&solid::tetrahedron()),
-        1 => base(&solid::octahedron()),
-        2 => base(&solid::cube()),
-        3 => base(&solid::hollow_cube()),
-        4 => base(&solid::nested_cubes(2)),
-        5 => base(&solid::torus(3, 3, 2.0, 1.0)),
-        6 => base(&solid::figure_eight_prism()),
-        7 => base(&solid::cubes_sharing_edge()),
-        8 => base(&solid::cubes_sharing_vertex()),
-        9 => base(&solid::mobius(5)),
-        10 => base(&solid::book(3)),
-        11 => base(&solid::sheet(2)),
-        12 => base(&solid::inside_out(&solid::octahedron())),
+        0 => base(&shapes::tetrahedron()),
+        1 => base(&shapes::octahedron()),
+        2 => base(&shapes::cube()),
+        3 => base(&shapes::hollow_cube()),
+        4 => base(&shapes::nested_cubes(2)),
+        5 => base(&shapes::torus(3, 3, 2.0, 1.0)),
+        6 => base(&shapes::figure_eight_prism()),
+        7 => base(&shapes::cubes_sharing_edge()),
+        8 => base(&shapes::cubes_sharing_vertex()),
+        9 => base(&shapes::mobius(5)),
+        10 => base(&shapes::book(3)),
+        11 => base(&shapes::sheet(2)),
+        12 => base(&shapes::inside_out(&shapes::octahedron())),
         _ => ((0..3 + bytes.below(10)).map(|_| bytes.place()).collect(), Vec::new()),
     };
     // Move vertices, add faces, turn faces, remove faces: so many of each.

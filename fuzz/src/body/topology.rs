@@ -1,7 +1,8 @@
 //! Topology and crack report of small meshes against all pairs and whole numbers.
 
+use umbrage::check::{CrackReport, DefectKind};
 use umbrage::mesh::{EdgeId, FaceId, HalfEdgeId, Mesh, VertexId, Weld, Welded, weld};
-use umbrage::topology::{CrackReport, DefectKind, Topology};
+use umbrage::topology::Topology;
 
 use super::bytes::Bytes;
 use super::{naive, shape, whole};

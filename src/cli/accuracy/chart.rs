@@ -1,7 +1,7 @@
 //! The chart of `umbrage accuracy --svg`: wrong answers against time, a panel for each file.
 
-use umbrage::picture::chart::{Axis, COLOUR_COUNT, Mark, Svg, escaped, number, significant};
-use umbrage::verify::accuracy::{Method, Row};
+use crate::cli::chart::{Axis, COLOR_COUNT, Mark, Svg, escaped, number, significant};
+use umbrage::accuracy::{Method, Row};
 
 use super::{Asked, FileResult, Measured};
 
@@ -19,7 +19,7 @@ const NOTES: f64 = 56.0;
 /// One method's mark.
 struct Spot<'a> {
     method: &'a Method,
-    /// Its colour and shape.
+    /// Its color and shape.
     look: usize,
     place: [f64; 2],
     /// Where its fastest and slowest round would stand.
@@ -99,7 +99,7 @@ fn spot<'a>(method: &'a Method, index: usize, x: &Axis, y: &Axis) -> Spot<'a> {
     let Row { time, .. } = method.total;
     let [place, low, high] = [time.median, time.min, time.max].map(|time| x.place(above_zero(time)));
     let place = [place, y.place(height(&method.total))];
-    Spot { method, look: index % COLOUR_COUNT, place, spread: [low, high] }
+    Spot { method, look: index % COLOR_COUNT, place, spread: [low, high] }
 }
 
 /// A mark with its spread, hollow where nothing is wrong.

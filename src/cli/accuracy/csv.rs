@@ -1,6 +1,6 @@
 //! The table of `umbrage accuracy --csv`: RFC 4180.
 
-use umbrage::verify::accuracy::Question;
+use umbrage::accuracy::Question;
 
 use super::FileResult;
 

@@ -1,8 +1,8 @@
 //! The document of `umbrage accuracy --json`.
 
 use serde_json::{Value, json};
+use umbrage::accuracy::{Accuracy, Method, Row};
 use umbrage::scene::SceneLight;
-use umbrage::verify::accuracy::{Accuracy, Method, Row};
 
 use super::{Asked, FileResult};
 use crate::cli::lights;

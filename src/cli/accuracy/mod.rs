@@ -8,18 +8,18 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
+use umbrage::accuracy::{Accuracy, MOST_LIGHTS, Method, Options, Question};
 use umbrage::geom::Light;
 use umbrage::scene::SceneLight;
-use umbrage::verify::accuracy::{Accuracy, MOST_LIGHTS, Method, Options, Question};
 use umbrage::write::write_atomic;
 
+use super::input::{Source, SourceArgs};
 use super::lights::LightArgs;
 use super::load::MeshArgs;
-use super::machine::ThreadArgs;
 use super::output::{self, Output};
+use super::parsers::{large, refuse_overwriting, require_folder, seed};
 use super::progress::Progress;
-use super::source::{Source, SourceArgs};
-use super::values::{large, refuse_overwriting, require_folder, seed};
+use super::resources::ThreadArgs;
 use super::{Failure, Outcome};
 
 /// What `--threads` means where times are measured.

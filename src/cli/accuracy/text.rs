@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use umbrage::verify::accuracy::{Method, Row};
+use umbrage::accuracy::{Method, Row};
 
 use super::{Asked, Measured};
 use crate::cli::lights;

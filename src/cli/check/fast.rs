@@ -3,8 +3,8 @@
 use std::fmt::{self, Display};
 use std::path::{Path, PathBuf};
 
+use umbrage::check::Screen;
 use umbrage::read::Format;
-use umbrage::topology::Screen;
 
 use super::{Args, Require, json};
 use crate::cli::load;

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use serde_json::{Map, Value, json};
+use umbrage::check::{Counts, CrackReport, DefectKind, ShellReport};
 use umbrage::read::Format;
-use umbrage::topology::{Counts, CrackReport, DefectKind, ShellReport, Topology};
+use umbrage::topology::Topology;
 
 use super::fast::Screened;
 use super::{FileReport, Found, MeshReport, Place, Verdict};

@@ -1,8 +1,9 @@
-//! The crack report as coloured geometry.
+//! The crack report as colored geometry.
 
+use umbrage::check::{CrackReport, Defect, DefectKind};
 use umbrage::geom::Aabb;
 use umbrage::mesh::Mesh;
-use umbrage::topology::{CrackReport, Defect, DefectKind, Topology};
+use umbrage::topology::Topology;
 use umbrage::write::{Elements, Layer, Model};
 
 use crate::cli::error::Failure;
@@ -13,7 +14,7 @@ pub(super) const PAIRS_MARKED: usize = 100_000;
 /// Radius of an octahedron over the diagonal of the mesh: small, and still seen with the whole mesh in view.
 const OCTAHEDRON: f64 = 0.005;
 
-/// Coloured layers that grow mesh by mesh.
+/// Colored layers that grow mesh by mesh.
 #[derive(Default)]
 pub(super) struct Marks {
     surface: Triangles,
@@ -81,32 +82,32 @@ impl Marks {
         Ok(())
     }
 
-    /// The mesh in translucent grey, then a layer or two for each kind of defect found.
+    /// The mesh in translucent gray, then a layer or two for each kind of defect found.
     pub(super) fn into_model(self) -> Model {
         let surface = layer("mesh", [0.5, 0.5, 0.5, 0.35], self.surface);
         let marks = DefectKind::ALL.into_iter().zip(self.kinds).flat_map(|(kind, marks)| {
-            let colour = Some(colour(kind));
+            let color = Some(color(kind));
             let count = marks.lines.len() as u32; // each has two vertices below, in 24 bytes
             let lines = Layer {
                 name: kind.name().to_owned(),
-                colour,
+                color,
                 positions: marks.lines.into_flattened(),
                 elements: Elements::Lines((0..count).map(|line| [2 * line, 2 * line + 1]).collect()),
                 ..Layer::default()
             };
             let name =
                 if lines.elements.is_empty() { kind.name().to_owned() } else { format!("{kind} places") };
-            let solids = layer(&name, self::colour(kind), marks.solids);
+            let solids = layer(&name, self::color(kind), marks.solids);
             [lines, solids].into_iter().filter(|layer| !layer.elements.is_empty())
         });
         Model { layers: std::iter::once(surface).chain(marks).collect() }
     }
 }
 
-fn layer(name: &str, colour: [f32; 4], from: Triangles) -> Layer {
+fn layer(name: &str, color: [f32; 4], from: Triangles) -> Layer {
     Layer {
         name: name.to_owned(),
-        colour: Some(colour),
+        color: Some(color),
         positions: from.positions,
         elements: Elements::Triangles(from.triangles),
         ..Layer::default()
@@ -153,7 +154,7 @@ impl Kind {
 }
 
 /// Linear red, green, blue and opacity.
-fn colour(kind: DefectKind) -> [f32; 4] {
+fn color(kind: DefectKind) -> [f32; 4] {
     match kind {
         DefectKind::BoundaryLoop => [1.0, 0.0, 0.0, 1.0],
         DefectKind::NonManifoldEdge => [1.0, 0.0, 1.0, 1.0],
@@ -174,7 +175,7 @@ fn colour(kind: DefectKind) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage::mesh::solid;
+    use umbrage::testing::shapes;
 
     fn marks_of(mesh: &Mesh) -> Model {
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
@@ -187,22 +188,22 @@ mod tests {
 
     #[test]
     fn marks_of_a_sound_mesh_are_the_mesh_alone() {
-        let model = marks_of(&solid::cube());
+        let model = marks_of(&shapes::cube());
         assert_eq!(model.layers.len(), 1);
         assert_eq!(model.layers[0].elements.len(), 12);
     }
 
     #[test]
     fn marks_of_an_open_cube_are_the_red_edges_of_its_hole() {
-        let model = marks_of(&solid::open_cube());
+        let model = marks_of(&shapes::open_cube());
         let hole = &model.layers[1];
-        assert_eq!((hole.name.as_str(), hole.colour), ("boundary_loop", Some([1.0, 0.0, 0.0, 1.0])));
+        assert_eq!((hole.name.as_str(), hole.color), ("boundary_loop", Some([1.0, 0.0, 0.0, 1.0])));
         assert!(matches!(&hole.elements, Elements::Lines(lines) if lines.len() == 4), "{:?}", hole.elements);
     }
 
     #[test]
     fn marks_of_a_bow_tie_are_an_outward_octahedron() {
-        let model = marks_of(&solid::cubes_sharing_vertex());
+        let model = marks_of(&shapes::cubes_sharing_vertex());
         let place = model.layers.iter().find(|layer| layer.name == "non_manifold_vertex").unwrap();
         let Elements::Triangles(triangles) = &place.elements else { panic!("no triangles") };
         let octahedron = Mesh::new(place.positions.clone(), triangles.clone()).unwrap();

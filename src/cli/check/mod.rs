@@ -9,17 +9,18 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
+use umbrage::check::{Counts, CrackReport, Defect, DefectKind, NearMiss, ShellReport};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::read::Format;
-use umbrage::scene::Up;
-use umbrage::topology::{Counts, CrackReport, Defect, DefectKind, NearMiss, ShellReport, Topology};
+use umbrage::topology::Topology;
+use umbrage::view::Up;
 use umbrage::write::{self, Model};
 
 use super::load::{self, MeshArgs, WeldedMesh};
-use super::machine::ThreadArgs;
 use super::output::{self, Output};
+use super::parsers::{refuse_overwriting, whole};
 use super::progress::Progress;
-use super::values::{refuse_overwriting, whole};
+use super::resources::ThreadArgs;
 use super::{Failure, Outcome, render};
 use mark::Marks;
 use picture::Sketch;
@@ -72,11 +73,11 @@ pub(crate) struct Args {
     /// [default: nothing is drawn]
     ///
     /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow, dimmed where the mesh hides
-    /// them; standard error says what further colours mean.
+    /// them; standard error says what further colors mean.
     #[arg(long, value_name = "OUT.png")]
     picture: Option<PathBuf>,
 
-    /// Write the mesh and its defects as coloured geometry, for any glTF viewer; for one input file
+    /// Write the mesh and its defects as colored geometry, for any glTF viewer; for one input file
     /// [default: nothing is written]
     ///
     /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow; vertices and faces too small
@@ -197,7 +198,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let mut up = Up::default();
     for (index, file) in args.files.iter().enumerate() {
         let report = examine(file, &args, marks.as_mut(), sketch.as_mut());
-        up = Up::of(report.as_ref().ok().and_then(|report| report.format));
+        up = report.as_ref().ok().and_then(|report| report.format).map_or(Up::Y, Format::up);
         outcome = outcome.max(match &report {
             Ok(report) if report.sound() => Outcome::Sound,
             Ok(_) => Outcome::Unsound,

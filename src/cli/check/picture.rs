@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use umbrage::check::{CrackReport, DefectKind};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::Oracle;
-use umbrage::picture::{Line, Overlay, Spot};
-use umbrage::scene::{Size, Up};
-use umbrage::topology::{CrackReport, DefectKind, Topology};
+use umbrage::render::{Line, Marker, Overlay};
+use umbrage::topology::Topology;
+use umbrage::view::{Size, Up};
 
 use crate::cli::error::Failure;
 use crate::cli::output;
@@ -33,13 +34,13 @@ impl Sketch {
                 continue;
             }
             self.kinds.push(kind);
-            let (_, colour) = colour(kind);
+            let (_, color) = color(kind);
             for defect in report.items(kind, mesh, topology, usize::MAX) {
-                let line = |ends| Line { ends, colour };
+                let line = |ends| Line { ends, color };
                 self.overlay.lines.extend(defect.segments.iter().map(|&ends| line(ends)));
                 match kind {
                     DefectKind::NonManifoldVertex | DefectKind::TJunction => {
-                        self.overlay.spots.push(Spot { at: defect.position, colour });
+                        self.overlay.spots.push(Marker { at: defect.position, color });
                     }
                     // Without area there is nothing to see of the face itself.
                     DefectKind::CollapsedFace | DefectKind::ZeroAreaFace => {
@@ -47,11 +48,11 @@ impl Sketch {
                             let [a, b, c] = mesh.corners(face);
                             self.overlay.lines.extend([line([a, b]), line([b, c])]);
                         }
-                        self.overlay.spots.push(Spot { at: defect.position, colour });
+                        self.overlay.spots.push(Marker { at: defect.position, color });
                     }
                     DefectKind::DuplicateFace | DefectKind::InsideOutShell | DefectKind::SelfIntersection => {
                         let faces = defect.faces.iter().map(|face| face.index() + self.faces);
-                        self.overlay.faces.extend(faces.map(|face| (FaceId::new(face), colour)));
+                        self.overlay.faces.extend(faces.map(|face| (FaceId::new(face), color)));
                     }
                     _ => {}
                 }
@@ -61,7 +62,7 @@ impl Sketch {
         self.meshes.push(mesh.clone());
     }
 
-    /// Draws everything, writes it, and says what the colours mean.
+    /// Draws everything, writes it, and says what the colors mean.
     pub(super) fn write(mut self, up: Up, path: &Path) -> Result<(), Failure> {
         let mesh = match self.meshes.len() {
             1 => self.meshes.remove(0),
@@ -69,7 +70,7 @@ impl Sketch {
         };
         self.kinds.sort_by_key(|kind| DefectKind::ALL.iter().position(|other| other == kind));
         self.kinds.dedup();
-        self.overlay.legend = self.kinds.iter().map(|&kind| colour(kind).1).collect();
+        self.overlay.legend = self.kinds.iter().map(|&kind| color(kind).1).collect();
 
         let size = Size::new(WIDTH, HEIGHT).expect("both are in range");
         let progress = Progress::bar("drawing", 2 * u64::from(HEIGHT));
@@ -80,7 +81,7 @@ impl Sketch {
         picture.write_png(path)?;
 
         let legend: Vec<String> =
-            self.kinds.iter().map(|&kind| format!("{} {kind}", colour(kind).0)).collect();
+            self.kinds.iter().map(|&kind| format!("{} {kind}", color(kind).0)).collect();
         let legend = match legend.as_slice() {
             [] => "no defects".to_owned(),
             kinds => format!("{}; dimmed where hidden", kinds.join(", ")),
@@ -90,8 +91,8 @@ impl Sketch {
     }
 }
 
-/// A colour's name and its sRGB bytes.
-fn colour(kind: DefectKind) -> (&'static str, [u8; 3]) {
+/// A color's name and its sRGB bytes.
+fn color(kind: DefectKind) -> (&'static str, [u8; 3]) {
     match kind {
         DefectKind::BoundaryLoop => ("red", [230, 25, 25]),
         DefectKind::NonManifoldEdge => ("magenta", [225, 20, 225]),

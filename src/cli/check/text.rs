@@ -3,7 +3,7 @@
 use std::fmt::{self, Display};
 use std::path::Path;
 
-use umbrage::topology::{Counts, DefectKind, NearMiss};
+use umbrage::check::{Counts, DefectKind, NearMiss};
 
 use super::{FileReport, MeshReport, Place, Require, Verdict};
 use crate::cli::error::Failure;

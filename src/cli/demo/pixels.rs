@@ -1,22 +1,24 @@
 //! Both judges of every pixel: the stencil pass beside the ray cast, and where they differ.
 
-use umbrage::compare::{PixelVerdict, Rendered, compare};
 use umbrage::geom::Aabb;
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
-use umbrage::picture::{self, Picture, View};
-use umbrage::scene::{SceneLight, Size};
+use umbrage::render;
+use umbrage::render::{Picture, View};
+use umbrage::scene::SceneLight;
+use umbrage::verify::pixels::{PixelVerdict, Rendered, compare};
+use umbrage::view::Size;
 
 use crate::cli::lights::label;
 use crate::cli::output::{Table, plain};
 use crate::cli::progress::Progress;
-use crate::cli::stage::Stage;
+use crate::cli::stencil_render::Stage;
 
 /// What the stencil pass shows, and what the ray cast says of it.
 pub(super) struct Judged {
     pub(super) picture: Picture,
-    /// The verdicts in false colour, light beside light.
+    /// The verdicts in false color, light beside light.
     pub(super) verdicts: Picture,
     pub(super) text: String,
     pub(super) agrees: bool,
@@ -63,7 +65,7 @@ pub(super) fn judge(
         methods += &format!("  {name}: {}\n", casting.methods.summary());
         table.row([name].into_iter().chain(cells).collect());
         agrees &= result.agrees();
-        panels.push(picture::verdicts(oracle, &stage.projection, &result, &|_| {}));
+        panels.push(render::verdicts(oracle, &stage.projection, &result, &|_| {}));
     }
     drop(progress);
     let verdict = if agrees { "every pixel agrees or grazes" } else { "some pixels disagree" };
@@ -79,7 +81,7 @@ pub(super) fn judge(
 }
 
 const LEGEND: &str = "agree: the stencil pass counts exactly what the ray cast does; grazing: it does within the \
-                      rasteriser's rounding; in verdicts.png light grey is lit, dark grey shadowed, yellow grazing, and what \
+                      rasterizer's rounding; in verdicts.png light gray is lit, dark gray shadowed, yellow grazing, and what \
                       disagrees is ringed";
 
 /// Between two pictures.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use umbrage::verify::torture::{Stratum, Torture};
+use umbrage::testing::torture::{Stratum, Torture};
 
 use crate::cli::output::{number, number32};
 

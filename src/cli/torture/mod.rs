@@ -6,12 +6,13 @@ mod text;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use umbrage::verify::torture::{self, Case, CaseError, Options};
+use umbrage::testing::torture;
+use umbrage::testing::torture::{Case, CaseError, Options};
 
-use super::machine::ThreadArgs;
 use super::output::{self, Output};
+use super::parsers::{large, require_folder, seed};
 use super::progress::Progress;
-use super::values::{large, require_folder, seed};
+use super::resources::ThreadArgs;
 use super::{Failure, Outcome};
 
 /// Adversarial queries: generated meshes, lights and points that attack exactness from every side
@@ -19,7 +20,7 @@ use super::{Failure, Outcome};
 /// Small meshes, sound and damaged, tiny and huge, full of slivers and exact ties; lights on vertices, in planes, an
 /// ulp beside them; points on the surface and on the shadow's boundary. The ray cast and the winding number of the
 /// emitted volume have to agree on each, and a sample is judged in whole numbers, as are the first ties of every round. Beside them the same queries are
-/// answered in plain f32, as most programs do. A disagreement is a bug in umbrage: it is minimised and written to a
+/// answered in plain f32, as most programs do. A disagreement is a bug in umbrage: it is minimized and written to a
 /// file.
 ///
 /// The bound 3/n takes queries for independent draws, but the up to 256 of a round share mesh, light and volume; the
@@ -41,7 +42,7 @@ pub(crate) struct Args {
     #[arg(long)]
     json: bool,
 
-    /// Where the first disagreement goes, minimised; nothing is written without one
+    /// Where the first disagreement goes, minimized; nothing is written without one
     #[arg(long, value_name = "FILE.obj", default_value = "umbrage-torture-case.obj")]
     case: PathBuf,
 

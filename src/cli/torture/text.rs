@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use umbrage::verify::torture::{Case, Ruling, Stratum, Torture};
+use umbrage::testing::torture::{Case, Ruling, Stratum, Torture};
 
 use crate::cli::output::{Table, counted, plain, significant};
 
@@ -41,7 +41,7 @@ pub(super) fn report(found: &Torture, seed: u64, seconds: f64, case: Option<&Pat
         disagreement.said.iter().for_each(|line| places += &format!("  {line}\n"));
     }
     if let Some(path) = case {
-        places += &format!("the first one, minimised: {}\n", plain(&path.to_string_lossy()));
+        places += &format!("the first one, minimized: {}\n", plain(&path.to_string_lossy()));
     }
     let beside = format!(
         "{} of {} sides of faces wrong; {} of {} volumes open; {} queries judged in whole numbers too",

@@ -1,10 +1,10 @@
 //! The document of `umbrage verify --json`.
 
 use serde_json::{Value, json};
-use umbrage::compare::{Mismatch, PixelVerdict};
 use umbrage::oracle::Verdict;
 use umbrage::scene::SceneLight;
-use umbrage::verify::{Judge, Stratum, Verification};
+use umbrage::verify::pixels::{Mismatch, PixelVerdict};
+use umbrage::verify::points::{Judge, Stratum, Verification};
 
 use super::pixels::{Counts, LightPixels, Pass, Pixels};
 use super::{judges, strata, summed, total};

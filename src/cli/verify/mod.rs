@@ -8,15 +8,15 @@ mod text;
 
 use std::path::PathBuf;
 
-use umbrage::scene::{Size, Up};
-use umbrage::verify::{Judge, Options, Stratum, Verification, Verifier};
+use umbrage::verify::points::{Judge, Options, Stratum, Verification, Verifier};
+use umbrage::view::{Size, Up};
 
-use super::machine::{AdapterArgs, ThreadArgs};
+use super::input::{Source, SourceArgs};
 use super::output::Output;
+use super::parsers::{large, refuse_overwriting, seed};
 use super::progress::Progress;
 use super::render::require_png;
-use super::source::{Source, SourceArgs};
-use super::values::{large, refuse_overwriting, seed};
+use super::resources::{AdapterArgs, ThreadArgs};
 use super::view::ViewArgs;
 use super::{Failure, Outcome};
 use pixels::Pixels;
@@ -64,7 +64,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     view: ViewArgs,
 
-    /// Draw that picture: grey where both agree, darker in shadow; with --gpu [default: nothing is drawn]
+    /// Draw that picture: gray where both agree, darker in shadow; with --gpu [default: nothing is drawn]
     ///
     /// Grazing pixels are yellow, unsure ones sky blue, overflows blue, all others that differ vermilion with a ring
     /// around them. A second light's picture is OUT-2.png, and so on.

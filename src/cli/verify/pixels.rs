@@ -1,9 +1,9 @@
 //! What the stencil pass counted in every pixel, against the ray cast.
 
-use umbrage::compare::{Mismatch, PixelVerdict};
-use umbrage::geom::Projection;
-use umbrage::scene::Size;
-use umbrage::verify::Judge;
+use umbrage::verify::pixels::{Mismatch, PixelVerdict};
+use umbrage::verify::points::Judge;
+use umbrage::view::Projection;
+use umbrage::view::Size;
 
 /// The stencil passes of all lights.
 pub(super) struct Pixels {

@@ -2,27 +2,30 @@
 
 use std::path::{Path, PathBuf};
 
-use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
-use umbrage::geom::{Light, Projection};
+use umbrage::geom::Light;
 use umbrage::gpu::Gpu;
 use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
-use umbrage::picture::{MemoryError, verdict_colour, verdicts};
-use umbrage::scene::{Camera, SceneLight, Size};
-use umbrage::stencil::{
-    Asked, Caster, Casting, Counting, Depth, MethodPlan, Receivers, ShadowMask, StencilMethod, StencilPass,
+use umbrage::render::{MemoryError, verdict_color, verdicts};
+use umbrage::scene::SceneLight;
+use umbrage::shadow::stencil::{
+    Asked, Caster, Counting, Depth, MethodPlan, Receivers, ShadowMask, StencilMethod, StencilPass,
+    StencilVolumes,
 };
-use umbrage::verify::Verifier;
-use umbrage::volume::Faces;
+use umbrage::shadow::volume::Faces;
+use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
+use umbrage::verify::points::Verifier;
+use umbrage::view::Projection;
+use umbrage::view::{Camera, Size};
 
 use super::pixels::{Counts, LightPixels, PASSES, Pass, Pixels};
 use super::{Args, SHOWN};
 use crate::cli::Failure;
-use crate::cli::machine::AdapterArgs;
+use crate::cli::input::Source;
 use crate::cli::output;
+use crate::cli::parsers::{refuse_overwriting, require_folder};
 use crate::cli::progress::Progress;
-use crate::cli::source::Source;
-use crate::cli::values::{refuse_overwriting, require_folder};
+use crate::cli::resources::AdapterArgs;
 
 /// The pixels of a picture for which no size is asked, in a row and in a column.
 const SIDE: u32 = 512;
@@ -161,13 +164,19 @@ impl Bench<'_> {
         Ok((LightPixels { passes, counts: counts(&worst) }, worst))
     }
 
-    fn mask(&self, casting: &Casting) -> Result<ShadowMask, Failure> {
+    fn mask(&self, casting: &StencilVolumes) -> Result<ShadowMask, Failure> {
         let volumes = casting.upload(self.gpu)?;
         let Job { projection, size, .. } = self.job;
         Ok(self.pass.mask(projection, *size, &self.receivers, &volumes.draws(), casting.counting())?)
     }
 
-    fn compare(&self, index: usize, light: &Light, casting: &Casting, mask: &ShadowMask) -> Comparison {
+    fn compare(
+        &self,
+        index: usize,
+        light: &Light,
+        casting: &StencilVolumes,
+        mask: &ShadowMask,
+    ) -> Comparison {
         let Job { mesh, oracle, lights, projection, size, .. } = self.job;
         let what = format!("judging pixels, light {} of {}", index + 1, lights.len());
         let progress = Progress::bar(what, size.height().into());
@@ -184,7 +193,7 @@ fn counts_the_same(a: &ShadowMask, b: &ShadowMask) -> bool {
     a.counting() == b.counting() && pixels.all(|(x, y)| a.count(x, y) == b.count(x, y))
 }
 
-fn describe(asked: &'static str, casting: &Casting, comparison: &Comparison) -> Pass {
+fn describe(asked: &'static str, casting: &StencilVolumes, comparison: &Comparison) -> Pass {
     Pass {
         asked,
         method: method(&casting.methods),
@@ -212,7 +221,7 @@ fn counts(comparison: &Comparison) -> Counts {
     Counts(PixelVerdict::ALL.map(|verdict| comparison.count(verdict)))
 }
 
-/// Draws a comparison, and says what its colours mean.
+/// Draws a comparison, and says what its colors mean.
 fn draw(job: &Job<'_>, comparison: &Comparison, path: &Path) -> Result<(), Failure> {
     let progress = Progress::bar("drawing", job.size.height().into());
     let picture = verdicts(job.oracle, &job.projection, comparison, &|rows| progress.done(rows));
@@ -221,8 +230,8 @@ fn draw(job: &Job<'_>, comparison: &Comparison, path: &Path) -> Result<(), Failu
     picture.write_png(path)?;
     let occur = PixelVerdict::ALL.into_iter().filter(|&verdict| comparison.count(verdict) > 0);
     let meaning = occur.map(|verdict| match verdict {
-        PixelVerdict::Real => format!("{} real (ringed)", verdict_colour(verdict).0),
-        _ => format!("{} {}", verdict_colour(verdict).0, verdict.name()),
+        PixelVerdict::Real => format!("{} real (ringed)", verdict_color(verdict).0),
+        _ => format!("{} {}", verdict_color(verdict).0, verdict.name()),
     });
     let meaning = meaning.collect::<Vec<_>>().join(", ");
     output::say(format_args!("wrote {}: {meaning}", output::plain(&path.to_string_lossy())));

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use umbrage::compare::{Mismatch, PixelVerdict};
 use umbrage::scene::SceneLight;
-use umbrage::verify::Verification;
+use umbrage::verify::pixels::{Mismatch, PixelVerdict};
+use umbrage::verify::points::Verification;
 
 use super::pixels::Pixels;
 use super::{judges, strata, summed, total};
@@ -18,7 +18,7 @@ const LEGEND: &str = "grazing: the ray to the light only touches a face, and eit
 
 /// What the columns of pixels mean.
 const PIXEL_LEGEND: &str = "grazing pixel: the counts differ, and the exact one changes within the step that a \
-                            rasteriser may be off; unsure: a side was left to f32; overflow: eight bits have \
+                            rasterizer may be off; unsure: a side was left to f32; overflow: eight bits have \
                             wrapped; real: nothing explains it";
 
 /// The tables of strata and judges, each disagreement, the verdict, and a legend.

@@ -137,7 +137,7 @@ pub(super) fn split(items: &mut [Item], hull: &Hull, depth: u32) -> Option<(usiz
 /// So many are sorted instead of being put into bins.
 const FEW: usize = 8;
 
-/// The best of all planes between two neighbours along `axis`.
+/// The best of all planes between two neighbors along `axis`.
 fn by_order(items: &mut [Item], hull: &Hull, axis: usize) -> Option<(usize, [Hull; 2])> {
     for at in 1..items.len() {
         let item = items[at];

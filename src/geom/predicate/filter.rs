@@ -4,12 +4,12 @@ use super::{Sign, exact_sign_of_det};
 
 /// A row of a determinant: the exact difference of two vectors.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row(pub(super) [f32; 3], pub(super) [f32; 3]);
+pub(crate) struct Row(pub(crate) [f32; 3], pub(crate) [f32; 3]);
 
 impl Row {
     /// The difference in `f64`: one rounding an entry. (Spelt out: `map` is not always inlined.)
     #[inline]
-    pub(super) fn rounded(self) -> [f64; 3] {
+    pub(crate) fn rounded(self) -> [f64; 3] {
         let Self(u, v) = self;
         [
             f64::from(u[0]) - f64::from(v[0]),
@@ -20,16 +20,16 @@ impl Row {
 }
 
 /// Half an ulp of 1 in `f64`: the largest relative error of one rounding.
-pub(super) const EPSILON: f64 = f64::EPSILON / 2.0;
+pub(crate) const EPSILON: f64 = f64::EPSILON / 2.0;
 
 /// Bound A of Shewchuk 1997, section 4.3: with entries that are single rounded differences, the evaluation
 /// below errs by at most this times the sum of the products' magnitudes. (A quarter of it is caught on near ties, 0.3 of
 /// it was not.)
-pub(super) const FILTER: f64 = (7.0 + 56.0 * EPSILON) * EPSILON;
+pub(crate) const FILTER: f64 = (7.0 + 56.0 * EPSILON) * EPSILON;
 
 /// The determinant in `f64`, and the sum of its products' magnitudes.
 #[inline(always)]
-pub(super) fn rounded_det(rows: &[Row; 3]) -> (f64, f64) {
+pub(crate) fn rounded_det(rows: &[Row; 3]) -> (f64, f64) {
     let [a, b, c] = [rows[0].rounded(), rows[1].rounded(), rows[2].rounded()];
     let (bxcy, cxby) = (b[0] * c[1], c[0] * b[1]);
     let (cxay, axcy) = (c[0] * a[1], a[0] * c[1]);
@@ -44,7 +44,7 @@ pub(super) fn rounded_det(rows: &[Row; 3]) -> (f64, f64) {
 /// The sign, where the filter knows it. `None` only while the determinant is at most `2 · FILTER · permanent`, which
 /// is what the next step stands on.
 #[inline(always)]
-pub(super) fn certain_sign(rows: &[Row; 3], filter: f64) -> Option<Sign> {
+pub(crate) fn certain_sign(rows: &[Row; 3], filter: f64) -> Option<Sign> {
     let (det, permanent) = rounded_det(rows);
     let bound = filter * permanent;
     if det > bound {
@@ -60,7 +60,7 @@ pub(super) fn certain_sign(rows: &[Row; 3], filter: f64) -> Option<Sign> {
 
 /// The filter. Everything else is rare and lives behind one call.
 #[inline(always)]
-pub(super) fn sign_of_det(rows: [Row; 3]) -> Sign {
+pub(crate) fn sign_of_det(rows: [Row; 3]) -> Sign {
     match certain_sign(&rows, FILTER) {
         Some(sign) => sign,
         None => {

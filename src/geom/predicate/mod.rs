@@ -24,12 +24,10 @@ use std::ops::Neg;
 use super::Light;
 use accumulator::Accumulator;
 use filter::{EPSILON, Row, rounded_det, sign_of_det};
-pub(crate) use way::{Passage, Way};
 
 mod accumulator;
-mod filter;
+pub(crate) mod filter;
 mod integer;
-mod way;
 
 /// The sign of a real number, known exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -133,7 +131,7 @@ impl Homogeneous {
 
     /// As a row of a determinant whose pivot is the finite point `pivot`.
     #[inline]
-    fn row(&self, pivot: [f32; 3]) -> Row {
+    pub(crate) fn row(&self, pivot: [f32; 3]) -> Row {
         Row(self.plus, if self.finite { pivot } else { self.minus })
     }
 }
@@ -184,7 +182,7 @@ pub fn side_of_light([a, b, c]: [[f32; 3]; 3], light: &Light) -> Sign {
 }
 
 /// As [`side_of_light`], every sign by the last step: what exactness costs where no filter spares it.
-#[cfg(feature = "reference")]
+#[cfg(feature = "verify")]
 #[inline]
 #[must_use]
 pub(crate) fn side_of_light_unfiltered([a, b, c]: [[f32; 3]; 3], light: &Light) -> Sign {

@@ -3,17 +3,17 @@
 use hashbrown::DefaultHashBuilder;
 use std::hash::BuildHasher;
 
-use super::{Kept, Used, far, near};
+use super::{Kept, Used, bucketed, streaming};
 use crate::mesh::Mesh;
 
 /// Writes each used vertex's welded id to its place in `vertex_of`. The others keep what is there.
 pub(super) fn merge(mesh: &Mesh, used: &Used, vertex_of: &mut [u32]) -> Kept {
     if !mesh.frames.is_empty() {
-        near::merge(&Points::<true>::of(mesh), used, vertex_of)
+        streaming::merge(&Points::<true>::of(mesh), used, vertex_of)
     } else if repeats_nearby(mesh) {
-        near::merge(&Points::<false>::of(mesh), used, vertex_of)
+        streaming::merge(&Points::<false>::of(mesh), used, vertex_of)
     } else {
-        far::merge(&Points::of(mesh), used, vertex_of)
+        bucketed::merge(&Points::of(mesh), used, vertex_of)
     }
 }
 

@@ -1,9 +1,9 @@
-//! Vertices at one place become one vertex, so that faces which touch in space are neighbours in topology.
+//! Vertices at one place become one vertex, so that faces which touch in space are neighbors in topology.
 
+mod bucketed;
 mod exact;
-mod far;
-mod near;
-mod table;
+mod id_table;
+mod streaming;
 #[cfg(test)]
 mod tests;
 mod within;
@@ -81,8 +81,9 @@ impl Welded {
 /// vertex is shared; 400 with a distance.
 ///
 /// ```
-/// use umbrage::mesh::{Weld, solid, weld};
-/// let soup = solid::soup(&solid::cube());
+/// use umbrage::mesh::{Weld, weld};
+/// use umbrage::testing::shapes;
+/// let soup = shapes::soup(&shapes::cube());
 /// assert_eq!((soup.vertex_count(), weld(&soup, Weld::Exact).mesh.vertex_count()), (36, 8));
 /// ```
 #[must_use]
@@ -116,8 +117,9 @@ pub fn weld(mesh: &Mesh, how: Weld) -> Welded {
 /// vertex is shared; 400 with a distance.
 ///
 /// ```
-/// use umbrage::mesh::{Weld, solid, weld_in_place};
-/// assert_eq!(weld_in_place(solid::soup(&solid::cube()), Weld::Exact).mesh.vertex_count(), 8);
+/// use umbrage::mesh::{Weld, weld_in_place};
+/// use umbrage::testing::shapes;
+/// assert_eq!(weld_in_place(shapes::soup(&shapes::cube()), Weld::Exact).mesh.vertex_count(), 8);
 /// ```
 #[must_use]
 pub fn weld_in_place(mut mesh: Mesh, how: Weld) -> Welded {

@@ -1,7 +1,7 @@
 //! Each weld against looking at all kept vertices.
 
 use super::*;
-use crate::mesh::solid;
+use crate::testing::shapes;
 use proptest::prelude::*;
 
 /// The welded id of every vertex, by looking at all kept ones: `same` decides.
@@ -113,11 +113,11 @@ fn by_all_ways(mesh: &Mesh) -> Vec<(Kept, Vec<u32>)> {
         (merge(&mut vertex_of), vertex_of)
     };
     if !mesh.frames().is_empty() {
-        return vec![by(&|ids| near::merge(&exact::Points::<true>::of(mesh), &used, ids))];
+        return vec![by(&|ids| streaming::merge(&exact::Points::<true>::of(mesh), &used, ids))];
     }
     let points = exact::Points::of(mesh);
-    let far = [0, 3, 9].map(|bits| by(&|ids| far::merge_by(&points, &used, ids, bits)));
-    [by(&|ids| near::merge(&points, &used, ids))].into_iter().chain(far).collect()
+    let far = [0, 3, 9].map(|bits| by(&|ids| bucketed::merge_by(&points, &used, ids, bits)));
+    [by(&|ids| streaming::merge(&points, &used, ids))].into_iter().chain(far).collect()
 }
 
 fn ids(vertex_of: &[u32]) -> Vec<Option<VertexId>> {
@@ -179,9 +179,9 @@ fn weld_of_a_soup_in_any_order_gives_ids_in_order_of_first_use() {
         .collect()
     };
     // So many corners that those of the shuffled ones go by buckets, and that blocks and table fill several times.
-    let [sphere, torus] = [solid::icosphere(5), solid::torus(90, 90, 2.0, 0.75)];
-    for mesh in [solid::shuffled(&sphere, 1), solid::shuffled(&torus, 2), sphere, torus] {
-        let soup = solid::soup(&mesh);
+    let [sphere, torus] = [shapes::icosphere(5), shapes::torus(90, 90, 2.0, 0.75)];
+    for mesh in [shapes::shuffled(&sphere, 1), shapes::shuffled(&torus, 2), sphere, torus] {
+        let soup = shapes::soup(&mesh);
         let expected = by_map(&soup);
         assert_eq!(found(&soup, Weld::Exact), expected);
         assert_eq!(weld(&soup, Weld::Exact).unreferenced(), 0);

@@ -31,7 +31,7 @@ pub(super) fn merged(frames: &[&[[f32; 3]]], used: &Used, distance: f64) -> Merg
     Merged::by(used, |vertex, new| {
         let home = cell(vertex);
         let mut found: Option<u32> = None;
-        for_each_neighbour(home, |key| {
+        for_each_neighbor(home, |key| {
             let Some(residents) = cells.get(&key) else { return };
             for &(other, welded) in residents {
                 if found.is_none_or(|best| welded < best) && near(vertex, other) {
@@ -50,7 +50,7 @@ fn cell_bits(cell: f64) -> u64 {
     (cell + 0.0).to_bits()
 }
 
-fn for_each_neighbour(home: [f64; 3], mut visit: impl FnMut([u64; 3])) {
+fn for_each_neighbor(home: [f64; 3], mut visit: impl FnMut([u64; 3])) {
     // Beyond 2^53 adding one changes nothing, and a cell must not be visited twice.
     let axis = |x: f64| [Some(x), Some(x - 1.0).filter(|y| *y != x), Some(x + 1.0).filter(|y| *y != x)];
     for x in axis(home[0]).into_iter().flatten() {

@@ -8,7 +8,7 @@ use super::Notes;
 use super::document::{Document, Kind, Object};
 use super::node::direction;
 use crate::read::ReadError;
-use crate::scene::Camera;
+use crate::view::Camera;
 
 /// The node's perspective camera in world space. Others are noted.
 pub(super) fn read(

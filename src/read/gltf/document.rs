@@ -312,7 +312,7 @@ impl<'a> Object<'a> {
 
 /// A whole number; JSON may write 3 as 3.0.
 fn whole(value: &Value) -> Option<usize> {
-    // 2^53: beyond it, whole numbers and their neighbours are one f64.
+    // 2^53: beyond it, whole numbers and their neighbors are one f64.
     let from_float =
         |x: f64| (x.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&x)).then_some(x as u64);
     let whole = value.as_u64().or_else(|| value.as_f64().and_then(from_float))?;

@@ -37,13 +37,13 @@ pub(super) fn read(
     };
     let name = object.given_name().unwrap_or_else(|| node.name());
     let channel = |value: f64| value as f32;
-    let colour = object.numbers::<3>("color")?.unwrap_or([1.0; 3]).map(channel);
-    if colour.iter().any(|channel| !channel.is_finite()) {
+    let color = object.numbers::<3>("color")?.unwrap_or([1.0; 3]).map(channel);
+    if color.iter().any(|channel| !channel.is_finite()) {
         return Err(object.error("has a color beyond the range of 32-bit floats"));
     }
     let intensity = object.number("intensity")?.unwrap_or(1.0);
     let light = light.map_err(|error| node.error(error.to_string()))?;
-    Ok(Some(SceneLight { name, light, colour, intensity, spot }))
+    Ok(Some(SceneLight { name, light, color, intensity, spot }))
 }
 
 /// The cone of a spot light. Angles outside of 0 ≤ inner ≤ outer ≤ π/2 are moved inside: they only shade.

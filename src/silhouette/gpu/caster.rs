@@ -2,9 +2,9 @@
 
 use super::filter::Filter;
 use super::shaders::SilhouetteShaders;
+use crate::facing::FacePlanes;
 use crate::gpu::{Gpu, GpuError, wgpu};
 use crate::mesh::Mesh;
-use crate::silhouette::FacePlanes;
 use crate::topology::GpuTopology;
 
 /// A mesh on the device, ready for any number of lights.

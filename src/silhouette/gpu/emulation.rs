@@ -16,11 +16,12 @@
 //! other does): a pair is right only if, where any evaluation passes the bound, *every* evaluation has the true sign.
 
 use super::filter::{ALWAYS_EDGE_ON, EVALUATION, Filter, LightParameters};
+use crate::facing::planes::{EVALUATION as EVALUATION_OF_PLANES, UNDERFLOW};
+use crate::facing::{FacePlanes, classify};
 use crate::geom::{Light, predicate};
-use crate::mesh::{FaceId, Mesh, solid};
+use crate::mesh::{FaceId, Mesh};
 use crate::random::SplitMix64;
-use crate::silhouette::plane::{EVALUATION as EVALUATION_OF_PLANES, UNDERFLOW};
-use crate::silhouette::{FacePlanes, classify};
+use crate::testing::shapes;
 
 /// All that a device may find for a value.
 #[derive(Clone, Copy, Debug)]
@@ -208,11 +209,11 @@ fn tempting(random: &mut SplitMix64) -> Mesh {
             [(); 3].map(|()| at.map(|x| x + unit(random) / 64.0))
         }),
         // Tenths on a grid, axis-aligned and not.
-        5 => solid::scaled(&solid::menger_sponge(1), 0.1),
+        5 => shapes::scaled(&shapes::menger_sponge(1), 0.1),
         _ => soup(&mut |random| [(); 3].map(|()| [(); 3].map(|()| (grid(random) * 256.0) * 0.1))),
     };
     let scales = [1.0, 1.0, 1.0, 1e-3, 1e3, 1e-19, 1e19, 1e-30, 1e-36, f32::MIN_POSITIVE, 1e-41, 1e30, 1e36];
-    solid::scaled(&mesh, scales[random.below(scales.len())])
+    shapes::scaled(&mesh, scales[random.below(scales.len())])
 }
 
 /// A light in the plane of a face, or as near to it as `f32` lets it be.

@@ -1,10 +1,10 @@
 //! The filter that a shader can evaluate: planes and lights in units in which nothing overflows, and their bound.
 
+use crate::facing::FacePlanes;
+use crate::facing::planes::UNDERFLOW;
 use crate::geom::Light;
 use crate::geom::predicate::collinear;
 use crate::mesh::{FaceId, Mesh};
-use crate::silhouette::FacePlanes;
-use crate::silhouette::plane::UNDERFLOW;
 
 /// 8.5·2⁻²³: what evaluating a plane twice costs, relative to the sum of the magnitudes.
 ///
@@ -154,12 +154,12 @@ fn power_of_two(k: i32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::solid;
+    use crate::testing::shapes;
 
     #[test]
     fn filter_units_keep_every_light_and_plane_near_one() {
         for scale in [f32::MIN_POSITIVE, 1e-30, 1.0, 1e30, 1e38] {
-            let mesh = solid::scaled(&solid::icosphere(1), scale);
+            let mesh = shapes::scaled(&shapes::icosphere(1), scale);
             let (filter, values) = Filter::new(&mesh, &FacePlanes::new(&mesh));
             assert!(values.iter().flatten().all(|x| x.abs() <= 4.0), "{scale}");
             let far = [f32::MAX, -f32::MAX, 1.0];

@@ -19,7 +19,9 @@ mod tests;
 
 use std::sync::{Arc, Mutex};
 
-use super::{Facing, Silhouette, SilhouetteEdge, facing_of};
+use super::{Silhouette, SilhouetteEdge};
+use crate::facing::facing_of;
+use crate::geom::Facing;
 use crate::geom::Light;
 use crate::gpu::{GpuError, ScanOf, wgpu};
 use crate::mesh::{EdgeId, FaceId, Mesh};
@@ -168,12 +170,12 @@ impl GpuSilhouette {
         let caster = caster.clone();
         let silhouette =
             Self { caster, facing, signs, edges: found, quads, unsure, masks, light, groups, staging };
-        silhouette.set_masks(&vec![super::Casters::All.mask(); faces])?;
+        silhouette.set_masks(&vec![crate::facing::CasterFaces::All.mask(); faces])?;
         Ok(silhouette)
     }
 
-    /// Says on which sides each face casts: one entry a face, [`Casters::mask`](super::Casters::mask) or those of
-    /// [`Plan::masks`](crate::volume::Plan::masks). Holds for everything found or recorded afterwards.
+    /// Says on which sides each face casts: one entry a face, [`CasterFaces::mask`](crate::facing::CasterFaces::mask) or those of
+    /// [`Plan::masks`](crate::shadow::volume::Plan::masks). Holds for everything found or recorded afterwards.
     ///
     /// # Errors
     ///

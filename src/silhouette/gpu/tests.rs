@@ -1,8 +1,8 @@
-use super::super::{Casters, FacePlanes, classify};
 use super::shaders::{shader, with_body};
 use super::*;
+use crate::facing::{CasterFaces, FacePlanes, classify};
 use crate::gpu::tests::gpu;
-use crate::mesh::solid;
+use crate::testing::shapes;
 use crate::topology::{GpuTopology, Topology};
 use proptest::prelude::*;
 
@@ -89,13 +89,13 @@ fn silhouette_shader_is_laid_out_as_rust_writes_it() {
 #[test]
 fn silhouette_of_the_device_equals_the_processors() {
     let Some(shaders) = shaders() else { return };
-    for mesh in [solid::cube(), solid::menger_sponge(2), solid::icosphere(3), solid::book(7)] {
+    for mesh in [shapes::cube(), shapes::menger_sponge(2), shapes::icosphere(3), shapes::book(7)] {
         let (topology, planes) = (topology(&mesh), FacePlanes::new(&mesh));
         let silhouette = on_device(&shaders, &mesh, &planes);
         for light in ["point:3,4,5", "point:0,0,0", "directional:0,-1,0", "point:1e12,-1e11,7"] {
             let light: Light = light.parse().unwrap();
             let facing = classify(&mesh, &light);
-            for casters in [Casters::All, Casters::Front] {
+            for casters in [CasterFaces::All, CasterFaces::Front] {
                 silhouette.set_masks(&vec![casters.mask(); mesh.face_count()]).unwrap();
                 let found = silhouette.find(&mesh, &light).unwrap();
                 assert_eq!(silhouette.download_facing().unwrap(), facing, "{} {light}", mesh.name);
@@ -140,7 +140,7 @@ fn silhouette_filter_without_the_error_of_planes_is_caught() {
 #[test]
 fn silhouette_unsure_face_taken_as_front_is_caught() {
     let Some(shaders) = shaders() else { return };
-    let mesh = solid::menger_sponge(1);
+    let mesh = shapes::menger_sponge(1);
     let silhouette = on_device(&shaders, &mesh, &FacePlanes::new(&mesh));
     let light = Light::directional([0.0, -1.0, 0.0]).unwrap();
     let unsure = silhouette.unsure_faces(&light).unwrap();
@@ -148,7 +148,7 @@ fn silhouette_unsure_face_taken_as_front_is_caught() {
     silhouette.settle(unsure.iter().map(|&face| (face, Facing::Front))).unwrap(); // the sabotage
     let facing = classify(&mesh, &light);
     assert_ne!(silhouette.download_facing().unwrap(), facing);
-    let expected = Silhouette::extract(&topology(&mesh), &Casters::All.signs(&facing));
+    let expected = Silhouette::extract(&topology(&mesh), &CasterFaces::All.signs(&facing));
     assert_ne!(silhouette.extract().unwrap(), expected);
 }
 
@@ -158,9 +158,9 @@ fn silhouette_multiplicity_capped_at_one_is_caught() {
     let body = include_str!("../silhouette.wgsl");
     let sabotaged = body.replace("multiplicities[edge] = m;", "multiplicities[edge] = sign(m);");
     assert_ne!(body, sabotaged);
-    let mesh = solid::icosphere(1);
+    let mesh = shapes::icosphere(1);
     let light = Light::point([0.37, 0.21, 11.0]).unwrap(); // every edge counts twice
-    let expected = Silhouette::extract(&topology(&mesh), &Casters::All.signs(&classify(&mesh, &light)));
+    let expected = Silhouette::extract(&topology(&mesh), &CasterFaces::All.signs(&classify(&mesh, &light)));
     let find = |body: &str| {
         let shaders = SilhouetteShaders::compiled(&gpu, &with_body(body)).unwrap();
         on_device(&shaders, &mesh, &FacePlanes::new(&mesh)).find(&mesh, &light).unwrap().silhouette
@@ -172,7 +172,7 @@ fn silhouette_multiplicity_capped_at_one_is_caught() {
 #[test]
 fn silhouette_recorded_for_several_lights_in_one_encoder_keeps_them_apart() {
     let Some(shaders) = shaders() else { return };
-    let mesh = solid::icosphere(3);
+    let mesh = shapes::icosphere(3);
     let topology = topology(&mesh);
     let one = on_device(&shaders, &mesh, &FacePlanes::new(&mesh));
     let vertices = shaders.gpu().upload("vertices", mesh.positions()).unwrap();
@@ -193,7 +193,7 @@ fn silhouette_recorded_for_several_lights_in_one_encoder_keeps_them_apart() {
         assert_eq!(silhouette.download_unsure_count().unwrap(), 0);
         let facing = classify(&mesh, &light);
         assert_eq!(silhouette.download_facing().unwrap(), facing);
-        let expected = Silhouette::extract(&topology, &Casters::All.signs(&facing));
+        let expected = Silhouette::extract(&topology, &CasterFaces::All.signs(&facing));
         assert_eq!(silhouette.extract().unwrap(), expected);
     }
 }

@@ -1,7 +1,8 @@
 //! How far a light may travel before faces may be on another side of it.
 
-use super::super::plane::LocalLight;
-use super::super::{FacePlanes, Facing};
+use crate::facing::FacePlanes;
+use crate::facing::planes::LocalLight;
+use crate::geom::Facing;
 use crate::mesh::{FaceId, Mesh};
 
 /// Faces that share a certificate.

@@ -1,10 +1,9 @@
 //! Thirty-two edges whose planes are near each other, and which of them are silhouette.
 
-use super::super::plane::LocalLight;
-use super::super::quantised::{self, Quantised};
-
-/// Edges in a leaf.
-pub(in crate::silhouette) const LEAF: usize = 32;
+use crate::facing::plane_tree::LEAF;
+use crate::facing::planes::LocalLight;
+use crate::facing::quantized;
+use crate::facing::quantized::Quantized;
 
 /// The planes of 32 edges as whole numbers about a middle of their own: as fine as the leaf is small.
 ///
@@ -19,7 +18,7 @@ pub(in crate::silhouette) const LEAF: usize = 32;
 /// The light is in front wherever `H ≥ 3` and behind wherever `H ≤ −7`.
 ///
 /// Why: let `t = f·F`, whose sign is that of `F`. `Nᵢ` is known up to `2⁻²⁴ + 2⁻²⁶` (its rounding to `f32`, and the error
-/// of its construction that is asked for; see [`Quantised`]), which is at most 0.32
+/// of its construction that is asked for; see [`Quantized`]), which is at most 0.32
 /// of a unit of `qᵢ`, so that `qᵢ` errs by less than 0.83, and `pᵢ` by less than 0.51. Their product errs by less than
 /// `0.83·32767 + 0.51·16383`, which is less than `0.55·2¹⁶`, and four of them by less than 2.2 after the division.
 /// `b` errs by half for rounding and less than 0.01 for `f` and the sum, which is of `f64`. Each floor takes less than 1.
@@ -113,7 +112,7 @@ impl Leaf {
         let mut numbers = [[0; 2 * LEAF]; 4];
         for (place, plane) in all.iter().enumerate() {
             for i in 0..4 {
-                numbers[i][place] = quantised::nearest(off(plane[i], i) / widest * MOST[0]);
+                numbers[i][place] = quantized::nearest(off(plane[i], i) / widest * MOST[0]);
             }
         }
         Self { numbers, middle, factor: (MOST[0] * MOST[1] / 65536.0 / widest) as f32 }
@@ -122,13 +121,13 @@ impl Leaf {
     /// Where the light is of the faces of each edge, in vector registers where the caller has them.
     #[inline(always)]
     pub(super) fn codes(&self, light: &LocalLight) -> Codes {
-        let heights = self.heights(&light.quantised, &light.direction);
+        let heights = self.heights(&light.quantized, &light.direction);
         Codes::of(&heights)
     }
 
     /// `H` of every plane.
     #[inline(always)]
-    fn heights(&self, light: &Quantised, direction: &[f64; 4]) -> [i16; 2 * LEAF] {
+    fn heights(&self, light: &Quantized, direction: &[f64; 4]) -> [i16; 2 * LEAF] {
         let (base, [x, y, z, w]) = (self.base(direction), &self.numbers);
         let mut heights = [0; 2 * LEAF];
         for place in 0..2 * LEAF {
@@ -146,7 +145,7 @@ impl Leaf {
         let [x, y, z, w] = self.middle.map(f64::from);
         let sum = (x * direction[0] + y * direction[1]) + (z * direction[2] + w * direction[3]);
         let base = (f64::from(self.factor) * sum).clamp(-MOST[1], MOST[1]);
-        quantised::nearest(base) // 0 of no number
+        quantized::nearest(base) // 0 of no number
     }
 }
 
@@ -168,9 +167,9 @@ mod tests {
         for round in 0..4000 {
             // Leaves of all sizes about a plane, finer ones than the finest there is among them.
             let size = 0.5_f64.powi(round % 12);
-            let centre: [f64; 4] = std::array::from_fn(|_| number());
+            let center: [f64; 4] = std::array::from_fn(|_| number());
             let mut plane = || {
-                let [x, y, z, d] = centre.map(|x| x + size * number());
+                let [x, y, z, d] = center.map(|x| x + size * number());
                 let length = (x * x + y * y + z * z).sqrt();
                 [x / length, y / length, z / length, d.clamp(-1.0, 1.0)]
             };

@@ -58,10 +58,11 @@ impl GpuTopology {
     ///
     /// ```
     /// # use umbrage::gpu::{Gpu, GpuError, wgpu::{self, util::DeviceExt}};
-    /// use umbrage::{mesh::solid, topology::GpuTopology};
+    /// use umbrage::testing::shapes;
+    /// use umbrage::topology::GpuTopology;
     /// # fn main() -> Result<(), GpuError> {
     /// # let gpu = match Gpu::new(None) { Err(GpuError::NoAdapter) => return Ok(()), gpu => gpu? };
-    /// let cube = solid::cube();
+    /// let cube = shapes::cube();
     /// let triangles = gpu.device().create_buffer_init(&wgpu::util::BufferInitDescriptor {
     ///     label: None,
     ///     contents: bytemuck::cast_slice(cube.triangles()),

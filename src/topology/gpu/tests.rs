@@ -3,8 +3,9 @@
 use super::build::{Found, Size, shader};
 use super::*;
 use crate::gpu::tests::{gpu, limited_gpu};
-use crate::mesh::{Mesh, Weld, solid, weld};
+use crate::mesh::{Mesh, Weld, weld};
 use crate::random::SplitMix64;
+use crate::testing::shapes;
 use crate::topology::Topology;
 
 type Table = (Vec<u32>, Vec<u32>);
@@ -61,13 +62,13 @@ fn gpu_topology_of_solids_equals_the_hosts() {
         assert!(on_device(&gpu, &builder, vertices, mesh.triangles()) == host, "{}", mesh.name);
         host.0.len() - 1
     };
-    assert_eq!(check(&solid::cube()), 18);
-    check(&solid::book(18));
-    check(&solid::mobius(12));
-    check(&solid::menger_sponge(2));
-    check(&weld(&solid::uv_capsule(16, 8, 1.0, 2.0), Weld::Exact).mesh); // faces collapse at the poles
+    assert_eq!(check(&shapes::cube()), 18);
+    check(&shapes::book(18));
+    check(&shapes::mobius(12));
+    check(&shapes::menger_sponge(2));
+    check(&weld(&shapes::uv_capsule(16, 8, 1.0, 2.0), Weld::Exact).mesh); // faces collapse at the poles
     // Indices of more than 16 bits.
-    let knot = solid::shuffled(&solid::torus_knot(2, 3, 1100, 64, 0.3), 5);
+    let knot = shapes::shuffled(&shapes::torus_knot(2, 3, 1100, 64, 0.3), 5);
     assert!(knot.vertex_count() > 1 << 16);
     assert_eq!(check(&knot), 3 * knot.face_count() / 2);
 }
@@ -128,7 +129,7 @@ fn gpu_topology_beyond_the_limits_of_the_device_is_refused() {
 fn gpu_topology_from_too_few_bits_or_without_a_half_edge_is_caught() {
     let Some(gpu) = gpu() else { return };
     let builder = GpuTopologyBuilder::new(&gpu).unwrap();
-    let mesh = solid::shuffled(&solid::torus(20, 15, 2.0, 0.75), 3);
+    let mesh = shapes::shuffled(&shapes::torus(20, 15, 2.0, 0.75), 3);
     let (vertices, half_edges) = (mesh.vertex_count() as u32, 3 * mesh.face_count());
     let triangles = gpu.upload("triangles", mesh.triangles()).unwrap();
     let table = |half_edges, bits| {
@@ -149,7 +150,7 @@ fn gpu_topology_from_too_few_bits_or_without_a_half_edge_is_caught() {
 fn gpu_topology_with_an_index_out_of_range_is_refused_by_its_first_face() {
     let Some(gpu) = gpu() else { return };
     let builder = GpuTopologyBuilder::new(&gpu).unwrap();
-    let mesh = solid::menger_sponge(1);
+    let mesh = shapes::menger_sponge(1);
     let vertices = mesh.vertex_count() as u32;
     for bad in [vertices, vertices + 1, 1 << 31, u32::MAX] {
         let mut triangles = mesh.triangles().to_vec();
@@ -180,7 +181,7 @@ fn gpu_topology_of_more_faces_than_the_buffer_holds_is_refused() {
 #[test]
 fn gpu_topology_comes_back_from_the_device_as_it_went() {
     let Some(gpu) = gpu() else { return };
-    for mesh in [solid::book(5), solid::menger_sponge(1)] {
+    for mesh in [shapes::book(5), shapes::menger_sponge(1)] {
         let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
         let lent = GpuTopology::upload(&gpu, &topology).unwrap();
         assert_eq!(lent.edge_count as usize, topology.edge_count());

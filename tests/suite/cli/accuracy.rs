@@ -3,7 +3,7 @@
 use std::fs;
 
 use serde_json::Value;
-use umbrage::mesh::solid;
+use umbrage::testing::shapes;
 
 use super::{Folder, assert_shape, keys};
 use crate::chart::well_formed;
@@ -13,7 +13,7 @@ const FEW: &str = "--light point:2,3,5 --queries 500 --rounds 1";
 /// A folder with meshes on which rounding decides something, and the cubes.
 fn folder() -> Folder {
     let folder = Folder::with_cubes();
-    folder.mesh("torus.obj", &solid::torus(24, 12, 2.0, 0.7));
+    folder.mesh("torus.obj", &shapes::torus(24, 12, 2.0, 0.7));
     folder
 }
 
@@ -224,8 +224,8 @@ fn accuracy_of_several_files_measures_those_that_can_be_read() {
 #[test]
 fn accuracy_takes_any_mesh_and_any_light() {
     let folder = Folder::new();
-    folder.mesh("tiny.obj", &solid::scaled(&solid::cube(), 1e-38));
-    folder.mesh("huge.ply", &solid::scaled(&solid::cube(), 1e37));
+    folder.mesh("tiny.obj", &shapes::scaled(&shapes::cube(), 1e-38));
+    folder.mesh("huge.ply", &shapes::scaled(&shapes::cube(), 1e37));
     fs::write(folder.path("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 1\n").unwrap();
     for file in ["tiny.obj", "huge.ply", "line.obj"] {
         for what in ["facing", "visibility"] {

@@ -3,7 +3,8 @@
 use std::fs;
 
 use serde_json::Value;
-use umbrage::mesh::{Mesh, solid};
+use umbrage::mesh::Mesh;
+use umbrage::testing::shapes;
 use umbrage::write::{Layer, Model, write};
 
 use super::{Folder, assert_shape, keys, real};
@@ -88,10 +89,10 @@ fn check_counts_of_an_open_cube_are_those_of_a_hole() {
 #[test]
 fn check_require_names_a_weaker_property() {
     let folder = Folder::new();
-    folder.mesh("touching.obj", &solid::cubes_sharing_edge());
-    folder.mesh("turned.obj", &solid::misoriented_cube());
-    folder.mesh("inward.obj", &solid::inside_out(&solid::cube()));
-    folder.mesh("open.obj", &solid::open_cube());
+    folder.mesh("touching.obj", &shapes::cubes_sharing_edge());
+    folder.mesh("turned.obj", &shapes::misoriented_cube());
+    folder.mesh("inward.obj", &shapes::inside_out(&shapes::cube()));
+    folder.mesh("open.obj", &shapes::open_cube());
     // What is required: soundness, watertight, balanced, even.
     for (name, codes) in [
         ("touching", [1, 1, 0, 0]),
@@ -108,8 +109,8 @@ fn check_require_names_a_weaker_property() {
 #[test]
 fn check_weld_decides_what_is_one_vertex() {
     let folder = Folder::new();
-    folder.mesh("soup.ply", &solid::soup(&solid::cube()));
-    folder.mesh("seam.obj", &solid::seam(4));
+    folder.mesh("soup.ply", &shapes::soup(&shapes::cube()));
+    folder.mesh("seam.obj", &shapes::seam(4));
     assert_eq!(folder.code("check soup.ply"), 0);
     assert_eq!(folder.code("check soup.ply --weld none"), 1);
     assert_eq!(folder.code("check seam.obj"), 1);
@@ -124,7 +125,7 @@ fn check_weld_decides_what_is_one_vertex() {
 fn check_limit_bounds_what_is_listed() {
     let folder = Folder::new();
     let pieces: Vec<Mesh> =
-        (0..9_u8).map(|i| solid::translated(&solid::open_cube(), [f32::from(i) * 3.0, 0.0, 0.0])).collect();
+        (0..9_u8).map(|i| shapes::translated(&shapes::open_cube(), [f32::from(i) * 3.0, 0.0, 0.0])).collect();
     folder.mesh("nine.obj", &Mesh::concat(&pieces).unwrap());
     for (option, listed) in [("", 5), (" --limit 2", 2), (" --limit 0", 0), (" --limit 50", 9)] {
         let document = folder.json(&format!("check nine.obj{option}"));
@@ -143,7 +144,7 @@ fn check_mark_is_geometry_that_can_be_read_and_always_the_same() {
     assert_eq!((code, folder.code("check open.obj --mark b.glb")), (1, 1));
     assert_eq!(fs::read(folder.path("a.glb")).unwrap(), fs::read(folder.path("b.glb")).unwrap());
     let marked = folder.json("check a.glb --scope scene");
-    assert_eq!(marked["files"][0]["total"]["faces"], 10, "the grey mesh, and no face beside it");
+    assert_eq!(marked["files"][0]["total"]["faces"], 10, "the gray mesh, and no face beside it");
 }
 
 #[test]
@@ -213,7 +214,7 @@ fn check_of_several_files_ends_with_a_table_and_one_verdict() {
 #[test]
 fn check_total_lists_the_defects_of_all_meshes() {
     let folder = Folder::new();
-    let shifted = |x| solid::translated(&solid::open_cube(), [x, 0.0, 0.0]);
+    let shifted = |x| shapes::translated(&shapes::open_cube(), [x, 0.0, 0.0]);
     let layers = [("left", 0.0), ("right", 5.0)].map(|(name, x)| Layer::from(&shifted(x).with_name(name)));
     write(&Model { layers: layers.to_vec() }, folder.path("two.glb")).unwrap();
     let total =
@@ -239,7 +240,7 @@ fn check_total_lists_the_defects_of_all_meshes() {
 #[test]
 fn check_verdict_names_what_the_required_property_lacks() {
     let folder = Folder::with_cubes();
-    folder.mesh("inward.obj", &solid::inside_out(&solid::cube()));
+    folder.mesh("inward.obj", &shapes::inside_out(&shapes::cube()));
     for (arguments, line) in [
         ("check open.obj --require watertight", "cracked: the mesh is not watertight: 4 boundary edges"),
         ("check open.obj --require even", "cracked: the mesh is not even: 4 boundary edges"),
@@ -253,9 +254,9 @@ fn check_verdict_names_what_the_required_property_lacks() {
 #[test]
 fn check_fast_tells_balanced_from_not_and_says_how_sure_it_is() {
     let folder = Folder::with_cubes();
-    folder.mesh("touching.obj", &solid::cubes_sharing_edge());
-    folder.mesh("turned.obj", &solid::misoriented_cube());
-    folder.mesh("soup.ply", &solid::soup(&solid::cube()));
+    folder.mesh("touching.obj", &shapes::cubes_sharing_edge());
+    folder.mesh("turned.obj", &shapes::misoriented_cube());
+    folder.mesh("soup.ply", &shapes::soup(&shapes::cube()));
     for (arguments, code, said) in [
         ("cube.obj", 0, "cube.obj (obj): balanced, 12 faces"),
         ("touching.obj", 0, "balanced"),

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use umbrage::mesh::solid;
+use umbrage::testing::shapes;
 
 use super::Folder;
 
@@ -28,8 +28,8 @@ fn input_that_is_a_pipe_is_refused_at_once() {
 #[test]
 fn input_is_never_overwritten() {
     let folder = Folder::new();
-    folder.mesh("a.obj", &solid::open_cube());
-    folder.mesh("a.glb", &solid::open_cube());
+    folder.mesh("a.obj", &shapes::open_cube());
+    folder.mesh("a.glb", &shapes::open_cube());
     fs::copy(folder.path("a.obj"), folder.path("a.png")).unwrap();
     let before = ["a.obj", "a.glb", "a.png"].map(|name| fs::read(folder.path(name)).unwrap());
     let mut asked = vec![

@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use umbrage::mesh::solid;
+use umbrage::testing::shapes;
 
 use super::Folder;
 
@@ -39,7 +39,7 @@ fn writers() -> Vec<(String, &'static str)> {
 
 fn folder() -> Folder {
     let folder = Folder::with_cubes();
-    folder.mesh("ball.ply", &solid::icosphere(4));
+    folder.mesh("ball.ply", &shapes::icosphere(4));
     folder
 }
 
@@ -270,7 +270,7 @@ fn machine_interrupted_writing_leaves_the_old_file_and_no_other() {
         return;
     }
     let folder = Folder::new();
-    folder.mesh("ball.ply", &solid::icosphere(6));
+    folder.mesh("ball.ply", &shapes::icosphere(6));
     fs::write(folder.path("out.obj"), "old").unwrap();
     let before = folder.names();
     let lights = LIGHT.to_owned() + " --light point:-9,1,1 --light point:1,-9,2 --light directional:1,2,3";
@@ -366,7 +366,7 @@ fn machine_interrupted_while_it_prints_does_not_say_that_nothing_was_written() {
         return;
     }
     let folder = folder();
-    folder.mesh("soup.ply", &solid::soup(&solid::icosphere(4)));
+    folder.mesh("soup.ply", &shapes::soup(&shapes::icosphere(4)));
     // More than a pipe holds: with its first byte read, the rest is still under way.
     let mut child = shell(&folder, ":", "check soup.ply --weld none --limit 100000 --json")
         .stdout(Stdio::piped())
@@ -407,7 +407,7 @@ fn hostile(folder: &Folder) -> Vec<&'static str> {
     ] {
         fs::write(folder.path(name), bytes).unwrap();
     }
-    folder.mesh("soup.ply", &solid::soup(&solid::icosphere(4)));
+    folder.mesh("soup.ply", &shapes::soup(&shapes::icosphere(4)));
     // Files of a terabyte that take no room on the disk.
     for (name, head) in
         [("vast.stl", &[0; 80][..]), ("vast.glb", b"glTF\x02\0\0\0"), ("vast.md2", b"IDP2\x08\0\0\0")]

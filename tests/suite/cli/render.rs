@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use umbrage::mesh::solid;
+use umbrage::testing::shapes;
 
 use super::Folder;
 use crate::support::gpu;
@@ -50,7 +50,7 @@ fn render_takes_the_eye_the_lights_and_the_ground_that_are_asked_for() {
 #[test]
 fn check_draws_the_open_edges_in_red_and_says_so() {
     let folder = Folder::with_cubes();
-    folder.mesh("bow.obj", &solid::cubes_sharing_vertex());
+    folder.mesh("bow.obj", &shapes::cubes_sharing_vertex());
     let run = folder.run("check open.obj --picture a.png");
     assert_eq!(run.code, 1);
     assert!(run.stderr.contains("red boundary_loop"), "{}", run.stderr);

@@ -1,7 +1,7 @@
 //! `umbrage silhouette`.
 
 use serde_json::Value;
-use umbrage::mesh::solid;
+use umbrage::testing::shapes;
 
 use super::{Folder, assert_shape, keys, real};
 
@@ -83,8 +83,8 @@ fn silhouette_output_holds_the_edges_as_lines() {
 fn silhouette_of_meshes_that_touch_keeps_them_apart() {
     // Two cubes in one file that share a face: one mesh welds them together, two would not.
     let folder = Folder::new();
-    let right = solid::cuboid([1.0, -1.0, -1.0], [3.0, 1.0, 1.0]);
-    let both = umbrage::mesh::Mesh::concat(&[solid::cube(), right]).unwrap();
+    let right = shapes::cuboid([1.0, -1.0, -1.0], [3.0, 1.0, 1.0]);
+    let both = umbrage::mesh::Mesh::concat(&[shapes::cube(), right]).unwrap();
     folder.mesh("both.obj", &both);
     let edges = |scope: &str| {
         folder.json(&format!("silhouette both.obj --light point:9,8,7{scope}"))["lights"][0]["edges"].clone()
@@ -96,7 +96,7 @@ fn silhouette_of_meshes_that_touch_keeps_them_apart() {
 #[test]
 fn silhouette_of_the_tree_is_that_of_the_scan() {
     let folder = Folder::with_cubes();
-    folder.mesh("sponge.obj", &solid::menger_sponge(2));
+    folder.mesh("sponge.obj", &shapes::menger_sponge(2));
     for file in ["cube.obj", "sponge.obj"] {
         for light in ["point:2,3,5", "directional:0,-1,0", "directional:-1,-1,-1"] {
             let of = |method: &str| {
@@ -115,7 +115,7 @@ fn silhouette_of_the_tree_is_that_of_the_scan() {
 #[test]
 fn silhouette_auto_scans_for_few_lights_and_searches_a_tree_for_many() {
     let folder = Folder::new();
-    folder.mesh("sphere.obj", &solid::icosphere(3));
+    folder.mesh("sphere.obj", &shapes::icosphere(3));
     let of = |lights: &str| {
         let light = &folder.json(&format!("silhouette sphere.obj{lights}"))["lights"][0];
         (

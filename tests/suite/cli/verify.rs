@@ -1,6 +1,6 @@
 //! `umbrage verify`.
 
-use umbrage::mesh::solid;
+use umbrage::testing::shapes;
 
 use super::{Folder, assert_shape, keys};
 
@@ -19,7 +19,7 @@ fn verify_json_has_the_agreed_keys_in_order() {
 #[test]
 fn verify_sums_over_the_lights_and_repeats_itself_for_a_seed() {
     let folder = Folder::new();
-    folder.mesh("book.obj", &solid::book(5));
+    folder.mesh("book.obj", &shapes::book(5));
     let run = |more: &str| {
         let light = "--light point:2,3,5 --light directional:0,-1,0";
         folder.json(&format!("verify book.obj {light} --points 1000 {more}"))
@@ -53,7 +53,7 @@ mod gpu {
     use std::fs;
     use std::process::{Command, Output};
 
-    use umbrage::mesh::solid;
+    use umbrage::testing::shapes;
 
     use super::super::{Folder, assert_shape};
     use crate::support::gpu;
@@ -106,7 +106,7 @@ mod gpu {
         ] {
             assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
         }
-        assert!(run.stderr.contains("wrote a.png: background sky, light grey lit"), "{}", run.stderr);
+        assert!(run.stderr.contains("wrote a.png: background sky, light gray lit"), "{}", run.stderr);
         for name in ["a.png", "a-2.png"] {
             let reader = png::Decoder::new(std::io::Cursor::new(fs::read(folder.path(name)).unwrap()));
             let info = reader.read_info().unwrap();
@@ -120,8 +120,8 @@ mod gpu {
             return;
         }
         let folder = Folder::with_cubes();
-        folder.mesh("tiny.obj", &solid::scaled(&solid::cube(), 1e-30));
-        folder.mesh("huge.ply", &solid::scaled(&solid::cube(), 1e37));
+        folder.mesh("tiny.obj", &shapes::scaled(&shapes::cube(), 1e-30));
+        folder.mesh("huge.ply", &shapes::scaled(&shapes::cube(), 1e37));
         fs::write(folder.path("empty.obj"), "v 1 2 3\n").unwrap();
         for arguments in [
             "cube.obj --size 1x1",
@@ -144,7 +144,7 @@ mod gpu {
             return;
         }
         let folder = Folder::new();
-        folder.mesh("nested.ply", &solid::nested_cubes(300));
+        folder.mesh("nested.ply", &shapes::nested_cubes(300));
         let document = folder.json("verify nested.ply --light point:9,8,7 --points 50 --gpu --size 32x32");
         assert_eq!(document["lights"][0]["passes"][0]["counting"], "integer");
         assert_eq!(document["pixel_disagree"], 0);

@@ -1,6 +1,7 @@
 //! `umbrage volume`.
 
-use umbrage::mesh::{Mesh, solid};
+use umbrage::mesh::Mesh;
+use umbrage::testing::shapes;
 
 use super::{Folder, assert_shape, keys};
 
@@ -41,12 +42,12 @@ fn volume_of_a_cube_has_the_counts_of_its_silhouette() {
 fn volume_is_closed_for_every_mesh() {
     let folder = Folder::new();
     let meshes: [(&str, Mesh); 6] = [
-        ("open", solid::open_cube()),
-        ("turned", solid::misoriented_cube()),
-        ("touching", solid::cubes_sharing_edge()),
-        ("strip", solid::mobius(12)),
-        ("book", solid::book(5)),
-        ("doubled", solid::duplicated_face()),
+        ("open", shapes::open_cube()),
+        ("turned", shapes::misoriented_cube()),
+        ("touching", shapes::cubes_sharing_edge()),
+        ("strip", shapes::mobius(12)),
+        ("book", shapes::book(5)),
+        ("doubled", shapes::duplicated_face()),
     ];
     for (name, mesh) in meshes {
         let file = format!("{name}.obj");

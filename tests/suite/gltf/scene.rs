@@ -106,9 +106,9 @@ fn gltf_lights_stand_in_the_world() {
         |a: [f32; 3], b: [f32; 3]| assert!(glam::Vec3::from(a).abs_diff_eq(b.into(), 1e-6), "{a:?} {b:?}");
     assert!(sun.light.is_directional() && !lamp.light.is_directional() && !spot.light.is_directional());
     close(sun.light.xyz(), [0.0, 1.0, 0.0]); // travels down, so it is up
-    assert_eq!((sun.name.as_str(), sun.intensity, sun.colour), ("sun", 3.0, [1.0, 0.5, 0.25]));
+    assert_eq!((sun.name.as_str(), sun.intensity, sun.color), ("sun", 3.0, [1.0, 0.5, 0.25]));
     close(lamp.light.xyz(), [1.0, 6.0, 3.0]);
-    assert_eq!((lamp.name.as_str(), lamp.intensity, lamp.colour, lamp.spot), ("lamp", 1.0, [1.0; 3], None));
+    assert_eq!((lamp.name.as_str(), lamp.intensity, lamp.color, lamp.spot), ("lamp", 1.0, [1.0; 3], None));
     close(spot.light.xyz(), [1.0, 2.0, 3.0]);
     let cone = spot.spot.unwrap();
     close(cone.direction, [0.0, -1.0, 0.0]);

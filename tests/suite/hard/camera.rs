@@ -1,9 +1,10 @@
 //! Lights and eyes in hard places, by the stencil pass against counts in closed form.
 
-use umbrage::mesh::{Mesh, solid};
-use umbrage::scene::Size;
-use umbrage::stencil::{Asked, Caster, Reason, StencilMethod};
-use umbrage::volume::Faces;
+use umbrage::mesh::Mesh;
+use umbrage::shadow::stencil::{Asked, Caster, Reason, StencilMethod};
+use umbrage::shadow::volume::Faces;
+use umbrage::testing::shapes;
+use umbrage::view::Size;
 
 use super::figures::*;
 use super::screen::*;
@@ -22,12 +23,12 @@ fn within(x: f32, y: f32, half: f32) -> bool {
 fn hard_01_sheet_throws_the_same_picture_from_either_side() {
     let sheet = cover(3.0, 16.0);
     let light = sun(0.0, 0.0, -1.0);
-    for sheet in [sheet.clone(), solid::inside_out(&sheet)] {
+    for sheet in [sheet.clone(), shapes::inside_out(&sheet)] {
         let must = |x: f32, y: f32| counted(within(x, y, 3.0), 1);
         expect_pixels("a sheet", &walled(&[sheet]), &light, (0.5, 8.0), must);
     }
     // The sabotage: with front faces alone one of the two throws nothing.
-    let turned = walled(&[solid::inside_out(&sheet)]);
+    let turned = walled(&[shapes::inside_out(&sheet)]);
     let front = Caster::new(&turned, Faces::Front);
     let Some(shot) = shoot_as(&front, &light, &plain(), Asked::ZFail, None) else { return };
     assert_eq!(shot.wrong(8.0, |x, y| counted(within(x, y, 3.0), 1)).len(), 36);
@@ -36,12 +37,12 @@ fn hard_01_sheet_throws_the_same_picture_from_either_side() {
 /// Guards against front-only casters around a lamp: seen from outside, its housing is dark all over.
 #[test]
 fn hard_02_light_inside_a_box_leaves_its_outside_dark() {
-    let lamp = solid::cuboid([-4.0, -4.0, -8.0], [4.0, 4.0, 0.0]);
+    let lamp = shapes::cuboid([-4.0, -4.0, -8.0], [4.0, 4.0, 0.0]);
     let light = point(0.1, 0.2, -3.0);
     let must = |x: f32, y: f32| if within(x, y, 4.0) { Pixel::Count(1) } else { Pixel::Sky };
     expect_pixels("a box", &lamp, &light, (0.5, 8.0), must);
     // From inside it is bright all over.
-    let room = solid::cuboid([-20.0, -20.0, -1.0], [20.0, 20.0, 30.0]);
+    let room = shapes::cuboid([-20.0, -20.0, -1.0], [20.0, 20.0, 30.0]);
     expect_pixels("a room", &room, &point(1.0, 2.0, 9.0), (0.5, 8.0), |_, _| Pixel::Count(0));
     // The sabotage: front faces alone.
     let front = Caster::new(&lamp, Faces::Front);
@@ -53,9 +54,9 @@ fn hard_02_light_inside_a_box_leaves_its_outside_dark() {
 #[test]
 fn hard_10_light_at_the_eye_lights_all_it_sees() {
     let scene = walled(&[
-        solid::cuboid([-2.0, -2.0, 1.0], [2.0, 2.0, 3.0]),
+        shapes::cuboid([-2.0, -2.0, 1.0], [2.0, 2.0, 3.0]),
         cover(1.0, 5.0),
-        placed(&solid::icosphere(2), 1.5, [4.0, 4.0, 2.0]),
+        placed(&shapes::icosphere(2), 1.5, [4.0, 4.0, 2.0]),
         cover(30.0, 16.0),
     ]);
     let by_zpass =
@@ -118,7 +119,7 @@ fn hard_10_light_at_two_to_the_fortieth_is_nearly_a_sun() {
         assert!(!shot.wrong(8.0, must).is_empty(), "the sabotage: the light a quarter to the side");
     }
     let (lamp, day) = (point(0.3 * far, 0.5 * far, 0.7 * far), sun(-0.3, -0.5, -0.7));
-    for mesh in [solid::cube(), solid::icosphere(2), solid::torus(24, 12, 2.0, 0.5)] {
+    for mesh in [shapes::cube(), shapes::icosphere(2), shapes::torus(24, 12, 2.0, 0.5)] {
         // It sees the same sides as a sun does, and has a dark cap.
         assert_eq!(figures(&mesh, &lamp), figures(&mesh, &day), "{}", mesh.name);
         expect_agreement(&mesh, &lamp);
@@ -128,7 +129,7 @@ fn hard_10_light_at_two_to_the_fortieth_is_nearly_a_sun() {
 /// Guards against faces parallel to the light being given a side: two thirds of the sponge are edge-on.
 #[test]
 fn hard_10_light_along_an_axis_leaves_most_of_a_sponge_edge_on() {
-    let sponge = solid::menger_sponge(1);
+    let sponge = shapes::menger_sponge(1);
     for light in [sun(0.0, 0.0, -1.0), sun(-2.0, 0.0, 0.0), sun(0.0, 1e-30, 0.0)] {
         // Per side of the light eight unit squares on a level, in a ring of 16 edges, and four single ones within.
         expect_figures(&[(&sponge, light, ([24, 24, 96], 64, 64))]);
@@ -145,7 +146,7 @@ fn hard_10_light_along_an_axis_leaves_most_of_a_sponge_edge_on() {
     let column = |x: f32| (-3.0..3.0).contains(&x).then(|| usize::from((-1.0..1.0).contains(&x)));
     let must = |x: f32, y: f32| Pixel::Count(column(x).zip(column(y)).map_or(0, |(x, y)| [2, 4, 0][x + y]));
     expect_pixels("a sponge", &scene, &sun(0.0, 0.0, -1.0), (0.5, 8.0), must);
-    let cube = walled(&[placed(&solid::menger_sponge(0), 6.0, [-3.0, -3.0, 16.0])]);
+    let cube = walled(&[placed(&shapes::menger_sponge(0), 6.0, [-3.0, -3.0, 16.0])]);
     let Some(shot) = shoot(&cube, &sun(0.0, 0.0, -1.0), &plain(), Asked::ZFail) else { return };
     assert_eq!(shot.wrong(8.0, must).len(), 5 * 4, "the sabotage: a cube without holes");
 }
@@ -184,7 +185,7 @@ fn hard_11_eye_in_the_plane_of_a_side_that_the_near_plane_cuts() {
 fn hard_11_eye_before_a_near_plane_that_cuts_the_caster() {
     // The near plane at z = 4 through a box from 3 to 6: its floor and walls are seen from inside, below its lid.
     let light = point(0.0, 0.0, 40.0);
-    let cut = walled(&[solid::cuboid([-2.0, -2.0, 3.0], [2.0, 2.0, 6.0])]);
+    let cut = walled(&[shapes::cuboid([-2.0, -2.0, 3.0], [2.0, 2.0, 6.0])]);
     let must = |x: f32, y: f32| counted(within(x, y, 4.0), 1);
     expect_pixels("a box that is cut open", &cut, &light, (4.0, 8.0), must);
 
@@ -208,7 +209,7 @@ fn hard_11_eye_before_a_near_plane_that_cuts_the_caster() {
 #[test]
 fn hard_11_eye_with_a_field_of_view_of_120_degrees() {
     let reach = 8.0 * 3.0_f32.sqrt();
-    let scene = walled(&[cover(1.0, 16.0), solid::cuboid([5.0, -9.0, 1.0], [7.0, -6.0, 2.0])]);
+    let scene = walled(&[cover(1.0, 16.0), shapes::cuboid([5.0, -9.0, 1.0], [7.0, -6.0, 2.0])]);
     let light = point(0.0, 0.0, 24.0);
     let must = |x: f32, y: f32| match within(x, y, 3.0) {
         true => Pixel::Count(1),
@@ -228,17 +229,17 @@ fn hard_11_eye_with_a_field_of_view_of_120_degrees() {
 fn hard_12_geometry_behind_the_eye_and_volumes_through_w_zero() {
     // The light between wall and box: the lid faces the eye and is dark, and the volume goes on past the eye.
     let lamp = point(0.0, 0.0, 2.0);
-    let below = walled(&[solid::cuboid([-1.0, -1.0, 4.0], [1.0, 1.0, 5.0])]);
+    let below = walled(&[shapes::cuboid([-1.0, -1.0, 4.0], [1.0, 1.0, 5.0])]);
     // The lid lies at depth 3; what is seen of it is behind lid and floor.
     let must = |x: f32, y: f32| counted(within(x, y, 8.0 / 3.0), 2);
     let by_zpass = expect_pixels("a volume past the eye", &below, &lamp, (0.5, 8.0), must);
     assert!(by_zpass.is_none_or(|count| count == 1), "{by_zpass:?}");
 
-    // Casters all around the eye, none in view, between the light and nothing that is seen.
+    // CasterFaces all around the eye, none in view, between the light and nothing that is seen.
     let around = walled(&[
-        solid::cuboid([-30.0, -30.0, 7.0], [-25.0, 30.0, 9.0]),
-        solid::cuboid([-5.0, -5.0, 10.0], [5.0, 5.0, 12.0]),
-        solid::cuboid([25.0, -30.0, 7.5], [30.0, 30.0, 8.5]),
+        shapes::cuboid([-30.0, -30.0, 7.0], [-25.0, 30.0, 9.0]),
+        shapes::cuboid([-5.0, -5.0, 10.0], [5.0, 5.0, 12.0]),
+        shapes::cuboid([25.0, -30.0, 7.5], [30.0, 30.0, 8.5]),
     ]);
     expect_pixels("casters behind the eye", &around, &point(0.5, 0.25, 9.0), (0.5, 8.0), |_, _| {
         Pixel::Count(0)
@@ -267,11 +268,11 @@ fn hard_18_sky_behind_an_infinite_volume_is_no_shadow() {
     expect_pixels("nothing", &Mesh::default(), &light, (0.5, 8.0), |_, _| Pixel::Sky);
 }
 
-/// Guards against a dark cap of a directional light, which is one point: its triangles would be rasterised as noise.
+/// Guards against a dark cap of a directional light, which is one point: its triangles would be rasterized as noise.
 #[test]
 fn hard_19_dark_cap_of_a_sun_is_one_point_at_infinity() {
     for (mesh, faces, sum) in
-        [(solid::cube(), 12, 12), (solid::octahedron(), 8, 12), (solid::sheet(3), 18, 12)]
+        [(shapes::cube(), 12, 12), (shapes::octahedron(), 8, 12), (shapes::sheet(3), 18, 12)]
     {
         let (day, far) = (sun(-3.0, -5.0, -7.5), 2.0_f32.powi(40));
         let volume = shadow(&mesh, &day);
@@ -286,7 +287,7 @@ fn hard_19_dark_cap_of_a_sun_is_one_point_at_infinity() {
         assert_eq!((near.dark_cap().len(), near.sides().len()), (faces, 2 * sum));
     }
     expect_crossings(
-        &solid::cube(),
+        &shapes::cube(),
         &sun(-3.0, -5.0, -7.5),
         &[([-3.0, -5.0, -7.25], 2), ([-3e6, -5e6, -7.5e6], 2)],
     );

@@ -1,15 +1,17 @@
 //! Faces without area or nearly so.
 
-use umbrage::mesh::{Mesh, Weld, solid, weld};
-use umbrage::silhouette::Casters;
-use umbrage::volume::{Faces, Plan, ShellProof};
+use umbrage::caster::ShellProof;
+use umbrage::facing::CasterFaces;
+use umbrage::mesh::{Mesh, Weld, weld};
+use umbrage::shadow::volume::{Faces, Plan};
+use umbrage::testing::shapes;
 
 use super::figures::*;
 
 /// Guards against normals of length zero: a collinear face is edge-on to every light, and still holds its edges.
 #[test]
 fn hard_06_degenerate_collinear_face_carries_the_edges_beside_it() {
-    let mesh = solid::collinear_face();
+    let mesh = shapes::collinear_face();
     let c = counts(&mesh);
     assert_eq!((c.zero_area_faces, c.watertight, c.boundary_edges, c.signed_volume), (1, true, 0, 8.0));
     let light = point(3.0, 5.0, 7.0);
@@ -29,15 +31,15 @@ fn hard_06_degenerate_collinear_face_carries_the_edges_beside_it() {
     let plan = Plan::choose(&mesh, &shells, &proofs, &light, Faces::Auto);
     assert_eq!(plan.choices[0].to_string(), "a face of the shell has no area");
     // The sabotage: a cube without it has the hexagon alone.
-    assert_ne!(figures(&solid::cube(), &light), figures(&mesh, &light));
+    assert_ne!(figures(&shapes::cube(), &light), figures(&mesh, &light));
 }
 
-/// Guards against dropping collapsed faces before their neighbours have met, and against keeping them.
+/// Guards against dropping collapsed faces before their neighbors have met, and against keeping them.
 #[test]
 fn hard_06_degenerate_poles_collapse_when_welded_and_the_rest_closes() {
     for (segments, rings) in [(3_u32, 1_u32), (8, 3), (13, 5)] {
         let (s, r) = (segments as usize, rings as usize);
-        let capsule = solid::uv_capsule(segments, rings, 1.0, 2.0);
+        let capsule = shapes::uv_capsule(segments, rings, 1.0, 2.0);
         let open = counts(&capsule);
         assert!(open.boundary_edges > 0 && open.collapsed_faces == 0);
         assert_eq!(open.zero_area_faces, 2 * s, "each pole is so many vertices at one place");
@@ -50,8 +52,10 @@ fn hard_06_degenerate_poles_collapse_when_welded_and_the_rest_closes() {
         // Three half-edges to a face that is left, two to an edge.
         assert_eq!((c.edges, c.euler_characteristic, c.sound()), (3 * (4 * s * r) / 2, 2, true));
         let light = point(0.3, 0.2, 9.0);
-        let (_, loops) =
-            (figures(&welded, &light), cast(&welded, &light, Casters::All).0.loops(&topology(&welded)).len());
+        let (_, loops) = (
+            figures(&welded, &light),
+            cast(&welded, &light, CasterFaces::All).0.loops(&topology(&welded)).len(),
+        );
         assert_eq!(loops, 1);
         for mesh in [&capsule, &welded] {
             expect_crossings(
@@ -66,7 +70,7 @@ fn hard_06_degenerate_poles_collapse_when_welded_and_the_rest_closes() {
 
 /// A sliver of this height.
 fn sliver(height: f32) -> Mesh {
-    let (mut positions, triangles, ..) = solid::sliver().into_parts();
+    let (mut positions, triangles, ..) = shapes::sliver().into_parts();
     positions[2][1] = height;
     Mesh::new(positions, triangles).unwrap().with_name(format!("a sliver of height {height:e}"))
 }
@@ -93,7 +97,7 @@ fn hard_06_degenerate_slivers_have_an_inside() {
         // The sabotage: one that is flat altogether has no inside, and its floor no area.
         let flat = sliver(0.0);
         assert_eq!((counts(&flat).zero_area_faces, counts(&flat).sound()), (1, true));
-        assert_eq!(winding(&mesh, &light, Casters::All, inside), Some(1));
-        assert_ne!(winding(&flat, &light, Casters::All, inside), Some(1));
+        assert_eq!(winding(&mesh, &light, CasterFaces::All, inside), Some(1));
+        assert_ne!(winding(&flat, &light, CasterFaces::All, inside), Some(1));
     }
 }

@@ -1,9 +1,10 @@
 //! Coordinates at the ends of f32, through files and all judges.
 
-use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::facing::CasterFaces;
+use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::read::read_bytes;
 use umbrage::scene::Scope;
-use umbrage::silhouette::Casters;
+use umbrage::testing::shapes;
 use umbrage::write::{Layer, Model, Target, to_bytes};
 
 use super::figures::*;
@@ -30,7 +31,7 @@ struct Row {
 
 fn rows() -> Vec<Row> {
     let cube =
-        |name: &str, low: f32, high: f32| solid::cuboid([low; 3], [high; 3]).with_name(name.to_owned());
+        |name: &str, low: f32, high: f32| shapes::cuboid([low; 3], [high; 3]).with_name(name.to_owned());
     let (tiny, huge, largest, smallest) = (1e-30_f32, 1e30_f32, 3.4e38_f32, f32::from_bits(1));
     let cubic = |side: f32| f64::from(side).powi(3);
     let far = 2.0_f32.powi(21);
@@ -154,7 +155,7 @@ fn hard_17_coordinates_at_either_end_agree_for_lights_on_their_vertices() {
 #[test]
 fn hard_17_coordinates_that_coincide_far_away_collapse_into_a_closed_rest() {
     let far = 2.0_f32.powi(21);
-    let ball = solid::translated(&solid::icosphere(3), [far; 3]);
+    let ball = shapes::translated(&shapes::icosphere(3), [far; 3]);
     let welded = weld(&ball, Weld::Exact).mesh;
     let c = counts(&welded);
     assert!(welded.vertex_count() < ball.vertex_count() && c.collapsed_faces > 0, "{c:?}");
@@ -164,7 +165,7 @@ fn hard_17_coordinates_that_coincide_far_away_collapse_into_a_closed_rest() {
     figures(&welded, &light);
     expect_agreement(&welded, &light);
     expect_crossings(&welded, &light, &[([far - 3.0, far - 5.0, far - 7.25], 2)]);
-    assert_eq!(winding(&welded, &light, Casters::Front, [far - 3.0, far - 5.0, far - 7.25]), Some(1));
+    assert_eq!(winding(&welded, &light, CasterFaces::Front, [far - 3.0, far - 5.0, far - 7.25]), Some(1));
     // The sabotage: near the origin nothing collapses.
-    assert_eq!(counts(&weld(&solid::icosphere(3), Weld::Exact).mesh).collapsed_faces, 0);
+    assert_eq!(counts(&weld(&shapes::icosphere(3), Weld::Exact).mesh).collapsed_faces, 0);
 }

@@ -1,14 +1,15 @@
 //! Many faces on one edge, and solids that touch in an edge or in a vertex.
 
-use umbrage::mesh::{Mesh, VertexId, solid};
-use umbrage::silhouette::{Casters, classify};
-use umbrage::volume::{Caps, ShadowVolume};
+use umbrage::facing::{CasterFaces, classify};
+use umbrage::mesh::{Mesh, VertexId};
+use umbrage::shadow::volume::{Caps, ShadowVolume};
+use umbrage::testing::shapes;
 
 use super::figures::*;
 
 /// The pages of a book that is opened half: all of them face a light at the side.
 fn half_open(pages: u32) -> Mesh {
-    let (positions, mut triangles, ..) = solid::book(2 * pages).into_parts();
+    let (positions, mut triangles, ..) = shapes::book(2 * pages).into_parts();
     triangles.truncate(pages as usize);
     Mesh::new(positions[..pages as usize + 2].to_vec(), triangles).unwrap()
 }
@@ -27,7 +28,7 @@ fn lamp(at: [f32; 3]) -> umbrage::geom::Light {
 fn hard_03_edge_keeps_three_five_nine_and_eighteen_faces() {
     for (pages, [front, back], spine) in [(3_u32, [1, 2], 1), (5, [3, 2], 1), (9, [4, 5], 1), (18, [9, 9], 0)]
     {
-        let (book, n) = (solid::book(pages), pages as usize);
+        let (book, n) = (shapes::book(pages), pages as usize);
         let c = counts(&book);
         assert_eq!(
             (c.non_manifold_edges, c.max_faces_per_edge, c.boundary_edges, c.shells),
@@ -59,14 +60,14 @@ fn hard_03_edge_that_all_faces_leave_one_way_has_a_side_for_each() {
         let (book, n) = (half_open(pages), pages as usize);
         let light = lamp(at_angle(180.0 - 90.0 / f64::from(pages), 3.0));
         expect_figures(&[(&book, light, ([n, 0, 0], 2 * n + 1, 3 * n))]);
-        let (mut silhouette, _) = cast(&book, &light, Casters::All);
+        let (mut silhouette, _) = cast(&book, &light, CasterFaces::All);
         assert_eq!(silhouette.max_multiplicity(), pages);
 
         // The sabotage: copies above two are dropped, and the spine opens by as many.
         for edge in &mut silhouette.edges {
             edge.multiplicity = edge.multiplicity.clamp(-2, 2);
         }
-        let signs = Casters::All.signs(&classify(&book, &light));
+        let signs = CasterFaces::All.signs(&classify(&book, &light));
         let capped = ShadowVolume::extrude(&book, &topology(&book), &light, &signs, &silhouette, Caps::Both);
         assert_eq!(capped.boundary_sum().largest, u64::from(pages) - 2);
         assert!(!capped.boundary_sum().is_closed());
@@ -76,7 +77,7 @@ fn hard_03_edge_that_all_faces_leave_one_way_has_a_side_for_each() {
 /// Guards against pairing the four faces of a shared edge two by two: which pair is right depends on the light.
 #[test]
 fn hard_03_edge_of_two_cubes_is_no_outline_where_their_shadows_meet() {
-    let cubes = solid::cubes_sharing_edge();
+    let cubes = shapes::cubes_sharing_edge();
     let c = counts(&cubes);
     assert_eq!((c.non_manifold_edges, c.max_faces_per_edge, c.boundary_edges, c.shells), (1, 4, 0, 1));
     assert_eq!((c.watertight, c.balanced, c.even, c.signed_volume), (false, true, true, 2.0));
@@ -95,14 +96,14 @@ fn hard_03_edge_of_two_cubes_is_no_outline_where_their_shadows_meet() {
     }
     // The sabotage: the cubes apart have an outline of twelve edges each way.
     let apart =
-        Mesh::concat(&[solid::cuboid([0.0; 3], [1.0; 3]), solid::cuboid([1.0, 1.0, 0.0], [2.0, 2.0, 1.0])]);
+        Mesh::concat(&[shapes::cuboid([0.0; 3], [1.0; 3]), shapes::cuboid([1.0, 1.0, 0.0], [2.0, 2.0, 1.0])]);
     expect_figures(&[(&apart.unwrap(), across, ([12, 12, 0], 12, 24))]);
 }
 
 /// Guards against connecting through a vertex: fans would be walked from one cube into the other.
 #[test]
 fn hard_03_edge_less_contact_in_a_vertex_keeps_two_shells() {
-    let cubes = solid::cubes_sharing_vertex();
+    let cubes = shapes::cubes_sharing_vertex();
     let contact = |mesh: &Mesh| {
         let c = counts(mesh);
         assert_eq!(c.signed_volume, 2.0);
@@ -120,7 +121,7 @@ fn hard_03_edge_less_contact_in_a_vertex_keeps_two_shells() {
     expect_figures(&[(&cubes, sun(-3.0, 5.0, -7.0), ([12, 12, 0], 12, 24))]);
     expect_agreement(&cubes, &point(1.0, 1.0, 1.0));
     // The sabotages: the same cubes each with a vertex of its own there, and cubes that connect.
-    let apart = [solid::cuboid([0.0; 3], [1.0; 3]), solid::cuboid([1.0; 3], [2.0; 3])];
+    let apart = [shapes::cuboid([0.0; 3], [1.0; 3]), shapes::cuboid([1.0; 3], [2.0; 3])];
     assert_ne!(contact(&Mesh::concat(&apart).unwrap()), expected);
-    assert_ne!(contact(&solid::cubes_sharing_edge()), expected);
+    assert_ne!(contact(&shapes::cubes_sharing_edge()), expected);
 }

@@ -1,12 +1,15 @@
 //! What one light makes of a mesh, as numbers, and how often given points are behind it.
 
+use umbrage::check::{Counts, CrackReport};
+use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
-use umbrage::oracle::{Oracle, reference};
-use umbrage::silhouette::{Casters, FacePlanes, Silhouette, classify};
-use umbrage::topology::{Counts, CrackReport, Topology};
-use umbrage::verify::{Options, Verifier};
-use umbrage::volume::{Caps, ShadowVolume, winding_number};
+use umbrage::oracle::Oracle;
+use umbrage::shadow::volume::{Caps, ShadowVolume, winding_number};
+use umbrage::silhouette::Silhouette;
+use umbrage::topology::Topology;
+use umbrage::verify::points::{Options, Verifier};
+use umbrage::verify::reference;
 
 pub(super) fn topology(mesh: &Mesh) -> Topology {
     let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
@@ -32,7 +35,7 @@ pub(super) fn sun(x: f32, y: f32, z: f32) -> Light {
 }
 
 /// The silhouette and the volume of the faces that `casters` names.
-pub(super) fn cast(mesh: &Mesh, light: &Light, casters: Casters) -> (Silhouette, ShadowVolume) {
+pub(super) fn cast(mesh: &Mesh, light: &Light, casters: CasterFaces) -> (Silhouette, ShadowVolume) {
     let (topology, signs) = (topology(mesh), casters.signs(&classify(mesh, light)));
     let silhouette = Silhouette::extract(&topology, &signs);
     let volume = ShadowVolume::extrude(mesh, &topology, light, &signs, &silhouette, Caps::Both);
@@ -40,7 +43,7 @@ pub(super) fn cast(mesh: &Mesh, light: &Light, casters: Casters) -> (Silhouette,
 }
 
 pub(super) fn shadow(mesh: &Mesh, light: &Light) -> ShadowVolume {
-    cast(mesh, light, Casters::All).1
+    cast(mesh, light, CasterFaces::All).1
 }
 
 /// Faces in front, behind and edge-on; silhouette edges; the sum of the magnitudes of their multiplicities.
@@ -52,7 +55,7 @@ pub(super) fn figures(mesh: &Mesh, light: &Light) -> Figures {
     let facing = classify(mesh, light);
     assert_eq!(FacePlanes::new(mesh).classify(mesh, light), facing, "{} {light}", mesh.name);
     let sides = [1, -1, 0].map(|sign| facing.iter().filter(|facing| facing.sign() == sign).count());
-    let (silhouette, volume) = cast(mesh, light, Casters::All);
+    let (silhouette, volume) = cast(mesh, light, CasterFaces::All);
     let sum = silhouette.edges.iter().map(|edge| edge.multiplicity.unsigned_abs() as usize).sum();
     let cap = sides[0] + sides[1];
     let expected = if light.is_directional() { [cap, sum, 0] } else { [cap, 2 * sum, cap] };
@@ -92,6 +95,6 @@ pub(super) fn expect_agreement(mesh: &Mesh, light: &Light) {
 }
 
 /// What a point is told by a volume that some other rule has made.
-pub(super) fn winding(mesh: &Mesh, light: &Light, casters: Casters, p: [f32; 3]) -> Option<i32> {
+pub(super) fn winding(mesh: &Mesh, light: &Light, casters: CasterFaces, p: [f32; 3]) -> Option<i32> {
     winding_number(&cast(mesh, light, casters).1, p)
 }

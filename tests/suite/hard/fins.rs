@@ -1,11 +1,11 @@
-//! Sides that the eye sees nearly edge-on, some 256ths of a pixel from the middle of a pixel: a rasteriser covers pixels
+//! Sides that the eye sees nearly edge-on, some 256ths of a pixel from the middle of a pixel: a rasterizer covers pixels
 //! beside them, where their planes are anywhere.
 
-use umbrage::compare::PixelVerdict;
 use umbrage::glam::Vec3;
 use umbrage::mesh::Mesh;
-use umbrage::stencil::{Asked, Caster, Counting, ShadowMask};
-use umbrage::volume::Faces;
+use umbrage::shadow::stencil::{Asked, Caster, Counting, ShadowMask};
+use umbrage::shadow::volume::Faces;
+use umbrage::verify::pixels::PixelVerdict;
 
 use super::figures::*;
 use super::screen::*;
@@ -54,7 +54,7 @@ fn expect_beside_shadows(seed: u32, fins: Mesh) {
     assert!(found.count(PixelVerdict::Real) > 200);
 }
 
-/// Guards against the depth of a plane beyond its side: a rasteriser may cover a pixel there, and the plane of a steep
+/// Guards against the depth of a plane beyond its side: a rasterizer may cover a pixel there, and the plane of a steep
 /// side is before the wall where the side itself is behind it. Below a fin's tip that side meets another one, just
 /// beneath the wall.
 #[test]

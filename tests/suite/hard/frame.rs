@@ -1,8 +1,10 @@
 //! Frames of an animation: vertices that meet in one of them and part in another.
 
-use umbrage::mesh::{Mesh, Weld, solid, weld};
-use umbrage::silhouette::{Casters, Silhouette, classify};
-use umbrage::volume::{Caps, ShadowVolume};
+use umbrage::facing::{CasterFaces, classify};
+use umbrage::mesh::{Mesh, Weld, weld};
+use umbrage::shadow::volume::{Caps, ShadowVolume};
+use umbrage::silhouette::Silhouette;
+use umbrage::testing::shapes;
 
 use super::figures::*;
 
@@ -60,7 +62,7 @@ fn hard_23_frames_in_which_vertices_part_keep_them_apart_in_all() {
 /// Guards against keeping apart what never parts: split vertices that move alike are one.
 #[test]
 fn hard_23_frames_of_split_vertices_that_move_alike_close() {
-    let ball = solid::soup(&solid::icosphere(1));
+    let ball = shapes::soup(&shapes::icosphere(1));
     // Pressed flat more and more, and moved: in the last frame all lie in one plane, opposite ones in one place.
     let pressed = |factor: f32| -> Vec<[f32; 3]> {
         ball.positions().iter().map(|&[x, y, z]| [x + 4.0 * factor, y, z * (1.0 - factor)]).collect()
@@ -73,7 +75,7 @@ fn hard_23_frames_of_split_vertices_that_move_alike_close() {
     let light = point(3.0, 5.0, 7.0);
     for number in 0..3 {
         let mesh = frame(&welded, number);
-        let signs = Casters::All.signs(&classify(&mesh, &light));
+        let signs = CasterFaces::All.signs(&classify(&mesh, &light));
         let silhouette = Silhouette::extract(&topology, &signs);
         let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
         assert!(volume.boundary_sum().is_closed(), "frame {number}");

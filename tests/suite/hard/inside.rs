@@ -1,9 +1,11 @@
 //! Lights inside closed shells; cavities, and shells in shells.
 
-use umbrage::mesh::{Mesh, solid};
-use umbrage::silhouette::Casters;
+use umbrage::caster::ShellProof;
+use umbrage::facing::CasterFaces;
+use umbrage::mesh::Mesh;
+use umbrage::shadow::volume::{Faces, LightPlace, Plan, Variant};
+use umbrage::testing::shapes;
 use umbrage::topology::Topology;
-use umbrage::volume::{Faces, LightPlace, Plan, ShellProof, Variant};
 
 use super::figures::*;
 
@@ -24,7 +26,7 @@ fn variants(plan: &Plan) -> Vec<Variant> {
 fn hard_02_light_inside_a_closed_shell_shadows_all_outside() {
     let light = point(0.1, 0.2, 0.3);
     for (mesh, faces) in
-        [(solid::cube(), 12), (solid::icosphere(2), 320), (solid::inside_out(&solid::cube()), 12)]
+        [(shapes::cube(), 12), (shapes::icosphere(2), 320), (shapes::inside_out(&shapes::cube()), 12)]
     {
         let inverted = mesh.name.contains("inside out");
         let sides = if inverted { [faces, 0, 0] } else { [0, faces, 0] };
@@ -42,14 +44,14 @@ fn hard_02_light_inside_a_closed_shell_shadows_all_outside() {
         assert_eq!(choice.to_string(), "the light is inside the shell");
     }
     // The sabotage is that very engine.
-    let (_, nothing) = cast(&solid::cube(), &light, Casters::Front);
+    let (_, nothing) = cast(&shapes::cube(), &light, CasterFaces::Front);
     assert_eq!((nothing.triangles().len(), nothing.boundary_sum().is_closed()), (0, true));
 }
 
 /// Guards against "inside" taken for "sees back faces alone": in a bent tube the light sees some of either kind.
 #[test]
 fn hard_02_light_inside_a_ring_leaves_through_three_walls() {
-    let ring = solid::torus(24, 12, 2.0, 0.5);
+    let ring = shapes::torus(24, 12, 2.0, 0.5);
     let light = point(2.0, 0.01, 0.02);
     expect_crossings(
         &ring,
@@ -65,14 +67,14 @@ fn hard_02_light_inside_a_ring_leaves_through_three_walls() {
     expect_agreement(&ring, &light);
     assert_eq!(variants(&plan(&ring, &light)), [Variant::General]);
     // From behind the far tube front faces alone count two of the three, and none of the one before it.
-    assert_eq!(winding(&ring, &light, Casters::Front, [-4.0, 0.1, 0.05]), Some(1));
-    assert_eq!(winding(&ring, &light, Casters::Front, [0.3, 0.1, 0.05]), Some(0));
+    assert_eq!(winding(&ring, &light, CasterFaces::Front, [-4.0, 0.1, 0.05]), Some(1));
+    assert_eq!(winding(&ring, &light, CasterFaces::Front, [0.3, 0.1, 0.05]), Some(0));
 }
 
 /// Guards against judging a cavity by itself (it would be inside out), and against one plan for the whole mesh.
 #[test]
 fn hard_22_cavity_is_sound_and_each_shell_has_its_own_plan() {
-    let hollow = solid::hollow_cube();
+    let hollow = shapes::hollow_cube();
     let found = report(&hollow);
     assert!(found.counts.sound());
     assert_eq!(
@@ -97,7 +99,7 @@ fn hard_22_cavity_is_sound_and_each_shell_has_its_own_plan() {
         assert_eq!(variants(&plan(&hollow, &light)), chosen, "{light}");
     }
     // The sabotage: without its cavity turned, the inner shell is inside out.
-    let solid_core = Mesh::concat(&[solid::cuboid([-2.0; 3], [2.0; 3]), solid::cube()]).unwrap();
+    let solid_core = Mesh::concat(&[shapes::cuboid([-2.0; 3], [2.0; 3]), shapes::cube()]).unwrap();
     assert_eq!(counts(&solid_core).inside_out_shells, 1);
     assert!(!counts(&solid_core).sound());
 }
@@ -109,8 +111,8 @@ fn hard_22_nested_shells_alternate_between_solid_and_cavity() {
     let cubes: Vec<Mesh> = (1..=6)
         .rev()
         .map(|k| {
-            let cube = solid::cuboid([-(k as f32); 3], [k as f32; 3]);
-            if k % 2 == 0 { cube } else { solid::inside_out(&cube) }
+            let cube = shapes::cuboid([-(k as f32); 3], [k as f32; 3]);
+            if k % 2 == 0 { cube } else { shapes::inside_out(&cube) }
         })
         .collect();
     let onion = Mesh::concat(&cubes).unwrap();
@@ -126,13 +128,13 @@ fn hard_22_nested_shells_alternate_between_solid_and_cavity() {
     let (front, back) = (Variant::FrontOnly, Variant::BackOnly);
     assert_eq!(variants(&plan(&onion, &light)), [front, back, front, back, front, back]);
     // The sabotage: all of one winding, and every second one contradicts its depth.
-    assert_eq!(counts(&solid::nested_cubes(6)).inside_out_shells, 3);
+    assert_eq!(counts(&shapes::nested_cubes(6)).inside_out_shells, 3);
 }
 
 /// Guards against trusting edges: the prism is watertight and of positive volume, and one lobe has winding −1.
 #[test]
 fn hard_21_winding_of_a_lobe_is_negative_and_front_faces_are_refused() {
-    let mesh = solid::figure_eight_prism();
+    let mesh = shapes::figure_eight_prism();
     let c = counts(&mesh);
     assert_eq!((c.watertight, c.inside_out_shells, c.signed_volume), (true, 0, 6.0));
     let mut found = report(&mesh);
@@ -159,14 +161,15 @@ fn hard_21_winding_of_a_lobe_is_negative_and_front_faces_are_refused() {
     assert_eq!(choice.to_string(), "the shell meets itself");
     // The sabotage: front faces alone light the inside of the negative lobe.
     for (p, _, front) in rows {
-        assert_eq!(winding(&mesh, &light, Casters::Front, p), Some(front), "{p:?}");
+        assert_eq!(winding(&mesh, &light, CasterFaces::Front, p), Some(front), "{p:?}");
     }
 }
 
 /// Guards against refusing to halve where parts merely overlap: each is sound by itself, and their counts add up.
 #[test]
 fn hard_21_winding_of_parts_that_interpenetrate_adds_up() {
-    let both = Mesh::concat(&[solid::cube(), solid::translated(&solid::cube(), [1.0, 0.25, 0.5])]).unwrap();
+    let both =
+        Mesh::concat(&[shapes::cube(), shapes::translated(&shapes::cube(), [1.0, 0.25, 0.5])]).unwrap();
     let mut found = report(&both);
     found.add_self_intersections(&both, &topology(&both), 1);
     assert!(found.counts.sound() && found.counts.self_intersections > Some(0));
@@ -182,7 +185,7 @@ fn hard_21_winding_of_parts_that_interpenetrate_adds_up() {
     expect_agreement(&both, &light);
     assert_eq!(variants(&plan(&both, &light)), [Variant::FrontOnly; 2]);
     for (p, all, front) in rows {
-        assert_eq!(winding(&both, &light, Casters::Front, p), Some(front), "{p:?}");
+        assert_eq!(winding(&both, &light, CasterFaces::Front, p), Some(front), "{p:?}");
         assert!(all > 0 && front > 0, "in or out is the same");
     }
 }

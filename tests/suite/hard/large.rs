@@ -2,10 +2,13 @@
 //!
 //! `UMBRAGE_HARD_LARGE=1` adds a sheet of 16.8 million vertices, which takes some seconds and 2 GB.
 
-use umbrage::mesh::{Mesh, Weld, solid, weld};
-use umbrage::silhouette::{Casters, FacePlanes, Silhouette, classify};
-use umbrage::topology::{CrackReport, Topology};
-use umbrage::volume::{Caps, ShadowVolume, winding_number};
+use umbrage::check::CrackReport;
+use umbrage::facing::{CasterFaces, FacePlanes, classify};
+use umbrage::mesh::{Mesh, Weld, weld};
+use umbrage::shadow::volume::{Caps, ShadowVolume, winding_number};
+use umbrage::silhouette::Silhouette;
+use umbrage::testing::shapes;
+use umbrage::topology::Topology;
 
 use super::figures::*;
 
@@ -13,7 +16,7 @@ use super::figures::*;
 #[test]
 fn hard_16_many_vertices_beyond_sixteen_bits() {
     let n = 257_usize;
-    let sheet = solid::sheet(257);
+    let sheet = shapes::sheet(257);
     assert!(sheet.vertex_count() == (n + 1) * (n + 1) && sheet.vertex_count() > 65_536 + 2 * n);
     let c = counts(&sheet);
     assert_eq!((c.edges, c.boundary_edges, c.boundary_loops), (3 * n * n + 2 * n, 4 * n, 1));
@@ -23,14 +26,14 @@ fn hard_16_many_vertices_beyond_sixteen_bits() {
     expect_crossings(&sheet, &sun(0.0, 0.0, -1.0), &[([256.6, 256.3, -5.0], 1), ([257.1, 256.3, -5.0], 0)]);
 
     // Around the axis 300 segments, around the tube 220.
-    let ring = solid::torus(300, 220, 2.0, 0.5);
-    let welded = weld(&solid::soup(&ring), Weld::Exact).mesh;
+    let ring = shapes::torus(300, 220, 2.0, 0.5);
+    let welded = weld(&shapes::soup(&ring), Weld::Exact).mesh;
     assert_eq!((welded.vertex_count(), ring.vertex_count()), (66_000, 66_000));
     let c = counts(&welded);
     assert_eq!((c.edges, c.euler_characteristic, c.sound()), (198_000, 0, true));
     // From far above its axis: the outer rim, and the inner one.
     let light = point(0.01, 0.02, 70.0);
-    let (silhouette, volume) = cast(&welded, &light, Casters::All);
+    let (silhouette, volume) = cast(&welded, &light, CasterFaces::All);
     assert_eq!((silhouette.loops(&topology(&welded)).len(), silhouette.max_multiplicity()), (2, 2));
     assert!(volume.boundary_sum().is_closed());
     // The sabotage: indices cut to 16 bits.
@@ -41,7 +44,7 @@ fn hard_16_many_vertices_beyond_sixteen_bits() {
 
 /// A cube whose vertices have the highest odd numbers of a list of `count`.
 fn cube_at_the_end(count: u32) -> Mesh {
-    let (corners, triangles, ..) = solid::cube().into_parts();
+    let (corners, triangles, ..) = shapes::cube().into_parts();
     let at = |vertex: u32| count - 32 + 2 * vertex + (count + 1) % 2;
     let mut positions = vec![[0.0; 3]; count as usize];
     (0..8).for_each(|vertex| positions[at(vertex) as usize] = corners[vertex as usize]);
@@ -60,7 +63,7 @@ fn hard_16_many_vertices_beyond_what_f32_counts_exactly() {
     let c = CrackReport::of(&mesh, &topology).counts;
     assert_eq!((c.edges, c.euler_characteristic, c.sound()), (18, 2, true));
     let light = point(3.0, 5.0, 7.0);
-    let signs = Casters::All.signs(&classify(&mesh, &light));
+    let signs = CasterFaces::All.signs(&classify(&mesh, &light));
     let silhouette = Silhouette::extract(&topology, &signs);
     let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
     assert_eq!((silhouette.edges.len(), volume.triangles().len()), (6, 12 + 24 + 12));
@@ -83,7 +86,7 @@ fn hard_16_many_vertices_and_faces_in_one_sheet() {
         eprintln!("a sheet of 262,144 quads; UMBRAGE_HARD_LARGE=1 for one of 16,777,216");
         512
     };
-    let sheet = solid::sheet(n as u32);
+    let sheet = shapes::sheet(n as u32);
     assert!(n < 4096 || sheet.vertex_count() > 1 << 24);
     let topology = Topology::build(sheet.vertex_count(), sheet.triangles().to_vec());
     assert_eq!(topology.edge_count(), 3 * n * n + 2 * n);
@@ -91,7 +94,7 @@ fn hard_16_many_vertices_and_faces_in_one_sheet() {
     assert_eq!((found.boundary, found.non_manifold, found.misoriented, found.max_faces), (4 * n, 0, 0, 2));
     let light = point(0.3 * n as f32, 0.7 * n as f32, 3.0);
     let facing = FacePlanes::new(&sheet).classify(&sheet, &light);
-    let mut signs = Casters::All.signs(&facing);
+    let mut signs = CasterFaces::All.signs(&facing);
     assert!(signs.iter().all(|&sign| sign == 1));
     let silhouette = Silhouette::extract(&topology, &signs);
     assert_eq!((silhouette.edges.len(), silhouette.max_multiplicity()), (4 * n, 1));

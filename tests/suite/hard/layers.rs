@@ -2,14 +2,16 @@
 
 use std::collections::BTreeSet;
 
-use umbrage::compare::PixelVerdict;
+use umbrage::facing::facing_of;
+use umbrage::geom::Facing;
 use umbrage::geom::Light;
 use umbrage::glam::Vec3;
-use umbrage::mesh::{Mesh, solid};
+use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
-use umbrage::silhouette::{Facing, facing_of};
-use umbrage::stencil::{Asked, Caster, Counting, ShadowMask};
-use umbrage::volume::{Faces, ShadowVolume, Variant};
+use umbrage::shadow::stencil::{Asked, Caster, Counting, ShadowMask};
+use umbrage::shadow::volume::{Faces, ShadowVolume, Variant};
+use umbrage::testing::shapes;
+use umbrage::verify::pixels::PixelVerdict;
 
 use super::figures::*;
 use super::screen::*;
@@ -32,7 +34,7 @@ fn hard_13_wrap_of_the_stencil_is_foreseen_and_counted_beyond() {
         (300, Faces::Auto, Counting::Integer),
         (300, Faces::All, Counting::Integer),
     ] {
-        let scene = walled(&[placed(&solid::nested_cubes(shells), 0.5, [0.25, 0.125, 256.0])]);
+        let scene = walled(&[placed(&shapes::nested_cubes(shells), 0.5, [0.25, 0.125, 256.0])]);
         let caster = Caster::new(&scene, faces);
         let each = if faces == Faces::All { 2 } else { 1 };
         let must = |x: f32, y: f32| Pixel::Count(each * covering(shells, x, y));
@@ -100,7 +102,7 @@ fn hard_14_coincident_edges_sweep_the_same_two_triangles() {
 #[test]
 fn hard_14_coincident_edges_through_pixel_middles_leave_no_crack() {
     // Seven by seven unit quads about the middle, every triangle with corners of its own, numbered at random.
-    let torn = solid::shuffled(&solid::soup(&placed(&solid::sheet(7), 1.0, [-3.5, -3.5, 16.0])), 3);
+    let torn = shapes::shuffled(&shapes::soup(&placed(&shapes::sheet(7), 1.0, [-3.5, -3.5, 16.0])), 3);
     assert_eq!(counts(&torn).boundary_edges, 3 * 98);
     let must = |x: f32, y: f32| match x.abs().max(y.abs()) {
         out if out < 3.5 => Pixel::Count(1),
@@ -127,7 +129,7 @@ fn hard_14_coincident_edges_through_pixel_middles_leave_no_crack() {
 #[test]
 fn hard_08_t_junction_throws_a_shadow_without_a_crack() {
     // The open edge lies over the middles of a row of pixels.
-    let scene = walled(&[placed(&solid::t_junction(), 3.5, [0.25, 0.0, 20.0])]);
+    let scene = walled(&[placed(&shapes::t_junction(), 3.5, [0.25, 0.0, 20.0])]);
     let must = |x: f32, y: f32| match y.abs() {
         y if y > 3.5 || (x - 0.25).abs() > 3.5 => Pixel::Count(0),
         y if y < 3.5 => Pixel::Count(2),
@@ -135,14 +137,14 @@ fn hard_08_t_junction_throws_a_shadow_without_a_crack() {
     };
     expect_pixels("a T-junction", &scene, &sun(0.0, 0.0, -1.0), (0.5, 8.0), must);
     // Tilted so that the slit is over pixels that are dark on both of its sides.
-    let tilted = walled(&[placed(&solid::t_junction(), 4.0, [0.0, 20.5, 20.0])]);
+    let tilted = walled(&[placed(&shapes::t_junction(), 4.0, [0.0, 20.5, 20.0])]);
     let must = |x: f32, y: f32| {
         // The slanting sun moves each level by its height: lid (z = 24) and front (y = 16.5) side by side.
         let dark = x.abs() < 4.0 && y > -7.5 && y < 8.5;
         counted(dark, 2)
     };
     expect_pixels("a T-junction, slanting", &tilted, &sun(0.0, -1.0, -1.0), (0.5, 8.0), must);
-    let open = walled(&[placed(&solid::open_cube(), 4.0, [0.0, 20.5, 20.0])]);
+    let open = walled(&[placed(&shapes::open_cube(), 4.0, [0.0, 20.5, 20.0])]);
     let shot = shoot(&open, &sun(0.0, -1.0, -1.0), &plain(), Asked::ZFail);
     assert!(shot.is_none_or(|shot| !shot.wrong(8.0, must).is_empty()), "the sabotage: no lid");
 }
@@ -150,7 +152,7 @@ fn hard_08_t_junction_throws_a_shadow_without_a_crack() {
 /// Guards against counts that cancel: the lobes have winding +1 and −1, and where their caps overlap both count.
 #[test]
 fn hard_21_winding_of_lobes_adds_up_in_the_stencil() {
-    let scene = walled(&[placed(&solid::figure_eight_prism(), 2.0, [0.25, 0.0, 16.0])]);
+    let scene = walled(&[placed(&shapes::figure_eight_prism(), 2.0, [0.25, 0.0, 16.0])]);
     let light = sun(0.0, 0.0, -1.0);
     let must = |x: f32, y: f32| {
         let p = [(x - 0.25) / 2.0, y / 2.0];
@@ -186,7 +188,7 @@ fn round_is_lit(p: [f32; 3], light: &Light) -> bool {
 /// looks away from the light is dark as a whole, whatever a smooth normal says.
 #[test]
 fn hard_24_terminator_follows_the_facets() {
-    let ball = placed(&solid::icosphere(2), 4.0, [0.0, 0.0, 0.0]);
+    let ball = placed(&shapes::icosphere(2), 4.0, [0.0, 0.0, 0.0]);
     let light = point(30.0, 9.0, 2.0);
     let Some(shot) = shoot(&ball, &light, &plain(), Asked::ZFail) else { return };
     let oracle = Oracle::build(&ball);

@@ -5,15 +5,17 @@
 
 use std::sync::OnceLock;
 
-use umbrage::compare::{Comparison, PixelVerdict, Rendered, compare};
-use umbrage::geom::{Light, Projection};
-use umbrage::mesh::{Mesh, solid};
+use umbrage::geom::Light;
+use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
-use umbrage::scene::Size;
-use umbrage::stencil::{
-    Asked, Caster, Casting, Counting, Depth, Receivers, ShadowMask, StencilMethod, StencilPass,
+use umbrage::shadow::stencil::{
+    Asked, Caster, Counting, Depth, Receivers, ShadowMask, StencilMethod, StencilPass, StencilVolumes,
 };
-use umbrage::volume::Faces;
+use umbrage::shadow::volume::Faces;
+use umbrage::testing::shapes;
+use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
+use umbrage::view::Projection;
+use umbrage::view::Size;
 
 use super::figures::topology;
 use crate::support::gpu;
@@ -62,12 +64,12 @@ pub(super) fn walled(casters: &[Mesh]) -> Mesh {
 
 /// A solid's positions put elsewhere.
 pub(super) fn placed(mesh: &Mesh, factor: f32, at: [f32; 3]) -> Mesh {
-    solid::translated(&solid::scaled(mesh, factor), at)
+    shapes::translated(&shapes::scaled(mesh, factor), at)
 }
 
 /// A scene as drawn.
 pub(super) struct Shot {
-    pub(super) casting: Casting,
+    pub(super) casting: StencilVolumes,
     pub(super) mask: ShadowMask,
     pub(super) comparison: Comparison,
 }

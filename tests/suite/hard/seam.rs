@@ -1,16 +1,17 @@
 //! Vertices that should be one and are not quite, numbers that are none, and vertices in the middle of an edge.
 
-use umbrage::mesh::{Mesh, Weld, solid, weld};
+use umbrage::check::DefectKind;
+use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::read::read_bytes;
 use umbrage::scene::Scope;
-use umbrage::topology::DefectKind;
+use umbrage::testing::shapes;
 use umbrage::write::{Layer, Model, Target, to_bytes};
 
 use super::figures::*;
 
 /// The octahedron as separate faces, every second of which (they alternate over each edge) has `zero` for a zero.
 fn octahedron(zero: f32) -> Vec<[[f32; 3]; 3]> {
-    let solid = solid::octahedron();
+    let solid = shapes::octahedron();
     let faces = solid.triangles().iter().map(|face| face.map(|vertex| solid.positions()[vertex as usize]));
     faces
         .map(|corners| {
@@ -101,7 +102,7 @@ fn hard_07_seam_of_rounding_near_zero_needs_a_distance_and_none_in_ulps() {
 /// Guards against an epsilon in the exact weld, and against one too small in the other.
 #[test]
 fn hard_07_seam_of_one_ulp_stays_open_exactly_and_closes_at_that_distance() {
-    let mesh = solid::seam(1);
+    let mesh = shapes::seam(1);
     let ulp = f32::EPSILON;
     for (how, boundary, vertices) in [
         (Weld::None, 8, 12),
@@ -140,7 +141,7 @@ fn md2(offset: f32) -> Vec<u8> {
 #[test]
 fn hard_07_seam_free_nan_and_infinity_in_a_file_are_errors_with_a_place() {
     let marker = 1234.5_f32;
-    let (mut positions, triangles, ..) = solid::tetrahedron().into_parts();
+    let (mut positions, triangles, ..) = shapes::tetrahedron().into_parts();
     positions[1][1] = marker;
     let tetrahedron = Mesh::new(positions, triangles).unwrap();
     let model = Model { layers: vec![Layer::from(&tetrahedron)] };
@@ -193,10 +194,10 @@ fn hard_07_seam_free_nan_and_infinity_in_a_file_are_errors_with_a_place() {
     }
 }
 
-/// Guards against cracks that no weld closes: a vertex stands in the middle of its neighbour's edge.
+/// Guards against cracks that no weld closes: a vertex stands in the middle of its neighbor's edge.
 #[test]
 fn hard_08_t_junction_is_reported_and_the_volume_is_closed_all_the_same() {
-    let exact = solid::t_junction();
+    let exact = shapes::t_junction();
     // Leaning by multiples of a tenth, and cut at a third: no f32 lies on that edge.
     let (mut positions, triangles, ..) = exact.clone().into_parts();
     let lean = |x: f64, y: f64, z: f64| [x, y + 0.1 * x, z - 0.3 * x].map(|x| x as f32);

@@ -1,15 +1,16 @@
 //! Sheets: one layer of faces, lit from either side, single and double; and meshes that hold next to nothing.
 
-use umbrage::mesh::{Mesh, solid};
-use umbrage::silhouette::Casters;
-use umbrage::volume::Variant;
+use umbrage::facing::CasterFaces;
+use umbrage::mesh::Mesh;
+use umbrage::shadow::volume::Variant;
+use umbrage::testing::shapes;
 
 use super::figures::*;
 
 /// Guards against casting front faces (or back faces) alone: one of the two lights would see through the sheet.
 #[test]
 fn hard_01_sheet_casts_whichever_side_the_light_is_on() {
-    let sheet = solid::sheet(1);
+    let sheet = shapes::sheet(1);
     let (above, below) = (point(0.3, 0.4, 5.0), point(0.3, 0.4, -5.0));
     // A square of two triangles: four silhouette edges of multiplicity 1, as all the faces look the same way.
     expect_figures(&[(&sheet, above, ([2, 0, 0], 4, 4)), (&sheet, below, ([0, 2, 0], 4, 4))]);
@@ -19,8 +20,8 @@ fn hard_01_sheet_casts_whichever_side_the_light_is_on() {
         expect_agreement(&sheet, &light);
     }
     // The sabotage is that very engine.
-    assert_eq!(winding(&sheet, &above, Casters::Front, [0.6, 0.5, -3.0]), Some(1));
-    assert_eq!(winding(&sheet, &below, Casters::Front, [0.6, 0.5, 3.0]), Some(0));
+    assert_eq!(winding(&sheet, &above, CasterFaces::Front, [0.6, 0.5, -3.0]), Some(1));
+    assert_eq!(winding(&sheet, &below, CasterFaces::Front, [0.6, 0.5, 3.0]), Some(0));
 }
 
 /// A mesh with each of its faces once more, the same way round.
@@ -35,7 +36,7 @@ fn doubled(mesh: &Mesh) -> Mesh {
 fn hard_04_duplicate_faces_are_reported_and_each_counts() {
     let light = point(0.3, 0.4, 5.0);
     let below = [0.6, 0.5, -3.0];
-    let (same, opposite) = (doubled(&solid::sheet(1)), solid::double_sheet());
+    let (same, opposite) = (doubled(&shapes::sheet(1)), shapes::double_sheet());
     for (mesh, duplicates, balanced, misoriented) in [(&same, [2, 0], false, 4), (&opposite, [0, 2], true, 0)]
     {
         let c = counts(mesh);
@@ -52,19 +53,19 @@ fn hard_04_duplicate_faces_are_reported_and_each_counts() {
     // Opposite windings face opposite ways, so that their multiplicities add up as well.
     expect_figures(&[(&same, light, ([4, 0, 0], 4, 8)), (&opposite, light, ([2, 2, 0], 4, 8))]);
     // The sabotages: the mesh without its duplicates, and the sum of windings without the facing.
-    expect_crossings(&solid::sheet(1), &light, &[(below, 1)]);
-    assert_eq!(winding(&opposite, &light, Casters::Front, below), Some(1));
+    expect_crossings(&shapes::sheet(1), &light, &[(below, 1)]);
+    assert_eq!(winding(&opposite, &light, CasterFaces::Front, below), Some(1));
 }
 
 /// Guards against a face that is dropped because its edges were full.
 #[test]
 fn hard_04_duplicate_of_one_face_of_a_cube_deepens_the_shadow_of_that_half_alone() {
-    let mesh = solid::duplicated_face();
+    let mesh = shapes::duplicated_face();
     let light = point(3.0, 5.0, 7.0);
     // The cube's hexagon with multiplicity 2; the three edges of the third triangle get one more, one of which is in
     // the hexagon already.
-    expect_figures(&[(&solid::cube(), light, ([6, 6, 0], 6, 12)), (&mesh, light, ([7, 6, 0], 8, 15))]);
-    assert_eq!(cast(&mesh, &light, Casters::All).0.max_multiplicity(), 3);
+    expect_figures(&[(&shapes::cube(), light, ([6, 6, 0], 6, 12)), (&mesh, light, ([7, 6, 0], 8, 15))]);
+    assert_eq!(cast(&mesh, &light, CasterFaces::All).0.max_multiplicity(), 3);
     // Through the doubled triangle of the top, x < y, and through the other one.
     let below = |x: f32, y: f32| -> [f32; 3] {
         // From the light through (x, y, 1) on to z = −2.
@@ -72,7 +73,7 @@ fn hard_04_duplicate_of_one_face_of_a_cube_deepens_the_shadow_of_that_half_alone
         [3.0 + (x - 3.0) * t, 5.0 + (y - 5.0) * t, -2.0]
     };
     expect_crossings(&mesh, &light, &[(below(-0.5, 0.5), 3), (below(0.5, -0.3), 2)]);
-    expect_crossings(&solid::cube(), &light, &[(below(-0.5, 0.5), 2)]);
+    expect_crossings(&shapes::cube(), &light, &[(below(-0.5, 0.5), 2)]);
 }
 
 /// Guards against division by a face count, empty trees and buffers, and volumes of nothing that shadow everything.
@@ -95,7 +96,7 @@ fn hard_20_empty_meshes_cast_nothing_and_are_sound() {
     assert_ne!(figures(&triangle, &point(0.25, 0.5, 0.75)), ([0, 0, 0], 0, 0));
 }
 
-/// Guards against neighbours that are taken for granted: none of the three edges has one.
+/// Guards against neighbors that are taken for granted: none of the three edges has one.
 #[test]
 fn hard_20_one_triangle_casts_a_prism() {
     let triangle = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
@@ -110,14 +111,14 @@ fn hard_20_one_triangle_casts_a_prism() {
         &lamp,
         &[([-0.125, 1.5, -2.0], 1), ([0.75, 1.25, -2.0], 0), ([0.75, 0.5, -2.0], 1)],
     );
-    let c = umbrage::stencil::Caster::new(&triangle, umbrage::volume::Faces::Auto);
-    let casting = c.cast(&lamp, &projection(), umbrage::stencil::Asked::Auto);
+    let c = umbrage::shadow::stencil::Caster::new(&triangle, umbrage::shadow::volume::Faces::Auto);
+    let casting = c.cast(&lamp, &projection(), umbrage::shadow::stencil::Asked::Auto);
     assert_eq!(casting.faces.choices[0].variant, Variant::General);
     assert_eq!(casting.faces.choices[0].to_string(), "the shell is not watertight");
 }
 
-fn projection() -> umbrage::geom::Projection {
-    umbrage::geom::Projection {
+fn projection() -> umbrage::view::Projection {
+    umbrage::view::Projection {
         eye: [0.0, 0.0, 8.0],
         right: [1.0, 0.0, 0.0],
         up: [0.0, 1.0, 0.0],
@@ -145,5 +146,5 @@ fn hard_20_light_that_is_none_is_an_error_that_says_so() {
     // A point light at the origin and the smallest direction there is are lights.
     assert!(Light::point([0.0; 3]).is_ok());
     let smallest = Light::directional([0.0, f32::from_bits(1), 0.0]).unwrap();
-    assert_eq!(figures(&solid::cube(), &smallest), ([2, 2, 8], 8, 8));
+    assert_eq!(figures(&shapes::cube(), &smallest), ([2, 2, 8], 8, 8));
 }

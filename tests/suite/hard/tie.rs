@@ -1,17 +1,20 @@
 //! Lights exactly in planes, on edges and on vertices, and the next number beside them.
 
+use umbrage::facing::{FacePlanes, classify};
+use umbrage::geom::Facing;
 use umbrage::geom::Light;
 use umbrage::glam::Vec3;
-use umbrage::mesh::{Mesh, solid};
-use umbrage::silhouette::{FacePlanes, Facing, Silhouette, classify};
-use umbrage::volume::{Caps, ShadowVolume};
+use umbrage::mesh::Mesh;
+use umbrage::shadow::volume::{Caps, ShadowVolume};
+use umbrage::silhouette::Silhouette;
+use umbrage::testing::shapes;
 
 use super::figures::*;
 
 /// Guards against a tolerance about zero: on the cube's planes, edges and corners each ulp changes the closed form.
 #[test]
 fn hard_09_tie_of_a_light_with_a_cube_is_exact_to_the_ulp() {
-    let cube = solid::cube();
+    let cube = shapes::cube();
     let (on, out, within) = (1.0, 1.0_f32.next_up(), 1.0_f32.next_down());
     #[rustfmt::skip]
     let rows = [
@@ -54,10 +57,12 @@ fn hard_09_tie_of_a_light_with_a_cube_is_exact_to_the_ulp() {
     assert_eq!(rows.iter().filter(|row| is_rejected(row)).count(), 13);
 }
 
-/// Guards against normalising a vector of length zero: a vertex at the light is extruded to (0, 0, 0, 0).
+/// Guards against normalizing a vector of length zero: a vertex at the light is extruded to (0, 0, 0, 0).
 #[test]
 fn hard_09_tie_of_a_light_on_a_vertex_extrudes_nothing_from_it() {
-    for mesh in [solid::cube(), solid::octahedron(), solid::book(5), solid::mobius(12), solid::t_junction()] {
+    for mesh in
+        [shapes::cube(), shapes::octahedron(), shapes::book(5), shapes::mobius(12), shapes::t_junction()]
+    {
         let topology = topology(&mesh);
         for (index, &vertex) in mesh.positions().iter().enumerate() {
             let light = Light::point(vertex).unwrap();
@@ -141,7 +146,7 @@ fn hard_09_tie_of_all_planes_at_the_origin_is_found_by_every_way() {
 #[test]
 fn hard_09_tie_of_a_light_on_the_spine_of_a_book_casts_nothing() {
     for pages in [1, 2, 5, 18] {
-        let book = solid::book(pages);
+        let book = shapes::book(pages);
         let n = pages as usize;
         for z in [0.0, 0.25, 1.0, -3.0, 7.5] {
             expect_figures(&[(&book, point(0.0, 0.0, z), ([0, 0, n], 0, 0))]);

@@ -1,10 +1,12 @@
 //! Windings that contradict each other, and transforms that turn them.
 
+use umbrage::check::DefectKind;
+use umbrage::facing::{CasterFaces, classify};
 use umbrage::glam::{Mat4, Vec3};
-use umbrage::mesh::{Mesh, solid};
+use umbrage::mesh::Mesh;
 use umbrage::scene::{Instance, Scene, Scope};
-use umbrage::silhouette::{Casters, Silhouette, classify};
-use umbrage::topology::DefectKind;
+use umbrage::silhouette::Silhouette;
+use umbrage::testing::shapes;
 
 use super::figures::*;
 
@@ -12,12 +14,12 @@ use super::figures::*;
 #[test]
 fn hard_05_orientation_of_a_moebius_strip_has_one_seam_and_no_false_border() {
     for segments in [3, 24] {
-        let (strip, n) = (solid::mobius(segments), segments as usize);
+        let (strip, n) = (shapes::mobius(segments), segments as usize);
         let c = counts(&strip);
         assert_eq!((c.boundary_edges, c.boundary_loops, c.misoriented_edges), (2 * n, 1, 1));
         assert_eq!((c.euler_characteristic, c.shells, c.watertight, c.balanced), (0, 1, false, false));
     }
-    let strip = solid::mobius(24);
+    let strip = shapes::mobius(24);
     let topology = topology(&strip);
     // At the seam the strip lies flat: its faces look opposite ways, and there is no outline.
     let light = point(0.9, 0.05, 7.0);
@@ -25,24 +27,24 @@ fn hard_05_orientation_of_a_moebius_strip_has_one_seam_and_no_false_border() {
     let facing = classify(&strip, &light);
     let beside: Vec<i8> = topology.uses(seam).map(|(face, _)| facing[face.index()].sign()).collect();
     assert_eq!(beside[0] * beside[1], -1, "{beside:?}");
-    let outline = |casters: Casters| {
+    let outline = |casters: CasterFaces| {
         let silhouette = Silhouette::extract(&topology, &casters.signs(&facing));
         silhouette.edges.iter().any(|edge| edge.edge == seam)
     };
-    assert!(!outline(Casters::All));
+    assert!(!outline(CasterFaces::All));
     for side in [1.0, -1.0] {
         let light = point(0.9, 0.05, 7.0 * side);
         expect_crossings(&strip, &light, &[([0.9, 0.05, -7.0 * side], 1), ([-0.7, 0.05, -7.0 * side], 0)]);
         expect_agreement(&strip, &light);
     }
     // The sabotage: with front faces alone the seam is a false border, and half the strip casts nothing.
-    assert!(outline(Casters::Front));
+    assert!(outline(CasterFaces::Front));
 }
 
 /// Guards against anything that reads a winding: with a winding a face's facing turns too, and the volume stays.
 #[test]
 fn hard_05_orientation_of_any_faces_leaves_the_volume_as_it_was() {
-    let cube = solid::cube();
+    let cube = shapes::cube();
     for light in [point(3.0, 5.0, 7.0), point(0.1, 0.2, 0.3), point(1.0, 0.5, 4.0), sun(0.0, -1.0, 0.0)] {
         let expected = shadow(&cube, &light);
         let mut differ = 0;
@@ -64,8 +66,8 @@ fn hard_05_orientation_of_any_faces_leaves_the_volume_as_it_was() {
             );
             assert!(volume.boundary_sum().is_closed());
             // The sabotage: front faces alone do see the windings of all but edge-on faces.
-            let front = cast(&mesh, &light, Casters::Front).1;
-            differ += usize::from(front.triangles() != cast(&cube, &light, Casters::Front).1.triangles());
+            let front = cast(&mesh, &light, CasterFaces::Front).1;
+            differ += usize::from(front.triangles() != cast(&cube, &light, CasterFaces::Front).1.triangles());
         }
         let edge_on = figures(&cube, &light).0[2];
         assert_eq!(differ, (1 << 12) - (1 << edge_on), "{light}");
@@ -76,7 +78,7 @@ fn hard_05_orientation_of_any_faces_leaves_the_volume_as_it_was() {
 #[test]
 fn hard_05_orientation_defects_are_told_apart() {
     let (sound, mixed, inverted) =
-        (solid::cube(), solid::misoriented_cube(), solid::inside_out(&solid::cube()));
+        (shapes::cube(), shapes::misoriented_cube(), shapes::inside_out(&shapes::cube()));
     // Boundary edges, misoriented edges, shells inside out; watertight.
     let found = |mesh: &Mesh| {
         let c = counts(mesh);
@@ -130,7 +132,7 @@ fn hard_15_transform_that_mirrors_turns_the_windings_with_it() {
         (shear * scale(1.0, -2.0, 1.0), 16.0),
         (Mat4::from_translation(Vec3::new(5.0, -3.0, 2.0)) * scale(-2.0, 2.0, 2.0), 64.0),
     ] {
-        let mesh = baked(&solid::cube(), transform);
+        let mesh = baked(&shapes::cube(), transform);
         let c = counts(&mesh);
         assert_eq!((c.signed_volume, c.sound(), c.inside_out_shells), (volume, true, 0), "{transform}");
         // Lit from far along a diagonal of the box, a box has three sides in front, whatever the transform.
@@ -142,14 +144,14 @@ fn hard_15_transform_that_mirrors_turns_the_windings_with_it() {
         expect_agreement(&mesh, &light);
     }
     // The sabotage: positions mirrored, windings left alone.
-    assert_eq!(counts(&solid::scaled(&solid::cube(), -1.0)).inside_out_shells, 1);
+    assert_eq!(counts(&shapes::scaled(&shapes::cube(), -1.0)).inside_out_shells, 1);
 }
 
 /// Guards against a determinant of zero taken for either sign, and against flat faces that tear the volume.
 #[test]
 fn hard_15_transform_that_flattens_leaves_a_closed_volume() {
     let scaled = |z| {
-        let flat = baked(&solid::cube(), Mat4::from_scale(Vec3::new(1.0, 1.0, z)));
+        let flat = baked(&shapes::cube(), Mat4::from_scale(Vec3::new(1.0, 1.0, z)));
         umbrage::mesh::weld(&flat, umbrage::mesh::Weld::Exact).mesh
     };
     let light = point(0.3, 0.2, 5.0);

@@ -2,13 +2,15 @@
 
 use std::collections::BTreeMap;
 
+use umbrage::facing::{CasterFaces, FacePlanes, classify};
+use umbrage::geom::Facing;
 use umbrage::geom::{Aabb, Light};
 use umbrage::mesh::Mesh;
 use umbrage::oracle::{Crossings, Oracle, Verdict};
-use umbrage::silhouette::{Casters, FacePlanes, Facing, Silhouette, classify};
-use umbrage::strategy::Case;
+use umbrage::shadow::volume::{Caps, ShadowVolume, WindingIndex, winding_number};
+use umbrage::silhouette::Silhouette;
+use umbrage::testing::strategy::Case;
 use umbrage::topology::Topology;
-use umbrage::volume::{Caps, ShadowVolume, WindingIndex, winding_number};
 
 /// The silhouette by its vertices, smaller first.
 pub(super) type Outline = BTreeMap<[u32; 2], i32>;
@@ -125,7 +127,7 @@ impl Answers {
         equal("facing by planes", &by_planes, &facing)?;
         let mut outlines = [Outline::new(), Outline::new()];
         let mut all = None;
-        for (casters, outline) in [Casters::All, Casters::Front].into_iter().zip(&mut outlines) {
+        for (casters, outline) in [CasterFaces::All, CasterFaces::Front].into_iter().zip(&mut outlines) {
             let signs = casters.signs(&facing);
             let mut silhouette = Silhouette::extract(&topology, &signs);
             if wrong(Way::Certificate) {
@@ -247,7 +249,7 @@ pub(super) fn on_grid(case: &Case) -> Case {
 #[test]
 fn metamorphic_answers_that_differ_by_the_way_are_found() {
     use proptest::strategy::{Strategy, ValueTree};
-    let cases = umbrage::strategy::case(umbrage::strategy::soup(24), 6);
+    let cases = umbrage::testing::strategy::case(umbrage::testing::strategy::soup(24), 6);
     for (way, said) in [
         (Way::Planes, "facing by planes: "),
         (Way::Certificate, "the certificate: "),

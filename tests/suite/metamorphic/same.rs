@@ -3,7 +3,7 @@
 use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
 use umbrage::oracle::Crossings;
-use umbrage::strategy::Case;
+use umbrage::testing::strategy::Case;
 
 use super::Twist;
 use super::answers::{

@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
+use umbrage::geom::Facing;
 use umbrage::geom::predicate::orient3d;
 use umbrage::mesh::{HalfEdgeId, Mesh};
 use umbrage::oracle::{Crossings, Verdict};
-use umbrage::silhouette::Facing;
-use umbrage::strategy::Case;
+use umbrage::testing::strategy::Case;
 use umbrage::topology::Topology;
 
 use super::Twist;
@@ -231,7 +231,7 @@ fn is_convex([a, b, c, d]: [[f32; 3]; 4]) -> bool {
         && [[b, c, d], [c, d, a], [d, a, b]].iter().all(|&[x, y, z]| orient3d(x, y, z, apex) == turn)
 }
 
-/// Three in four faces cut in four at the middles of their edges, while their neighbours stay: T-junctions that are exact.
+/// Three in four faces cut in four at the middles of their edges, while their neighbors stay: T-junctions that are exact.
 /// Fault: the inner quarter is another.
 pub(super) fn quartered(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let case = &on_grid(case);

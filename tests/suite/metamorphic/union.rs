@@ -2,7 +2,7 @@
 
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::{Crossings, Verdict};
-use umbrage::strategy::Case;
+use umbrage::testing::strategy::Case;
 
 use super::Twist;
 use super::answers::{Answers, Fault, Slip, Tally, equal, rebuilt};

@@ -1,16 +1,19 @@
 //! The picture by stencil shadows against the exact one of the same view.
 
+use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::{Aabb, Light};
 use umbrage::glam;
 use umbrage::gpu::{Gpu, GpuError};
-use umbrage::mesh::{FaceId, Mesh, solid};
+use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::Oracle;
-use umbrage::picture::{CLAY, Ground, Lamp, LampShadow, Picture, View, render_stencil};
-use umbrage::scene::{Camera, SpotCone, Up};
-use umbrage::silhouette::{Casters, Silhouette, classify};
-use umbrage::stencil::{Counting, Depth, Draw, Receivers, StencilMethod, StencilPass};
+use umbrage::render::{CLAY, Ground, LampShadow, Picture, ShadedLight, View, render_stencil};
+use umbrage::scene::SpotCone;
+use umbrage::shadow::stencil::{Counting, Depth, Draw, Receivers, StencilMethod, StencilPass};
+use umbrage::shadow::volume::{Caps, GpuVolume, ShadowVolume};
+use umbrage::silhouette::Silhouette;
+use umbrage::testing::shapes;
 use umbrage::topology::Topology;
-use umbrage::volume::{Caps, GpuVolume, ShadowVolume};
+use umbrage::view::{Camera, Up};
 
 use super::{QUIET, bounds, light, render, size};
 use crate::support::gpu;
@@ -30,14 +33,14 @@ struct Subject {
     ground: Ground,
     bounds: Aabb,
     camera: Camera,
-    lamps: Vec<Lamp>,
+    lamps: Vec<ShadedLight>,
 }
 
 impl Subject {
-    fn new(mesh: Mesh, eye: [f32; 3], lamps: Vec<Lamp>) -> Self {
+    fn new(mesh: Mesh, eye: [f32; 3], lamps: Vec<ShadedLight>) -> Self {
         let bounds = bounds(&mesh);
         let (mesh, ground) = Ground::under(mesh, Up::Y).unwrap();
-        let camera = Camera::look_at(eye, bounds.centre(), 0.8, Up::Y).unwrap();
+        let camera = Camera::look_at(eye, bounds.center(), 0.8, Up::Y).unwrap();
         Self { mesh, ground, bounds, camera, lamps }
     }
 
@@ -56,8 +59,8 @@ impl Subject {
     fn by_stencil(&self, gpu: &Gpu, depth: Depth, counting: Counting, samples: u32, fault: Fault) -> Picture {
         let topology = Topology::build(self.mesh.vertex_count(), self.mesh.triangles().to_vec());
         let caps = if fault == Fault::Caps { Caps::None } else { Caps::Both };
-        let volume = |lamp: &Lamp| {
-            let signs = Casters::All.signs(&classify(&self.mesh, &lamp.light));
+        let volume = |lamp: &ShadedLight| {
+            let signs = CasterFaces::All.signs(&classify(&self.mesh, &lamp.light));
             let silhouette = Silhouette::extract(&topology, &signs);
             let volume = ShadowVolume::extrude(&self.mesh, &topology, &lamp.light, &signs, &silhouette, caps);
             GpuVolume::upload(gpu, &volume).unwrap()
@@ -85,25 +88,26 @@ fn differing(a: &Picture, b: &Picture, most: u8) -> usize {
 }
 
 fn subjects() -> [Subject; 4] {
-    let equal = |lights: &[&str]| Lamp::equal(&lights.iter().map(|text| light(text)).collect::<Vec<Light>>());
-    let knot = solid::translated(&solid::torus_knot(2, 3, 60, 10, 0.4), [0.0, 1.0, 0.0]);
+    let equal =
+        |lights: &[&str]| ShadedLight::equal(&lights.iter().map(|text| light(text)).collect::<Vec<Light>>());
+    let knot = shapes::translated(&shapes::torus_knot(2, 3, 60, 10, 0.4), [0.0, 1.0, 0.0]);
     let mut spot = equal(&["point:2,5,3"]);
     let direction = glam::Vec3::new(-2.0, -5.0, -3.0).normalize().into();
     spot[0].spot = Some(SpotCone { direction, inner_rad: 0.1, outer_rad: 0.35 });
     [
         Subject::new(knot, [3.0, 4.0, 9.0], equal(&["point:3,9,4", "directional:0.3,-1,-0.2"])),
         // The eye is in a shadow.
-        Subject::new(solid::menger_sponge(2), [-1.0, 0.2, 0.6], equal(&["directional:1,-0.6,-0.9"])),
+        Subject::new(shapes::menger_sponge(2), [-1.0, 0.2, 0.6], equal(&["directional:1,-0.6,-0.9"])),
         // Faces in the light's planes, and an open mesh.
-        Subject::new(solid::open_cube(), [1.5, 3.0, 3.5], equal(&["directional:0,-1,0", "point:-3,4,0"])),
-        Subject::new(solid::icosphere(3), [1.0, 3.0, 5.0], spot),
+        Subject::new(shapes::open_cube(), [1.5, 3.0, 3.5], equal(&["directional:0,-1,0", "point:-3,4,0"])),
+        Subject::new(shapes::icosphere(3), [1.0, 3.0, 5.0], spot),
     ]
 }
 
 /// Bytes differ by no more than this where nothing but rounding differs: light adds up in half floats.
 const NOISE: u8 = 2;
 
-/// How many of the 6144 pixels may differ by more: the middle of a pixel is in a rasteriser's footprint of an edge.
+/// How many of the 6144 pixels may differ by more: the middle of a pixel is in a rasterizer's footprint of an edge.
 const AT_EDGES: usize = 6;
 
 #[test]
@@ -135,7 +139,7 @@ fn stencil_picture_smooths_as_the_exact_one() {
         let exact = render(&Oracle::build(&subject.mesh), &subject.view(2), QUIET);
         for counting in [Counting::Stencil, Counting::Integer] {
             let picture = subject.by_stencil(&gpu, Depth::Plane, counting, 2, Fault::None);
-            // The exact one takes several rays only where a pixel differs from its neighbour by 20.
+            // The exact one takes several rays only where a pixel differs from its neighbor by 20.
             let [more, edges] = [NOISE, 20].map(|most| differing(&picture, &exact, most));
             assert!(more <= 10 * AT_EDGES && edges <= AT_EDGES, "{number} {counting:?}: {more} {edges}");
         }
@@ -148,9 +152,9 @@ fn stencil_picture_smooths_as_the_exact_one() {
 #[test]
 fn stencil_picture_of_coinciding_faces_is_lit_once() {
     let Some(gpu) = gpu() else { return };
-    let lamps = Lamp::equal(&[light("point:3,5,4")]);
-    let twice = Mesh::concat(&[solid::icosphere(2), solid::icosphere(2)]).unwrap();
-    let [once, twice] = [solid::icosphere(2), twice].map(|mesh| {
+    let lamps = ShadedLight::equal(&[light("point:3,5,4")]);
+    let twice = Mesh::concat(&[shapes::icosphere(2), shapes::icosphere(2)]).unwrap();
+    let [once, twice] = [shapes::icosphere(2), twice].map(|mesh| {
         let subject = Subject::new(mesh, [1.0, 3.0, 5.0], lamps.clone());
         subject.by_stencil(&gpu, Depth::Plane, Counting::Stencil, 1, Fault::None)
     });
@@ -162,9 +166,9 @@ fn stencil_picture_does_not_depend_on_the_unit() {
     let Some(gpu) = gpu() else { return };
     let picture = |exponent: i32| {
         let scaled = |p: [f32; 3]| p.map(|x| x * 2_f32.powi(exponent));
-        let mesh = solid::scaled(&solid::torus_knot(2, 3, 60, 10, 0.4), 2_f32.powi(exponent));
+        let mesh = shapes::scaled(&shapes::torus_knot(2, 3, 60, 10, 0.4), 2_f32.powi(exponent));
         let lamp = Light::point(scaled([3.0, 9.0, 4.0])).unwrap();
-        let lamps = Lamp::equal(&[lamp, light("directional:0.3,-1,-0.2")]);
+        let lamps = ShadedLight::equal(&[lamp, light("directional:0.3,-1,-0.2")]);
         let subject = Subject::new(mesh, scaled([3.0, 4.0, 9.0]), lamps);
         subject.by_stencil(&gpu, Depth::Plane, Counting::Stencil, 1, Fault::None)
     };
@@ -176,7 +180,7 @@ fn stencil_picture_does_not_depend_on_the_unit() {
 #[test]
 fn stencil_picture_of_nothing_is_background_and_one_too_large_an_error() {
     let Some(gpu) = gpu() else { return };
-    let subject = Subject::new(solid::cube(), [1.0, 3.0, 5.0], Lamp::equal(&[light("point:3,5,4")]));
+    let subject = Subject::new(shapes::cube(), [1.0, 3.0, 5.0], ShadedLight::equal(&[light("point:3,5,4")]));
     let empty = Mesh::default();
     let (pass, receivers) =
         (StencilPass::new(&gpu, Depth::Plane).unwrap(), Receivers::upload(&gpu, &empty).unwrap());

@@ -230,10 +230,7 @@ fn ply_text_errors_name_the_line() {
                 ", line 24 (ply): the line holds fewer numbers than the header declares",
             ),
             (&short, ", line 24 (ply): the file ends before element tristrips, item 0"),
-            (
-                &with("property uchar red", "property colour red"),
-                ", line 6 (ply): `colour` is not a PLY type",
-            ),
+            (&with("property uchar red", "property color red"), ", line 6 (ply): `color` is not a PLY type"),
             (&with("property uchar red", "property uchar"), ", line 6 (ply): a property needs a name"),
             (
                 &with("list uchar int", "list float int"),

@@ -1,0 +1,184 @@
+//! Contenders that take turns at the same questions, timed and judged.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use super::{Method, Row, Spread};
+use crate::geom::Facing;
+use crate::oracle::Verdict;
+
+/// What a method may answer.
+pub(super) trait Answer: Copy + PartialEq {
+    /// Whether two answers are right where this one is true.
+    fn is_tie(self) -> bool;
+}
+
+impl Answer for Facing {
+    fn is_tie(self) -> bool {
+        self == Self::EdgeOn
+    }
+}
+
+impl Answer for Verdict {
+    fn is_tie(self) -> bool {
+        self == Self::Grazing
+    }
+}
+
+/// A stratum: the right answers, a batch for each light.
+pub(super) struct Stratum<A> {
+    pub(super) name: &'static str,
+    pub(super) truth: Vec<Vec<A>>,
+}
+
+/// Answers every so many-th question of a batch, given by stratum and index, into a buffer of any content.
+pub(super) type Ask<'a, A> = Box<dyn FnMut(usize, usize, &mut Vec<A>) + 'a>;
+
+/// A method that can be asked.
+pub(super) struct Contender<'a, A> {
+    pub(super) name: &'static str,
+    pub(super) exact: bool,
+    pub(super) prepare_ns: Option<f64>,
+    pub(super) every: usize,
+    pub(super) ask: Ask<'a, A>,
+}
+
+/// What is quicker than this, in nanoseconds, is repeated within a round, but not more often than that.
+const LEAST_NS: f64 = 2e6;
+const MOST_REPEATS: f64 = 64.0;
+
+/// Judges and times the contenders, of which the first is the baseline: one round to warm up, whose answers are judged,
+/// then those that are timed. `progress` is told of every stratum that is done.
+pub(super) fn compare<A: Answer>(
+    strata: &[Stratum<A>],
+    contenders: &mut [Contender<'_, A>],
+    rounds: u32,
+    progress: &dyn Fn(u64),
+) -> Vec<Method> {
+    let (rounds, count) = (rounds.max(1) as usize, contenders.len());
+    let mut answers = Vec::new();
+
+    // 1. Judge, and learn how often each has to be repeated.
+    let mut rows = vec![Vec::with_capacity(strata.len()); count];
+    let mut repeats = vec![Vec::with_capacity(strata.len()); count];
+    for (index, stratum) in strata.iter().enumerate() {
+        for (contender, (rows, repeats)) in contenders.iter_mut().zip(rows.iter_mut().zip(&mut repeats)) {
+            let (row, took) = contender.judge(index, stratum, &mut answers);
+            rows.push(row);
+            repeats.push((LEAST_NS / (took.as_nanos() as f64 + 1.0)).ceil().clamp(1.0, MOST_REPEATS) as u32);
+        }
+        progress(1);
+    }
+
+    // 2. Time: in each round and stratum another order, so that none always follows the same one.
+    let mut times = vec![vec![Vec::with_capacity(rounds); strata.len()]; count];
+    for round in 0..rounds {
+        for (index, stratum) in strata.iter().enumerate() {
+            let turn = round + index;
+            for step in 0..count {
+                let step = if turn % 2 == 0 { step } else { count - 1 - step };
+                let who = (step + turn / 2) % count;
+                let contender = &mut contenders[who];
+                let took = contender.time(index, stratum.truth.len(), repeats[who][index], &mut answers);
+                times[who][index].push(took);
+            }
+            progress(1);
+        }
+    }
+
+    // 3. Nanoseconds a query, by stratum and over all of them.
+    let totals: Vec<Vec<f64>> = times
+        .iter()
+        .zip(&rows)
+        .map(|(times, rows)| {
+            let queries = rows.iter().map(|row: &Row| row.queries).sum::<u64>().max(1) as f64;
+            (0..rounds).map(|round| times.iter().map(|times| times[round]).sum::<f64>() / queries).collect()
+        })
+        .collect();
+    let mut methods: Vec<Method> = Vec::with_capacity(count);
+    for (who, (contender, mut strata)) in contenders.iter().zip(rows).enumerate() {
+        for (row, times) in strata.iter_mut().zip(&times[who]) {
+            row.time = Spread::of(times.iter().map(|time| time / row.queries.max(1) as f64).collect());
+        }
+        let ratios = totals[who].iter().zip(&totals[0]).map(|(time, baseline)| time / baseline.max(1e-9));
+        methods.push(Method {
+            name: contender.name,
+            exact: contender.exact,
+            prepare_ns: contender.prepare_ns,
+            every: contender.every,
+            ratio: Spread::of(ratios.collect()).median,
+            dominated: false,
+            total: total(&strata, Spread::of(totals[who].clone())),
+            strata,
+        });
+    }
+    mark_dominated(&mut methods);
+    methods
+}
+
+impl<A: Answer> Contender<'_, A> {
+    /// Answers all batches of a stratum once: how it did, and how long that took.
+    fn judge(&mut self, index: usize, stratum: &Stratum<A>, answers: &mut Vec<A>) -> (Row, Duration) {
+        let Stratum { name, truth } = stratum;
+        let mut row = Row { name, queries: 0, ties: 0, judged: 0, wrong: 0, time: Spread::default() };
+        let mut took = Duration::ZERO;
+        for (batch, truth) in truth.iter().enumerate() {
+            let start = Instant::now();
+            (self.ask)(index, batch, answers);
+            took += start.elapsed();
+            let truth = truth.iter().step_by(self.every);
+            debug_assert_eq!(truth.len(), answers.len(), "{} answers every question", self.name);
+            for (&answer, &truth) in answers.iter().zip(truth) {
+                let judged = self.exact || !truth.is_tie();
+                row.queries += 1;
+                row.ties += u64::from(truth.is_tie());
+                row.judged += u64::from(judged);
+                row.wrong += u64::from(judged && answer != truth);
+            }
+        }
+        (row, took)
+    }
+
+    /// Nanoseconds for all batches of a stratum.
+    fn time(&mut self, stratum: usize, batches: usize, repeats: u32, answers: &mut Vec<A>) -> f64 {
+        let start = Instant::now();
+        for _ in 0..repeats {
+            for batch in 0..batches {
+                (self.ask)(stratum, batch, answers);
+                black_box(&*answers);
+            }
+        }
+        start.elapsed().as_nanos() as f64 / f64::from(repeats)
+    }
+}
+
+/// The sum of all strata.
+fn total(strata: &[Row], time: Spread) -> Row {
+    let sum = |of: fn(&Row) -> u64| strata.iter().map(of).sum();
+    Row {
+        name: "all",
+        queries: sum(|row| row.queries),
+        ties: sum(|row| row.ties),
+        judged: sum(|row| row.judged),
+        wrong: sum(|row| row.wrong),
+        time,
+    }
+}
+
+/// By median time and rate of wrong answers over all strata.
+pub(super) fn mark_dominated(methods: &mut [Method]) {
+    let costs: Vec<[f64; 2]> =
+        methods.iter().map(|method| [method.total.time.median, method.total.error()]).collect();
+    for (method, [time, error]) in methods.iter_mut().zip(&costs) {
+        method.dominated = costs
+            .iter()
+            .any(|[other, wrong]| other <= time && wrong <= error && (other < time || wrong < error));
+    }
+}
+
+/// Runs what is prepared once; with how long it took, in nanoseconds a face.
+pub(super) fn prepared<T>(faces: usize, prepare: impl FnOnce() -> T) -> (T, f64) {
+    let start = Instant::now();
+    let value = black_box(prepare());
+    (value, start.elapsed().as_nanos() as f64 / faces.max(1) as f64)
+}

@@ -1,0 +1,46 @@
+//! Which lights faces are asked about.
+
+use super::{MOST_LIGHTS, Options};
+use crate::geom::Light;
+use crate::mesh::Mesh;
+use crate::random::SplitMix64;
+use crate::testing::torture::lights::Place;
+
+/// The kinds of lights; without a place those that were given. See [`Question::strata`](super::Question::strata).
+pub(super) const STRATA: [(&str, Option<Place>); 8] = [
+    ("given", None),
+    ("general", Some(Place::Outside)),
+    ("vertex", Some(Place::Vertex)),
+    ("face_plane", Some(Place::Plane)),
+    ("one_ulp_off", Some(Place::UlpOff)),
+    ("far", Some(Place::Far)),
+    ("axis", Some(Place::Axis)),
+    ("along_face", Some(Place::InPlane)),
+];
+
+/// Most lights of a stratum: enough for a mesh of few faces.
+const MOST: u64 = 4096;
+
+/// The lights of each stratum, for `mesh`, which has a face.
+pub(super) fn draw(mesh: &Mesh, given: &[Light], options: &Options) -> Vec<Vec<Light>> {
+    let count = options.queries.div_ceil(mesh.face_count() as u64).clamp(1, MOST);
+    let of_stratum = |(stratum, (_, place)): (usize, (_, Option<Place>))| match place {
+        None => spread(given),
+        Some(place) => {
+            let mut random = source(options.seed, stratum);
+            (0..count).map(|_| place.draw(mesh, &mut random)).collect()
+        }
+    };
+    STRATA.into_iter().enumerate().map(of_stratum).collect()
+}
+
+/// At most [`MOST_LIGHTS`], evenly spread over all of them.
+pub(super) fn spread(lights: &[Light]) -> Vec<Light> {
+    let count = lights.len().min(MOST_LIGHTS);
+    (0..count).map(|i| lights[i * lights.len() / count]).collect()
+}
+
+/// A source for one stratum, unlike that of any other.
+pub(super) fn source(seed: u64, stratum: usize) -> SplitMix64 {
+    SplitMix64(SplitMix64(SplitMix64(seed).next() ^ stratum as u64).next())
+}

@@ -1,0 +1,52 @@
+//! One file under its lights, as every command but `check` takes it.
+
+use std::path::PathBuf;
+
+use umbrage::geom::Aabb;
+use umbrage::mesh::Mesh;
+use umbrage::scene::SceneLight;
+use umbrage::view::{Camera, Up};
+
+use super::Failure;
+use super::lights::LightArgs;
+use super::load;
+use super::load::MeshArgs;
+
+/// Which file, how it is welded, and what lights it.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct SourceArgs {
+    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content, then by its extension
+    pub(crate) file: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) mesh: MeshArgs,
+
+    #[command(flatten)]
+    pub(crate) lights: LightArgs,
+}
+
+/// All meshes of a file as one that casts, and its lights.
+#[derive(Debug)]
+pub(crate) struct Source {
+    /// The format's name, as reports give it.
+    pub(crate) format: Option<&'static str>,
+    pub(crate) up: Up,
+    pub(crate) mesh: Mesh,
+    pub(crate) bounds: Aabb,
+    pub(crate) lights: Vec<SceneLight>,
+    pub(crate) camera: Option<Camera>,
+}
+
+impl SourceArgs {
+    /// Reads, bakes, welds and joins the file, and settles the lights. Remarks go to standard error.
+    pub(crate) fn load(&self) -> Result<Source, Failure> {
+        let baked = self.mesh.read(&self.file)?;
+        let up = baked.up;
+        let mesh = self.mesh.caster(baked.meshes, &self.file)?;
+        load::note_no_faces(&self.file, &mesh);
+        let bounds = load::bounds(&mesh);
+        let lights = self.lights.resolve(baked.lights, bounds, up);
+        let format = baked.format.map(|format| format.name());
+        Ok(Source { format, up, mesh, bounds, lights, camera: baked.camera })
+    }
+}

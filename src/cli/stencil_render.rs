@@ -1,0 +1,74 @@
+//! A picture by stencil shadows: from a mesh and a view to pixels, and what can be said of each light.
+
+use umbrage::geom::Aabb;
+use umbrage::gpu::{Gpu, GpuError};
+use umbrage::mesh::Mesh;
+use umbrage::render::{LampShadow, Picture, View, render_stencil};
+use umbrage::shadow::stencil::{
+    Asked, Caster, Depth, GpuStencilVolumes, Receivers, ShadowMask, StencilMethod, StencilPass,
+    StencilVolumes,
+};
+use umbrage::shadow::volume::Faces;
+use umbrage::topology::Topology;
+use umbrage::view::Projection;
+
+/// A mesh before an eye, with the volumes of each lamp.
+pub(crate) struct Stage<'a> {
+    caster: Caster<'a>,
+    view: View<'a>,
+    pass: StencilPass,
+    receivers: Receivers,
+    pub(crate) projection: Projection,
+    /// One a lamp.
+    pub(crate) castings: Vec<StencilVolumes>,
+    on_device: Vec<GpuStencilVolumes>,
+}
+
+impl<'a> Stage<'a> {
+    /// `bounds` are those of what the eye looks at, without a ground. All faces cast: proving that half of them are
+    /// enough takes longer than drawing the others once.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        mesh: &'a Mesh,
+        bounds: &Aabb,
+        view: View<'a>,
+        asked: Option<StencilMethod>,
+    ) -> Result<Self, GpuError> {
+        let projection = view.camera.projection(view.size, view.camera.near(bounds, view.size));
+        let asked = match asked {
+            None => Asked::Auto,
+            Some(StencilMethod::ZPass) => Asked::ZPass,
+            Some(StencilMethod::ZFail) => Asked::ZFail,
+        };
+        let caster = Caster::new(mesh, Faces::All);
+        let castings: Vec<_> =
+            view.lamps.iter().map(|lamp| caster.cast(&lamp.light, &projection, asked)).collect();
+        let on_device = castings.iter().map(|casting| casting.upload(gpu)).collect::<Result<_, _>>()?;
+        let pass = StencilPass::new(gpu, Depth::Plane)?;
+        let receivers = Receivers::upload(gpu, mesh)?;
+        Ok(Self { caster, view, pass, receivers, projection, castings, on_device })
+    }
+
+    /// The edge table of the mesh.
+    pub(crate) fn topology(&self) -> &Topology {
+        self.caster.topology()
+    }
+
+    /// The lit picture.
+    pub(crate) fn picture(&self) -> Result<Picture, GpuError> {
+        let draws: Vec<_> = self.on_device.iter().map(GpuStencilVolumes::draws).collect();
+        let shadows: Vec<_> = draws
+            .iter()
+            .zip(&self.castings)
+            .map(|(draws, casting)| LampShadow { draws, counting: casting.counting() })
+            .collect();
+        let mesh = self.caster.mesh();
+        render_stencil(&self.pass, mesh, &self.receivers, &self.view, &self.projection, &shadows)
+    }
+
+    /// What is counted for one lamp, without its light.
+    pub(crate) fn mask(&self, lamp: usize) -> Result<ShadowMask, GpuError> {
+        let (draws, counting) = (self.on_device[lamp].draws(), self.castings[lamp].counting());
+        self.pass.mask(&self.projection, self.view.size, &self.receivers, &draws, counting)
+    }
+}

@@ -1,0 +1,207 @@
+//! The same bytes on every machine: digests of all that is computed, held against constants.
+//!
+//! These tests run with and without threads (`tests/run.sh` runs them with the default features and with none). A
+//! change of any output changes a constant, on purpose or not. The meshes are made without sines and cosines, which
+//! may differ between platforms in the last bit.
+
+use crate::caster::ShellProof;
+use crate::check::{CrackReport, DefectKind};
+use crate::facing::{CasterFaces, FacePlanes, classify};
+use crate::geom::Light;
+use crate::mesh::{FaceId, Mesh, Weld, weld};
+use crate::oracle::Oracle;
+use crate::read::read_bytes;
+use crate::render::{CLAY, ShadedLight, View, render};
+use crate::scene::Scope;
+use crate::shadow::stencil::max_depth_complexity;
+use crate::shadow::volume::{Caps, Faces, Plan, ShadowVolume, WindingIndex};
+use crate::silhouette::Silhouette;
+use crate::testing::shapes;
+use crate::topology::Topology;
+use crate::view::{Camera, Size, Up};
+use crate::write::{Layer, Model, Target, to_bytes};
+
+/// FNV-1a with 64 bits (Glenn Fowler, Landon Curt Noll, Phong Vo, 1991): each byte is mixed in by an exclusive or and
+/// a multiplication.
+#[derive(Clone, Copy)]
+struct Digest(u64);
+
+impl Digest {
+    fn of(bytes: &[u8]) -> u64 {
+        bytes
+            .iter()
+            .fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+    }
+
+    /// More bytes; texts and lists are told apart by their lengths.
+    fn add(&mut self, bytes: &[u8]) {
+        self.0 = Self::of(&[&self.0.to_le_bytes(), &bytes.len().to_le_bytes()[..4], bytes].concat());
+    }
+}
+
+/// A name, and a mesh with what is special about it.
+fn meshes() -> Vec<(&'static str, Mesh)> {
+    let parts = [shapes::menger_sponge(2), shapes::translated(&shapes::icosphere(2), [4.0, 0.5, -1.0])];
+    vec![
+        ("sphere", shapes::shuffled(&shapes::icosphere(3), 7)),
+        ("open cube", shapes::open_cube()),
+        ("t-junction", shapes::t_junction()),
+        ("nested", shapes::nested_cubes(6)),
+        ("figure eight", shapes::figure_eight_prism()),
+        ("double sheet", shapes::double_sheet()),
+        ("two parts", Mesh::concat(&parts).unwrap()),
+    ]
+}
+
+fn lights() -> [Light; 2] {
+    [Light::point([3.0, 7.0, 5.0]).unwrap(), Light::directional([-1.0, -3.0, 2.0]).unwrap()]
+}
+
+/// Everything that is computed from one mesh.
+fn geometry(mesh: &Mesh) -> u64 {
+    let mut digest = Digest(0);
+    let mesh = weld(&shapes::soup(mesh), Weld::Exact).mesh;
+    digest.add(bytemuck::cast_slice(mesh.positions()));
+    digest.add(bytemuck::cast_slice(mesh.triangles()));
+    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let shells = topology.shells();
+    let mut report = CrackReport::of(&mesh, &topology);
+    report.add_self_intersections(&mesh, &topology, 9);
+    digest.add(format!("{:?} {:?} {:?}", report.counts, report.shell_list, report.near_miss).as_bytes());
+    for kind in DefectKind::ALL {
+        digest.add(format!("{:?}", report.items(kind, &mesh, &topology, 9)).as_bytes());
+    }
+    let proofs = ShellProof::of(&mesh, &topology, &shells);
+    let planes = FacePlanes::new(&mesh);
+    let oracle = Oracle::build(&mesh);
+    for light in lights() {
+        let facing = planes.classify(&mesh, &light);
+        assert_eq!(facing, classify(&mesh, &light));
+        digest.add(&facing.iter().map(|facing| facing.sign() as u8).collect::<Vec<_>>());
+        let plan = Plan::choose(&mesh, &shells, &proofs, &light, Faces::Auto);
+        for signs in [CasterFaces::All.signs(&facing), plan.signs(&shells, &facing)] {
+            let silhouette = Silhouette::extract(&topology, &signs);
+            digest.add(format!("{silhouette:?} {:?}", silhouette.loops(&topology)).as_bytes());
+            let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
+            digest.add(bytemuck::cast_slice(&volume.to_f32()));
+            digest.add(bytemuck::cast_slice(&volume.clamped(50.0)));
+            digest.add(bytemuck::cast_slice(volume.triangles()));
+            digest.add(format!("{:?}", max_depth_complexity(&mesh, &signs, &light, 3)).as_bytes());
+            let winding = WindingIndex::build(&volume, oracle.bounds());
+            for step in 0..20_i16 {
+                let p = [f32::from(step) / 8.0 - 1.0, 0.25, f32::from(step % 5) / 4.0];
+                let said = (winding.number(p), oracle.verdict(p, &light), oracle.crossings(p, &light));
+                digest.add(format!("{said:?}").as_bytes());
+            }
+        }
+    }
+    digest.0
+}
+
+/// The bytes of all files and of a picture.
+fn files(mesh: &Mesh) -> u64 {
+    let mut digest = Digest(0);
+    let model = Model {
+        layers: vec![Layer::from(mesh), Layer { color: Some([0.5, 0.25, 1.0, 0.5]), ..mesh.into() }],
+    };
+    for (name, target) in [("a.obj", Target::Obj), ("a.ply", Target::Ply), ("a.glb", Target::Glb)] {
+        let bytes = to_bytes(&model, target).unwrap();
+        digest.add(&bytes);
+        for mesh in read_bytes(&bytes, name).unwrap().bake(Scope::Scene).unwrap() {
+            digest.add(bytemuck::cast_slice(mesh.positions()));
+            digest.add(bytemuck::cast_slice(mesh.triangles()));
+        }
+    }
+    let camera = Camera::look_at([6.0, 5.0, 8.0], [0.5, 0.5, 0.5], 0.75, Up::Y).unwrap();
+    let view = View {
+        camera,
+        size: Size::new(72, 48).unwrap(),
+        lamps: &ShadedLight::equal(&lights()),
+        up: Up::Y,
+        ground: None,
+        paint: &|_: FaceId| CLAY,
+        edge_samples: 2,
+    };
+    let picture = render(&Oracle::build(mesh), &view, &|_| {}).unwrap();
+    let mut png = Vec::new();
+    picture.encode_png(&mut png).unwrap();
+    digest.add(picture.pixels.as_flattened());
+    digest.add(&png);
+    digest.0
+}
+
+/// What the judges say.
+#[cfg(feature = "verify")]
+fn verification(mesh: &Mesh) -> u64 {
+    use crate::verify::points::{Options, Verifier};
+    let verifier = Verifier::new(mesh);
+    let options = Options { points: 300, seed: 5, keep: 10 };
+    let said = lights().map(|light| verifier.verify(&light, &options, &|_| {}));
+    Digest::of(format!("{said:?}").as_bytes())
+}
+
+fn expect(wanted: &[(&str, u64)], of: fn(&Mesh) -> u64) {
+    let found: Vec<(&str, u64)> = meshes().iter().map(|(name, mesh)| (*name, of(mesh))).collect();
+    assert_eq!(found, wanted, "found {found:#x?}");
+}
+
+#[test]
+fn digest_of_all_geometry_is_the_same_everywhere() {
+    expect(&GEOMETRY, geometry);
+}
+
+#[test]
+fn digest_of_files_and_pictures_is_the_same_everywhere() {
+    expect(&FILES, files);
+}
+
+#[cfg(feature = "verify")]
+#[test]
+fn digest_of_a_verification_is_the_same_everywhere() {
+    expect(&VERIFICATION, verification);
+}
+
+#[test]
+fn digest_is_fnv_and_sees_one_bit() {
+    // Test vectors of the authors.
+    assert_eq!(
+        [b"".as_slice(), b"a", b"foobar"].map(Digest::of),
+        [0xcbf2_9ce4_8422_2325, 0xaf63_dc4c_8601_ec8c, 0x8594_4171_f739_67e8]
+    );
+    // The sabotage: the last bit of one coordinate of one vertex.
+    let mesh = shapes::open_cube();
+    let (mut positions, triangles, ..) = mesh.clone().into_parts();
+    positions[0][1] = f32::from_bits(positions[0][1].to_bits() ^ 1);
+    let changed = Mesh::new(positions, triangles).unwrap();
+    assert_ne!(geometry(&mesh), geometry(&changed));
+    assert_ne!(files(&mesh), files(&changed));
+}
+
+const GEOMETRY: [(&str, u64); 7] = [
+    ("sphere", 0xd33b_3080_7bcd_ae6e),
+    ("open cube", 0x6366_5b1d_68c7_69cb),
+    ("t-junction", 0x99ce_8d1d_de26_afb1),
+    ("nested", 0xb798_b84e_b44c_ab27),
+    ("figure eight", 0x761e_a551_64c3_cdb3),
+    ("double sheet", 0x8f44_0624_081c_73ff),
+    ("two parts", 0x45c0_cfe9_d1e2_ffdc),
+];
+const FILES: [(&str, u64); 7] = [
+    ("sphere", 0xeac0_ea2a_70f6_a01f),
+    ("open cube", 0xa600_55a2_8402_02b6),
+    ("t-junction", 0xcb69_b7f1_2e7a_6ad0),
+    ("nested", 0x3817_3dab_5295_7c89),
+    ("figure eight", 0x4333_6bf2_cc23_de8b),
+    ("double sheet", 0x9e81_03c8_dcfc_1a6c),
+    ("two parts", 0x0f8f_1a22_6964_2adb),
+];
+#[cfg(feature = "verify")]
+const VERIFICATION: [(&str, u64); 7] = [
+    ("sphere", 0xd5f5_0bd2_0afb_ce71),
+    ("open cube", 0x00a3_a588_8638_3552),
+    ("t-junction", 0xf79f_8d4a_2ad8_017b),
+    ("nested", 0x5a7d_416c_01e0_795a),
+    ("figure eight", 0x6494_55f3_f283_d9c7),
+    ("double sheet", 0xa65d_c640_9542_1d37),
+    ("two parts", 0x3064_3834_04eb_3746),
+];

@@ -1,0 +1,98 @@
+//! A floor to cast shadows on.
+
+use glam::DVec3;
+
+use crate::geom::Aabb;
+use crate::mesh::{FaceId, Mesh, MeshError, Part};
+use crate::view::Up;
+
+/// Two real faces under a mesh: they receive shadows and, from below, cast them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground {
+    /// The first of the two; all before it belong to the mesh.
+    pub first_face: FaceId,
+    pub(super) center: DVec3,
+    pub(super) diagonal: f64,
+}
+
+/// Half the side of the ground, in diagonals of the box above it.
+const REACH: f64 = 64.0;
+
+/// How far below the box it lies, in diagonals: less than a pixel of most pictures, so that a flat underside
+/// does not fight it for the same depth.
+const GAP: f64 = 1.0 / 4096.0;
+
+/// Where it begins to fade into the background and where it has, in diagonals from the middle of the box.
+pub(super) const FADE: [f64; 2] = [1.0, 7.0];
+
+impl Ground {
+    /// Appends a ground under `mesh`: a level square of 128 diagonals of the mesh's box, a hair below it.
+    /// Frames are dropped.
+    ///
+    /// # Errors
+    ///
+    /// [`MeshError::TooLarge`] if four vertices and two faces more do not fit 32-bit ids.
+    pub fn under(mesh: Mesh, up: Up) -> Result<(Mesh, Self), MeshError> {
+        let [low, high] = mesh.bounds().unwrap_or([[0.0; 3]; 2]);
+        let bounds = Aabb { low, high };
+        let diagonal = if bounds.diagonal() > 0.0 { bounds.diagonal() } else { 1.0 };
+        let center = DVec3::from(bounds.center().map(f64::from));
+        let most = f64::from(f32::MAX);
+        let level = (f64::from(low[up.axis()]) - GAP * diagonal).max(-most) as f32;
+        let corner = |right: f64, back: f64| {
+            let step = DVec3::from(up.turn([right, 0.0, back])) * (REACH * diagonal);
+            let mut at = (center + step).to_array().map(|x| x.clamp(-most, most) as f32);
+            // Where the gap is lost in rounding, the next number down still is below.
+            at[up.axis()] = level.min(low[up.axis()].next_down().max(f32::MIN));
+            at
+        };
+
+        let name = mesh.name.clone();
+        let (mut positions, mut triangles, mut parts, _) = mesh.into_parts();
+        // Mesh::new refuses what does not fit.
+        let (vertex, face) = (positions.len() as u32, triangles.len() as u32);
+        positions.extend([corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)]);
+        triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i: u32| vertex.wrapping_add(i))));
+        if parts.is_empty() {
+            parts.push(Part { name: name.clone(), faces: 0..face });
+        }
+        parts.push(Part { name: "ground".to_owned(), faces: face..triangles.len() as u32 });
+        let mesh = Mesh::new(positions, triangles)?.with_name(name).with_parts(parts);
+        Ok((mesh, Self { first_face: FaceId(face), center, diagonal }))
+    }
+
+    /// How much of the background shows through at `point`: 0 near the mesh, 1 far away.
+    pub(super) fn fade(&self, point: [f32; 3]) -> f32 {
+        let diagonals = DVec3::from(point.map(f64::from)).distance(self.center) / self.diagonal;
+        let x = ((diagonals - FADE[0]) / (FADE[1] - FADE[0])).clamp(0.0, 1.0);
+        (x * x * (3.0 - 2.0 * x)) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::shapes;
+
+    #[test]
+    fn ground_lies_below_and_looks_up() {
+        let tiny = shapes::scaled(&shapes::cube(), 1e-44);
+        let far = shapes::translated(&shapes::cube(), [1e8; 3]);
+        let huge = shapes::scaled(&shapes::cube(), 3e38);
+        for mesh in [shapes::cube(), shapes::sheet(1), tiny, far, huge, Mesh::default()] {
+            for up in [Up::Y, Up::Z] {
+                let axis = up.axis();
+                let count = mesh.face_count();
+                let low = mesh.bounds().map_or(0.0, |[low, _]| low[axis]);
+                let (with, ground) = Ground::under(mesh.clone(), up).unwrap();
+                assert_eq!((ground.first_face.index(), with.face_count()), (count, count + 2));
+                for face in [ground.first_face, FaceId(ground.first_face.0 + 1)] {
+                    let [a, b, c] = with.corners(face);
+                    assert!(a[axis] < low && b[axis] == a[axis] && c[axis] == a[axis], "{a:?} {low}");
+                    assert_eq!(crate::geom::predicate::turn(a, b, c, axis).value(), 1);
+                    assert_eq!(with.part_name(face), Some("ground"));
+                }
+            }
+        }
+    }
+}

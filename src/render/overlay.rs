@@ -1,0 +1,248 @@
+//! Lines, spots and tinted faces over a picture: where something is, drawn for people.
+
+use std::ops::Range;
+
+use glam::DVec2;
+
+use super::{CLAY, MemoryError, Picture, ShadedLight, View, buffer, render};
+use crate::geom::Light;
+use crate::mesh::FaceId;
+use crate::oracle::Oracle;
+use crate::parallel;
+use crate::view::{Camera, Pinhole, Projected, Size, Up};
+
+/// What is to be drawn over a mesh: lines color by color, in the order of the legend, then spots.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overlay {
+    /// Straight lines in world space.
+    pub lines: Vec<Line>,
+    /// Discs of a fixed size in the picture.
+    pub spots: Vec<Marker>,
+    /// Faces in a color (sRGB) of their own; the first entry of a face counts.
+    pub faces: Vec<(FaceId, [u8; 3])>,
+    /// Colors (sRGB) to show as swatches in the lower left corner, from left to right.
+    pub legend: Vec<[u8; 3]>,
+}
+
+/// A line over a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// From where to where, in world space.
+    pub ends: [[f32; 3]; 2],
+    /// sRGB.
+    pub color: [u8; 3],
+}
+
+/// A disc over a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Marker {
+    /// Its middle, in world space.
+    pub at: [f32; 3],
+    /// sRGB.
+    pub color: [u8; 3],
+}
+
+const LINE_RADIUS_PX: f64 = 1.25;
+const SPOT_RADIUS_PX: f64 = 4.5;
+const SWATCH_PX: usize = 14;
+
+/// How much of a color is laid over what hides it.
+const HIDDEN_ALPHA: f64 = 0.35;
+
+/// What lies less than this part of the box's diagonal behind a face is taken to lie on it. For dimming only.
+const SKIN: f64 = 1.0 / 256.0;
+
+impl Overlay {
+    /// Draws the faces of `oracle` in light gray from a fitted camera, and everything of `self` over them: dimmed
+    /// where it is hidden. `progress` hears of 2 × height steps, from any thread.
+    ///
+    /// # Errors
+    ///
+    /// [`MemoryError`] if 12 bytes a pixel are not to be had.
+    pub fn render(
+        &self,
+        oracle: &Oracle,
+        up: Up,
+        size: Size,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Picture, MemoryError> {
+        let camera = Camera::fit(&oracle.bounds(), up, size.aspect());
+        let mut tints = self.faces.clone();
+        tints.sort_by_key(|tint| tint.0); // stable: the first entry of a face stays first
+        let paint = |face: FaceId| {
+            let at = tints.partition_point(|tint| tint.0 < face);
+            tints.get(at).filter(|tint| tint.0 == face).map_or(CLAY, |tint| tint.1.map(linear))
+        };
+        let lamps = headlights(&camera);
+        let view = View { camera, size, lamps: &lamps, up, ground: None, paint: &paint, edge_samples: 1 };
+        let mask = buffer(size, 0.0)?;
+        let mut picture = render(oracle, &view, progress)?;
+        let depths = depths(oracle, &camera, size, progress)?;
+        let skin = SKIN * oracle.bounds().diagonal();
+        self.draw(
+            Canvas { picture: &mut picture, depths: &depths, skin, mask },
+            &Pinhole::new(&camera, size),
+        );
+        Ok(picture)
+    }
+
+    fn draw(&self, mut canvas: Canvas<'_>, pinhole: &Pinhole) {
+        // A margin of 5 % keeps the round ends of cut lines outside of the picture.
+        let mut lines = self.lines.clone();
+        let rank = |color| self.legend.iter().position(|&other| other == color);
+        lines.sort_by_key(|line| (rank(line.color), line.color));
+        for lines in lines.chunk_by(|a, b| a.color == b.color) {
+            for line in lines {
+                if let Some([a, b]) = pinhole.project_segment(line.ends, 0.05) {
+                    canvas.stroke(a, b, LINE_RADIUS_PX);
+                }
+            }
+            canvas.paint(lines[0].color, 0..canvas.mask.len());
+        }
+        for spot in &self.spots {
+            if let Some([at, _]) = pinhole.project_segment([spot.at; 2], 0.05) {
+                for (radius, color) in [(SPOT_RADIUS_PX + 1.5, [30; 3]), (SPOT_RADIUS_PX, spot.color)] {
+                    let touched = canvas.stroke(at, at, radius);
+                    canvas.paint(color, touched);
+                }
+            }
+        }
+        for (i, &color) in self.legend.iter().enumerate() {
+            swatch(canvas.picture, i, color);
+        }
+    }
+}
+
+/// Two lights that leave no side of the visible surface without form: from the upper left and the right of the eye.
+fn headlights(camera: &Camera) -> Vec<ShadedLight> {
+    let (forward, up) = (camera.forward, camera.up);
+    let right = forward.cross(up).normalize_or_zero();
+    let travels = [forward - 0.7 * up + 0.6 * right, forward + 0.1 * up - 0.8 * right];
+    let lights = travels.into_iter().filter_map(|travel| Light::directional(travel.into()).ok());
+    ShadedLight::equal(&lights.collect::<Vec<_>>())
+}
+
+/// The depth along the camera's forward direction of what the middle of each pixel sees; infinite for nothing.
+fn depths(
+    oracle: &Oracle,
+    camera: &Camera,
+    size: Size,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Vec<f32>, MemoryError> {
+    let pinhole = Pinhole::new(camera, size);
+    let mut depths = buffer(size, f32::INFINITY)?;
+    parallel::rows(&mut depths, size.width() as usize, |y, row| {
+        for (x, depth) in row.iter_mut().enumerate() {
+            let direction = pinhole.ray(x as f64 + 0.5, y as f64 + 0.5);
+            if let Some(hit) = oracle.first_hit(pinhole.eye(), direction) {
+                *depth = (hit.t * f64::from(camera.forward.dot(direction.into()))) as f32;
+            }
+        }
+        progress(1);
+    });
+    Ok(depths)
+}
+
+/// A picture with its depths, to draw on.
+struct Canvas<'a> {
+    picture: &'a mut Picture,
+    depths: &'a [f32],
+    skin: f64,
+    /// How much of a color is to be laid over each pixel: so that strokes of one color join without beads.
+    mask: Vec<f32>,
+}
+
+impl Canvas<'_> {
+    /// Masks a line with round ends, or a disc where both ends are one; soft over one pixel. Returns a range that
+    /// holds all pixels touched.
+    fn stroke(&mut self, a: Projected, b: Projected, radius: f64) -> Range<usize> {
+        let width = self.picture.size.width() as usize;
+        let (from, to) = (DVec2::new(a.x_px, a.y_px), DVec2::new(b.x_px, b.y_px));
+        let along = to - from;
+        let reach = DVec2::splat(radius + 0.5);
+        let (low, high) = (from.min(to) - reach, from.max(to) + reach);
+        let rows = pixels(low.y, high.y, self.picture.size.height());
+        for y in rows.clone() {
+            // Only the part of the row that the line comes near: where it is within reach above or below.
+            let (mut left, mut right) = (low.x, high.x);
+            if along.y.abs() > along.x.abs() {
+                let middle = from.x + along.x * (y as f64 + 0.5 - from.y) / along.y;
+                left = left.max(middle - 2.0 * reach.x);
+                right = right.min(middle + 2.0 * reach.x);
+            } else if along.y != 0.0 {
+                let crossing = |y: f64| from.x + along.x * (y - from.y) / along.y;
+                let (p, q) =
+                    (crossing(y as f64 + 0.5 - 2.0 * reach.y), crossing(y as f64 + 0.5 + 2.0 * reach.y));
+                left = left.max(p.min(q));
+                right = right.min(p.max(q));
+            }
+            for x in pixels(left, right, self.picture.size.width()) {
+                let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                let s = if along == DVec2::ZERO {
+                    0.0
+                } else {
+                    ((at - from).dot(along) / along.length_squared()).clamp(0.0, 1.0)
+                };
+                let coverage = (radius + 0.5 - at.distance(from + along * s)).clamp(0.0, 1.0);
+                if coverage > 0.0 {
+                    // 1 / depth is linear in the picture.
+                    let depth = 1.0 / ((1.0 - s) / a.depth + s / b.depth);
+                    let alpha = if self.hides(x, y, depth) { HIDDEN_ALPHA } else { 1.0 };
+                    let mask = &mut self.mask[y * width + x];
+                    *mask = mask.max((coverage * alpha) as f32);
+                }
+            }
+        }
+        rows.start * width..rows.end * width
+    }
+
+    /// Lays a color over the masked pixels of a range, and clears their mask.
+    fn paint(&mut self, color: [u8; 3], range: Range<usize>) {
+        let pixels = &mut self.picture.pixels[range.clone()];
+        for (pixel, mask) in pixels.iter_mut().zip(&mut self.mask[range]) {
+            if *mask > 0.0 {
+                blend(pixel, color, std::mem::take(mask));
+            }
+        }
+    }
+
+    /// Whether the mesh is nearer than `depth` at a pixel and all around it: at a silhouette, half of the pixels
+    /// beneath a line see what is behind.
+    fn hides(&self, x: usize, y: usize, depth: f64) -> bool {
+        let (width, height) = (self.picture.size.width() as usize, self.picture.size.height() as usize);
+        let mut near = (y.saturating_sub(1)..(y + 2).min(height))
+            .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x));
+        near.all(|at| f64::from(self.depths[at]) + self.skin < depth)
+    }
+}
+
+/// The `i`-th square of a legend, in the lower left corner, with a dark rim.
+pub(super) fn swatch(picture: &mut Picture, i: usize, color: [u8; 3]) {
+    let (width, height) = (picture.size.width() as usize, picture.size.height() as usize);
+    let left = SWATCH_PX / 2 + i * (SWATCH_PX + SWATCH_PX / 2);
+    let bottom = height.saturating_sub(SWATCH_PX / 2);
+    for y in bottom.saturating_sub(SWATCH_PX)..bottom {
+        for x in left..(left + SWATCH_PX).min(width) {
+            let rim = y == bottom - 1 || y + SWATCH_PX == bottom || x == left || x + 1 == left + SWATCH_PX;
+            blend(&mut picture.pixels[y * width + x], if rim { [30; 3] } else { color }, 1.0);
+        }
+    }
+}
+
+fn blend(pixel: &mut [u8; 4], color: [u8; 3], alpha: f32) {
+    for (under, over) in pixel.iter_mut().zip(color) {
+        *under = (f32::from(*under) + alpha * (f32::from(over) - f32::from(*under)) + 0.5) as u8;
+    }
+}
+
+/// The pixels that a range touches, within `0..side`.
+fn pixels(low: f64, high: f64, side: u32) -> Range<usize> {
+    let within = |x: f64| x.clamp(0.0, f64::from(side)) as usize;
+    within(low.floor())..within(high.ceil())
+}
+
+/// From sRGB.
+fn linear(byte: u8) -> f32 {
+    let x = f32::from(byte) / 255.0;
+    if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}

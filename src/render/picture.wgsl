@@ -1,0 +1,156 @@
+// The lit picture: one invocation a pixel of a triangle that covers everything, after the receivers' faces and depth
+// are known. stencil.wgsl stands before it. Twin: shade.rs; gpu.rs has the structs.
+//
+// Places are from the eye and scaled as in Frame.
+
+struct Scene {
+    up: vec3f,
+    // The first face of the ground; beyond all faces where there is none.
+    first_ground: u32,
+    ground_center: vec3f,
+    // How many diagonals of the mesh a unit is.
+    diagonals: f32,
+    // Samples along each side of a pixel of the finished picture.
+    samples: u32,
+}
+
+struct Lamp {
+    // The direction from a place to the lamp is towards − place·approach, of any length.
+    towards: vec3f,
+    approach: f32,
+    color: vec3f,
+    // The cosine of the angle where a spot light ends, and what 1 over the way from there to full light is.
+    outer: f32,
+    spot: vec3f,
+    slope: f32,
+}
+
+@group(0) @binding(6) var<uniform> scene: Scene;
+@group(0) @binding(7) var<uniform> lamp: Lamp;
+// The side of each face that the eye is on, 1 or −1; for a lamp 0 unless it is on the same side.
+@group(0) @binding(8) var<storage, read> sides: array<i32>;
+@group(0) @binding(9) var<storage, read> paint: array<f32>;
+// The visible face and 1; 0 where there is none.
+@group(0) @binding(10) var faces: texture_2d<u32>;
+@group(0) @binding(11) var light: texture_2d<f32>;
+
+// The receivers' faces and depth.
+
+struct Face {
+    @builtin(frag_depth) depth: f32,
+    @location(0) face: u32,
+}
+
+@fragment
+fn face_of_plane(corner: Corner) -> Face {
+    return Face(depth_at(corner.clip.xy, corner.depth), corner.face + 1u);
+}
+
+@fragment
+fn face(corner: Corner) -> @location(0) u32 {
+    return corner.face + 1u;
+}
+
+// Shading.
+
+@vertex
+fn everywhere(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    return vec4f(f32(4u * (index & 1u)) - 1.0, f32(2u * (index & 2u)) - 1.0, 0.0, 1.0);
+}
+
+struct Seen {
+    // Along the ray, at depth 1.
+    direction: vec3f,
+    place: vec3f,
+    // On the side that `sides` tells.
+    normal: vec3f,
+    base: vec3f,
+    // How much of the background shows through.
+    fade: f32,
+}
+
+fn look(position: vec2f, face: u32) -> Seen {
+    let ndc = vec2f(2.0 * position.x / frame.width - 1.0, 1.0 - 2.0 * position.y / frame.height);
+    let direction = frame.ray_right * ndc.x + frame.ray_up * ndc.y + frame.ray_forward;
+    let place = direction * (frame.near / textureLoad(receiver_depth, vec2u(position), 0));
+    var fade = 0.0;
+    if face >= scene.first_ground {
+        fade = smoothstep(FADE_BEGINS, FADE_ENDS, distance(place, scene.ground_center) * scene.diagonals);
+    }
+    let first = 3u * face;
+    let front = vec3f(normals[first], normals[first + 1u], normals[first + 2u]);
+    let base = vec3f(paint[first], paint[first + 1u], paint[first + 2u]);
+    return Seen(direction, place, select(front, -front, sides[face] < 0), base, fade);
+}
+
+fn background(y: f32) -> vec3f {
+    return mix(BELOW, ABOVE, 1.0 - y / frame.height);
+}
+
+// Unit length, whatever the length; 0 of 0.
+fn unit(v: vec3f) -> vec3f {
+    let most = max(abs(v.x), max(abs(v.y), abs(v.z)));
+    if most == 0.0 { return v; }
+    return normalize(v / most);
+}
+
+// What needs no lamp.
+@fragment
+fn ambient(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let sky = background(position.y);
+    let id = textureLoad(faces, vec2u(position.xy), 0).r;
+    if id == 0u { return vec4f(sky, 1.0); }
+    let seen = look(position.xy, id - 1u);
+    let light = seen.base * (AMBIENT + AMBIENT_SLOPE * dot(scene.up, seen.normal));
+    return vec4f(mix(light, sky, seen.fade), 1.0);
+}
+
+fn lit(position: vec2f) -> vec4f {
+    let id = textureLoad(faces, vec2u(position), 0).r;
+    if id == 0u { return vec4f(0.0); }
+    // From behind, the face itself is in the way.
+    if sides[id - 1u] == 0 { return vec4f(0.0); }
+    let seen = look(position, id - 1u);
+    let to_light = unit(lamp.towards - seen.place * lamp.approach);
+    let cone = clamp((dot(-lamp.spot, to_light) - lamp.outer) * lamp.slope, 0.0, 1.0);
+    let half_way = unit(to_light - unit(seen.direction));
+    var highlight = max(dot(seen.normal, half_way), 0.0);
+    for (var i = 0u; i < SPECULAR_SQUARINGS; i++) { highlight *= highlight; }
+    let diffuse = max(dot(seen.normal, to_light), 0.0);
+    let light = lamp.color * (cone * cone) * (seen.base * diffuse + SPECULAR * highlight);
+    return vec4f(light * (1.0 - seen.fade), 0.0);
+}
+
+// What a lamp adds where the stencil lets it.
+@fragment
+fn add_lamp(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    return lit(position.xy);
+}
+
+// What a lamp adds where it is counted in no volume.
+@fragment
+fn add_counted_lamp(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let place = u32(position.y) * u32(frame.width) + u32(position.x);
+    if atomicLoad(&counts[place]) != 0 { return vec4f(0.0); }
+    return lit(position.xy);
+}
+
+// The mean of a pixel's samples. Each is cut at white first, lest one highlight outweigh its neighbors, unless all
+// are brighter.
+@fragment
+fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let n = scene.samples;
+    let first = vec2u(position.xy) * n;
+    var sum = vec3f(0.0);
+    var cut = vec3f(0.0);
+    var least = vec3f(1.0);
+    for (var y = 0u; y < n; y++) {
+        for (var x = 0u; x < n; x++) {
+            let sample = textureLoad(light, first + vec2u(x, y), 0).rgb;
+            sum += sample;
+            cut += min(sample, vec3f(1.0));
+            least = min(least, sample);
+        }
+    }
+    return vec4f(select(cut, sum, least >= vec3f(1.0)) / f32(n * n), 1.0);
+}

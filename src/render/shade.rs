@@ -1,0 +1,176 @@
+//! Shading: hemispheric ambient light, Lambert's diffuse term and Blinn's highlight, on flat faces of two sides.
+//!
+//! Bui Tuong Phong, *Illumination for Computer Generated Pictures*, 1975, with the half vector of James F. Blinn,
+//! *Models of Light Reflection for Computer Synthesized Pictures*, 1977.
+
+use glam::{DVec3, Vec3};
+
+use super::View;
+use crate::geom::predicate::{Sign, side_of_light};
+use crate::geom::{Aabb, Light};
+use crate::oracle::{Oracle, PrimaryHit, Verdict};
+use crate::scene::{SceneLight, SpotCone};
+
+/// What all lamps of a picture together give to a white surface: one lamp alone this much, several of equal share
+/// `KEY / √n` each, since few places face them all.
+const KEY: f32 = 0.95;
+
+/// Ambient light on faces that look sideways, and what looking straight up adds or straight down takes.
+pub(super) const AMBIENT: f32 = 0.17;
+pub(super) const AMBIENT_SLOPE: f32 = 0.07;
+
+/// The highlight's strength, and its exponent as a number of squarings: 2⁵ = 32.
+pub(super) const SPECULAR: f32 = 0.12;
+pub(super) const SPECULAR_SQUARINGS: u32 = 5;
+
+/// A light as a picture uses it: the same strength at any distance, so that nothing burns out or drowns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadedLight {
+    /// What casts the shadow.
+    pub light: Light,
+    /// Linear red, green, blue that it gives to a white surface facing it.
+    pub color: [f32; 3],
+    /// Where a spot light shines; nothing beyond its cone.
+    pub spot: Option<SpotCone>,
+}
+
+impl ShadedLight {
+    /// White lamps of equal strength.
+    #[must_use]
+    pub fn equal(lights: &[Light]) -> Vec<Self> {
+        let color = [KEY / (lights.len() as f32).sqrt(); 3];
+        lights.iter().map(|&light| Self { light, color, spot: None }).collect()
+    }
+
+    /// Lamps for the lights of a file, whose candela and lux say nothing about exposure.
+    ///
+    /// A lamp's share is its illuminance at the center of `bounds`: lux as they are, candela over the square of
+    /// the distance (taken as no less than a quarter of the diagonal). Shares are scaled so that the root of
+    /// their squares' sum is fixed: one light alone is always equally bright. A light whose intensity is not
+    /// above 0 gives nothing.
+    #[must_use]
+    pub fn balanced(lights: &[SceneLight], bounds: &Aabb) -> Vec<Self> {
+        let center = wide(bounds.center());
+        let near = 0.25 * bounds.diagonal();
+        let illuminance = |light: &SceneLight| {
+            let distance = match light.light.is_directional() {
+                true => 1.0,
+                false => wide(light.light.xyz()).distance(center).max(near),
+            };
+            let strongest = light.color.iter().fold(0.0_f32, |most, &x| most.max(x));
+            let share = f64::from(light.intensity) * f64::from(strongest) / distance.powi(2);
+            if share.is_finite() && share > 0.0 { share } else { 0.0 }
+        };
+        let shares: Vec<f64> = lights.iter().map(illuminance).collect();
+        let most = shares.iter().fold(0.0_f64, |most, &x| most.max(x));
+        let relative = |share: f64| if most > 0.0 { share / most } else { 0.0 };
+        let norm = shares.iter().map(|&share| relative(share).powi(2)).sum::<f64>().sqrt().max(1.0);
+        let lamp = |(light, &share): (&SceneLight, &f64)| {
+            let strongest = light.color.iter().fold(f32::MIN_POSITIVE, |most, &x| most.max(x));
+            let strength = KEY * (relative(share) / norm) as f32;
+            let color = light.color.map(|x| strength * (x.max(0.0) / strongest).min(1.0));
+            Self { light: light.light, color, spot: light.spot }
+        };
+        lights.iter().zip(&shares).map(lamp).collect()
+    }
+
+    /// The unit vector from `point` towards the lamp, and what arrives of its color if nothing is between.
+    fn reach(&self, point: DVec3) -> (Vec3, Vec3) {
+        let to_light = wide(self.light.xyz()) - if self.light.is_directional() { DVec3::ZERO } else { point };
+        let to_light = to_light.normalize_or_zero().as_vec3();
+        let color = Vec3::from(self.color);
+        (to_light, self.spot.map_or(color, |cone| color * within(cone, to_light)))
+    }
+}
+
+/// The cosine of the angle where a spot light ends, and how much more it is where it is full; never 0.
+pub(super) fn cosines(cone: SpotCone) -> (f32, f32) {
+    let (inner, outer) = (cone.inner_rad.cos(), cone.outer_rad.cos());
+    (outer, (inner - outer).max(1e-3))
+}
+
+/// How much of a spot light goes this way: the curve that KHR_lights_punctual recommends.
+fn within(cone: SpotCone, to_light: Vec3) -> f32 {
+    let cosine = -Vec3::from(cone.direction).dot(to_light);
+    let (outer, width) = cosines(cone);
+    ((cosine - outer) / width).clamp(0.0, 1.0).powi(2)
+}
+
+/// The light that goes from what is seen to the eye, without what is between. A grazing verdict counts as lit.
+pub(super) fn shade(
+    oracle: &Oracle,
+    view: &View<'_>,
+    seen: &PrimaryHit,
+    direction: Vec3,
+    base: Vec3,
+) -> Vec3 {
+    let [a, b, c] = seen.corners.map(wide);
+    let to_eye = -direction;
+    let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+    let normal = if seen.side == Sign::Positive { normal } else { -normal };
+
+    let up = normal[view.up.axis()];
+    let mut light = base * (AMBIENT + AMBIENT_SLOPE * up);
+    for lamp in view.lamps {
+        // From behind, the face itself is in the way.
+        if side_of_light(seen.corners, &lamp.light) != seen.side {
+            continue;
+        }
+        let (to_light, arriving) = lamp.reach(wide(seen.point));
+        if arriving == Vec3::ZERO || oracle.verdict(seen.point, &lamp.light) == Verdict::Shadowed {
+            continue;
+        }
+        let half = (to_light + to_eye).normalize_or_zero();
+        let highlight = (0..SPECULAR_SQUARINGS).fold(normal.dot(half).max(0.0), |x, _| x * x);
+        light += arriving * (base * normal.dot(to_light).max(0.0) + SPECULAR * highlight);
+    }
+    light
+}
+
+fn wide(p: [f32; 3]) -> DVec3 {
+    DVec3::from(p.map(f64::from))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene_light(light: &str, intensity: f32) -> SceneLight {
+        let light = light.parse().unwrap();
+        SceneLight { name: String::new(), light, color: [1.0, 0.5, 0.0], intensity, spot: None }
+    }
+
+    #[test]
+    fn balanced_lamps_forget_the_unit_and_keep_the_ratio() {
+        let bounds = Aabb { low: [-1.0; 3], high: [1.0; 3] };
+        for intensity in [1e-6, 1.0, 5e4, 1e38] {
+            let alone = ShadedLight::balanced(&[scene_light("point:0,30,40", intensity)], &bounds);
+            assert_eq!(alone[0].color, [KEY, 0.5 * KEY, 0.0]);
+        }
+        // 2500 cd at 50 units are 1 lx at the center.
+        let lights = [scene_light("point:0,30,40", 2500.0 * 3.0), scene_light("directional:0,-1,0", 4.0)];
+        let lamps = ShadedLight::balanced(&lights, &bounds);
+        assert!((lamps[0].color[0] - 0.6 * KEY).abs() < 1e-6 && (lamps[1].color[0] - 0.8 * KEY).abs() < 1e-6);
+    }
+
+    #[test]
+    fn balanced_lamps_are_finite_for_any_light() {
+        let bounds = Aabb { low: [0.0; 3], high: [0.0; 3] };
+        for intensity in [0.0, -1.0, f32::NAN, f32::INFINITY, f32::MAX, f32::from_bits(1)] {
+            let mut light = scene_light("point:0,0,0", intensity);
+            light.color = [f32::NAN, -1.0, 3e38];
+            for lamp in ShadedLight::balanced(&[light, scene_light("point:1,0,0", 1.0)], &bounds) {
+                assert!(lamp.color.iter().all(|x| (0.0..=1.0).contains(x)), "{intensity}: {lamp:?}");
+            }
+        }
+        assert_eq!(ShadedLight::balanced(&[], &bounds), []);
+    }
+
+    #[test]
+    fn spot_light_fades_between_its_two_angles() {
+        let cone = SpotCone { direction: [0.0, -1.0, 0.0], inner_rad: 0.2, outer_rad: 0.4 };
+        let at = |angle: f32| within(cone, Vec3::new(angle.sin(), angle.cos(), 0.0));
+        assert_eq!((at(0.0), at(0.19), at(0.41), at(3.0)), (1.0, 1.0, 0.0, 0.0));
+        assert!(at(0.3) > 0.1 && at(0.3) < 0.9);
+    }
+}

@@ -1,0 +1,171 @@
+//! A comparison of pixels as a picture: what agrees in gray, what does not in colors that stand out.
+
+use glam::{DVec2, DVec3, Vec3};
+
+use super::overlay::swatch;
+use super::{ABOVE, BELOW, MemoryError, Picture, buffer, color};
+use crate::oracle::Oracle;
+use crate::parallel;
+use crate::verify::pixels::{Comparison, PixelVerdict};
+use crate::view::Projection;
+use crate::view::Size;
+
+/// A color's name and its sRGB bytes: grays for what agrees, light blue for the sky; for the others hues that
+/// differ in brightness too, so that nobody needs to tell red from green. (Masataka Okabe and Kei Ito, *Color
+/// Universal Design*, 2002.)
+#[must_use]
+pub fn verdict_color(verdict: PixelVerdict) -> (&'static str, [u8; 3]) {
+    match verdict {
+        PixelVerdict::Sky => ("background", [187, 193, 201]),
+        PixelVerdict::Lit => ("light gray", [222; 3]),
+        PixelVerdict::Shadowed => ("dark gray", [92; 3]),
+        PixelVerdict::Grazing => ("yellow", [240, 228, 66]),
+        PixelVerdict::Unsure => ("sky blue", [86, 180, 233]),
+        PixelVerdict::Overflow => ("blue", [0, 80, 190]),
+        PixelVerdict::Real => ("vermilion", [225, 60, 0]),
+    }
+}
+
+/// How dark what an eye sees edge-on is drawn against what faces it.
+const EDGE_ON: f32 = 0.55;
+
+/// Half the sides of the squares and of the rings that are drawn around pixels, in pixels.
+const DOT_PX: u32 = 1;
+const RING_PX: u32 = 7;
+
+/// Draws the pixels of `comparison`: the faces of `oracle` as `projection` sees them, light where both agree on lit,
+/// dark where they agree on shadowed; every other pixel as a square of 3 × 3 in its verdict's color, the gravest on
+/// top, those that nothing explains with a dark-rimmed ring around them. Swatches in the lower left corner show the
+/// colors of the verdicts that occur, in the order of [`PixelVerdict::ALL`], the sky left out.
+///
+/// `progress` hears of rows done, from any thread. One ray a pixel; 4 bytes a pixel.
+///
+/// # Errors
+///
+/// [`MemoryError`] if those bytes are not to be had.
+pub fn verdicts(
+    oracle: &Oracle,
+    projection: &Projection,
+    comparison: &Comparison,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Picture, MemoryError> {
+    let size = comparison.size;
+    let width = size.width() as usize;
+    let mut picture = Picture { size, pixels: buffer(size, [0; 4])? };
+    parallel::rows(&mut picture.pixels, width, |y, row| {
+        for (x, pixel) in row.iter_mut().enumerate() {
+            let verdict = comparison.verdicts[y * width + x];
+            *pixel = agreeing(oracle, projection, size, [x, y], verdict);
+        }
+        progress(1);
+    });
+    let at = |verdict| {
+        let places = (0..).zip(&comparison.verdicts).filter(move |(_, other)| **other == verdict);
+        places.map(move |(place, _): (u32, _)| [place % size.width(), place / size.width()])
+    };
+    // The rims of all rings first: they must not cover each other's color.
+    let reach = i64::from(RING_PX);
+    for (color, radii) in
+        [([30; 3], reach - 3..reach + 1), (verdict_color(PixelVerdict::Real).1, reach - 2..reach)]
+    {
+        let squared = radii.start * radii.start..radii.end * radii.end;
+        for place in at(PixelVerdict::Real) {
+            draw(&mut picture, place, RING_PX, color, |distance| squared.contains(&distance));
+        }
+    }
+    for verdict in [PixelVerdict::Grazing, PixelVerdict::Unsure, PixelVerdict::Overflow, PixelVerdict::Real] {
+        for place in at(verdict) {
+            draw(&mut picture, place, DOT_PX, verdict_color(verdict).1, |_| true);
+        }
+    }
+    let occur = PixelVerdict::ALL.into_iter().skip(1).filter(|&verdict| comparison.count(verdict) > 0);
+    for (i, verdict) in occur.enumerate() {
+        swatch(&mut picture, i, verdict_color(verdict).1);
+    }
+    Ok(picture)
+}
+
+/// What is seen through the middle of a pixel, shaded by the angle it is seen at.
+fn agreeing(
+    oracle: &Oracle,
+    projection: &Projection,
+    size: Size,
+    [x, y]: [usize; 2],
+    verdict: PixelVerdict,
+) -> [u8; 4] {
+    let place = [x, y].map(|i| i as f64 + 0.5);
+    let (width, height) = (f64::from(size.width()), f64::from(size.height()));
+    let ray = projection.ray(DVec2::new(2.0 * place[0] / width - 1.0, 1.0 - 2.0 * place[1] / height));
+    let seen = oracle.first_visible_beyond(projection.eye, ray.as_vec3().into(), projection.near.into());
+    let Some(seen) = seen else {
+        return color::encode(BELOW.lerp(ABOVE, (1.0 - place[1] / height) as f32));
+    };
+    let [a, b, c] = seen.corners.map(|corner| DVec3::from(corner.map(f64::from)));
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let facing = normal.dot(ray.normalize_or_zero()).abs() as f32;
+    let gray = verdict_color(if verdict == PixelVerdict::Shadowed { verdict } else { PixelVerdict::Lit }).1;
+    let [r, g, b] = (Vec3::from(gray.map(f32::from)) * (EDGE_ON + (1.0 - EDGE_ON) * facing)).to_array();
+    [r as u8, g as u8, b as u8, 255]
+}
+
+/// Sets the pixels up to `reach` away in both directions whose squared distance is asked for.
+fn draw(picture: &mut Picture, [x, y]: [u32; 2], reach: u32, color: [u8; 3], wanted: impl Fn(i64) -> bool) {
+    let side = |at: u32, most: u32| at.saturating_sub(reach)..(at + reach + 1).min(most);
+    let (width, height) = (picture.size.width(), picture.size.height());
+    for v in side(y, height) {
+        for u in side(x, width) {
+            let (dx, dy) = (i64::from(u) - i64::from(x), i64::from(v) - i64::from(y));
+            if wanted(dx * dx + dy * dy) {
+                let [r, g, b] = color;
+                picture.pixels[v as usize * width as usize + u as usize] = [r, g, b, 255];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::shapes;
+    use crate::view::{Camera, Up};
+
+    #[test]
+    fn verdicts_stand_out_of_what_agrees_and_the_gravest_is_on_top() {
+        let oracle = Oracle::build(&shapes::icosphere(2));
+        let size = Size::new(96, 80).unwrap();
+        let camera = Camera::fit(&oracle.bounds(), Up::Y, size.aspect());
+        let projection = camera.projection(size, camera.near(&oracle.bounds(), size));
+        let mut comparison =
+            Comparison { size, verdicts: vec![PixelVerdict::Lit; size.pixels()], mismatches: Vec::new() };
+        let at = |x: usize, y: usize| y * 96 + x;
+        let draw = |comparison: &Comparison| verdicts(&oracle, &projection, comparison, &|_| {}).unwrap();
+        let plain = draw(&comparison);
+        comparison.verdicts[at(40, 40)] = PixelVerdict::Shadowed;
+        let shadowed = draw(&comparison);
+        assert!(shadowed.pixels[at(40, 40)][0] < plain.pixels[at(40, 40)][0] / 2);
+
+        comparison.verdicts[at(50, 40)] = PixelVerdict::Real;
+        comparison.verdicts[at(51, 40)] = PixelVerdict::Grazing;
+        comparison.verdicts[0] = PixelVerdict::Real; // its ring is cut at the corner
+        let picture = draw(&comparison);
+        let count = |color: [u8; 3]| picture.pixels.iter().filter(|pixel| pixel[..3] == color).count();
+        let [real, grazing] = [PixelVerdict::Real, PixelVerdict::Grazing].map(|v| verdict_color(v).1);
+        assert!(count(real) > 100, "{}", count(real));
+        // A column of the grazing dot is seen beside the real one, and its swatch.
+        assert_eq!(count(grazing), 3 + 12 * 12);
+        assert_eq!(picture.pixels[at(51, 40)][..3], real);
+    }
+
+    #[test]
+    fn verdict_colors_differ_in_brightness() {
+        let mut bright: Vec<f64> = PixelVerdict::ALL[3..]
+            .iter()
+            .map(|&verdict| {
+                let [r, g, b] = verdict_color(verdict).1.map(f64::from);
+                0.2126 * r + 0.7152 * g + 0.0722 * b
+            })
+            .collect();
+        bright.sort_by(f64::total_cmp);
+        assert!(bright.windows(2).all(|pair| pair[1] - pair[0] > 15.0), "{bright:?}");
+    }
+}

@@ -1,0 +1,4 @@
+//! Shadows: one room a technique.
+
+pub mod stencil;
+pub mod volume;

@@ -1,0 +1,67 @@
+//! The result of a stencil pass: a count for each pixel.
+
+use crate::view::Size;
+
+/// How a pixel's count was kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counting {
+    /// In eight bits of a stencil: right modulo 256.
+    Stencil,
+    /// In 32 bits of memory.
+    Integer,
+}
+
+/// How many volumes of one light the visible point of each pixel is in.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShadowMask {
+    size: Size,
+    counting: Counting,
+    counts: Vec<i32>,
+    receiver: Vec<bool>,
+}
+
+impl ShadowMask {
+    /// A mask from counts and from whether a pixel has anything to receive a shadow: row after row from the top. A pass
+    /// of this crate makes them; so may any other renderer that wants to be judged.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there is not one entry of each a pixel.
+    #[must_use]
+    pub fn new(size: Size, counting: Counting, counts: Vec<i32>, receiver: Vec<bool>) -> Self {
+        assert!(counts.len() == size.pixels() && receiver.len() == size.pixels(), "one entry a pixel");
+        Self { size, counting, counts, receiver }
+    }
+
+    /// How many pixels there are.
+    #[must_use]
+    pub fn size(&self) -> Size {
+        self.size
+    }
+
+    /// How the counts were kept.
+    #[must_use]
+    pub fn counting(&self) -> Counting {
+        self.counting
+    }
+
+    /// The count of a pixel, from the upper left corner: in shadow where it is not 0. `None` where nothing receives a
+    /// shadow, the sky.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there is no such pixel.
+    #[inline]
+    #[must_use]
+    pub fn count(&self, x: u32, y: u32) -> Option<i32> {
+        assert!(x < self.size.width(), "pixel {x} of a row of {}", self.size.width());
+        let place = y as usize * self.size.width() as usize + x as usize;
+        self.receiver[place].then(|| self.counts[place])
+    }
+
+    /// Every pixel's count before the sky is masked, row after row from the top.
+    #[must_use]
+    pub fn raw(&self) -> &[i32] {
+        &self.counts
+    }
+}

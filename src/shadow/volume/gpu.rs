@@ -1,0 +1,148 @@
+//! A shadow volume in buffers of a graphics device, ready to draw.
+
+mod extrude;
+
+use wgpu::BufferUsages;
+
+pub use extrude::{Demand, GpuExtrusion, VolumeShaders};
+
+use super::ShadowVolume;
+use super::closed::{BoundarySum, boundary_sum};
+use crate::geom::Light;
+use crate::gpu::{Gpu, GpuError, wgpu};
+
+/// A shadow volume on the device.
+///
+/// Vertices are the finite ones, three `f32` each. Triangles are three `u32` each: an id `v` below
+/// [`GpuVolume::vertex_count`] is a finite vertex, `vertex_count + v` the same vertex at infinity, `v·w − L` with the
+/// light's homogeneous `(L, w)`; a directional light has but one such point, whichever `v` it is written with.
+/// Draw a part without vertex buffer, with [`GpuVolume::arguments`] at the part's offset: by `draw_indexed_indirect` with
+/// the triangles as index buffer, so that `vertex_index` is the id, or by `draw_indirect`, and look the id up.
+#[derive(Clone, Debug)]
+pub struct GpuVolume {
+    /// Finite vertices, `array<f32>`, three a vertex.
+    pub vertices: wgpu::Buffer,
+    /// How many finite vertices there are.
+    pub vertex_count: u32,
+    /// `array<u32>`, three a triangle; the parts stand where the arguments say. Of usage `INDEX` too.
+    pub triangles: wgpu::Buffer,
+    /// In the order of [`Part`] three times five words: how many corners, 1 instance, the first corner, 0, 0. That is a
+    /// [`wgpu::util::DrawIndexedIndirectArgs`], and starts with a [`wgpu::util::DrawIndirectArgs`].
+    pub arguments: wgpu::Buffer,
+    /// The light it was extruded from.
+    pub light: Light,
+    /// The largest magnitude of a coordinate of the vertices, or more.
+    pub largest: f32,
+}
+
+/// A part of a volume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The casting faces, as the light sees them.
+    LightCap,
+    /// What the silhouette edges sweep.
+    Sides,
+    /// The light cap at infinity, reversed.
+    DarkCap,
+}
+
+impl Part {
+    /// All of them, in the order of the arguments.
+    pub const ALL: [Self; 3] = [Self::LightCap, Self::Sides, Self::DarkCap];
+
+    /// Where this part's arguments start in [`GpuVolume::arguments`], in bytes.
+    #[must_use]
+    pub fn offset(self) -> u64 {
+        20 * self as u64
+    }
+}
+
+impl GpuVolume {
+    /// Copies a volume to the device.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`].
+    pub fn upload(gpu: &Gpu, volume: &ShadowVolume) -> Result<Self, GpuError> {
+        let count = volume.positions().len() as u32; // vertex ids are 32 bits
+        let id = |index: u32| match index.checked_sub(count) {
+            None => index,
+            Some(far) => count + volume.extruded[far as usize],
+        };
+        let triangles: Vec<[u32; 3]> = volume.triangles().iter().map(|corners| corners.map(id)).collect();
+        let parts = [volume.light_cap(), volume.sides(), volume.dark_cap()];
+        let arguments = parts.map(|part| [3 * part.len() as u32, 1, 3 * part.start as u32, 0, 0]);
+        Ok(Self {
+            vertices: gpu.upload("vertices of a volume", volume.positions())?,
+            vertex_count: count,
+            triangles: gpu.upload_for("triangles of a volume", &triangles, BufferUsages::INDEX)?,
+            arguments: gpu.upload_for("draw arguments", &arguments, BufferUsages::INDIRECT)?,
+            light: *volume.light(),
+            largest: volume.positions().as_flattened().iter().fold(0.0, |most, x| most.max(x.abs())),
+        })
+    }
+
+    /// Reads the triangles of a part back, with the ids described above.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
+    pub fn download(&self, gpu: &Gpu, part: Part) -> Result<Vec<[u32; 3]>, GpuError> {
+        let arguments = gpu.download::<[u32; 5]>(&self.arguments, 3)?;
+        let [vertices, _, first, ..] = arguments[part as usize];
+        let triangles = gpu.download::<[u32; 3]>(&self.triangles, (first + vertices) as usize / 3)?;
+        Ok(triangles[first as usize / 3..].to_vec())
+    }
+
+    /// The certificate, from what stands on the device: see [`ShadowVolume::boundary_sum`]. Reads everything back.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
+    pub fn boundary_sum(&self, gpu: &Gpu) -> Result<BoundarySum, GpuError> {
+        let mut triangles = Vec::new();
+        for part in Part::ALL {
+            triangles.extend(self.download(gpu, part)?);
+        }
+        if self.light.is_directional() {
+            let one_far = |id: u32| id.min(self.vertex_count);
+            triangles.iter_mut().for_each(|corners| *corners = corners.map(one_far));
+        }
+        Ok(boundary_sum(&triangles))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::facing::{CasterFaces, classify};
+    use crate::gpu::tests::gpu;
+    use crate::shadow::volume::Caps;
+    use crate::silhouette::Silhouette;
+    use crate::testing::shapes;
+    use crate::topology::Topology;
+
+    #[test]
+    fn volume_comes_back_from_the_device_as_it_went() {
+        let Some(gpu) = gpu() else { return };
+        let mesh = shapes::menger_sponge(1);
+        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        for light in ["point:3,4,5", "directional:-1,-2,-0.5"] {
+            let light: Light = light.parse().unwrap();
+            let signs = CasterFaces::All.signs(&classify(&mesh, &light));
+            let silhouette = Silhouette::extract(&topology, &signs);
+            let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
+            let lent = GpuVolume::upload(&gpu, &volume).unwrap();
+            let ranges = [volume.light_cap(), volume.sides(), volume.dark_cap()];
+            for (part, range) in Part::ALL.into_iter().zip(ranges) {
+                let count = lent.vertex_count;
+                let id = |id: u32| match id.checked_sub(count) {
+                    Some(_) if light.is_directional() => count,
+                    _ => id,
+                };
+                let back = lent.download(&gpu, part).unwrap().into_iter().map(|corners| corners.map(id));
+                assert_eq!(back.collect::<Vec<_>>(), volume.triangles()[range].to_vec());
+            }
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Strategies for property tests: meshes, lights and points that are hard for shadows.
+//!
+//! For the `proptest` crate. Everything is built from its combinators, so a failure shrinks to few faces with
+//! small whole coordinates. Sizes are small: hundreds of cases take seconds.
+//!
+//! - meshes: [`soup`], [`soup_at`]; [`closed()`] (of [`voxel_solid`], [`hollow`], [`bent`], [`several`]); [`cad()`];
+//!   [`damaged`], which tells what it did; [`at_scale`]
+//! - lights: [`light()`], and for a given mesh [`LightPick`]
+//! - points: [`place`], and for a given mesh and light [`PointPick`]
+//! - all three together: [`case()`], a [`Case`]
+//!
+//! A pick is drawn before the mesh is known and resolved by its method `at`, as proptest's own
+//! [`Index`](proptest::sample::Index) is: so mesh, light and points shrink each for itself.
+//!
+//! # Your own shadows against the oracle
+//!
+//! A textbook shadow ray with its customary epsilon; the strategies find where it is wrong.
+//!
+//! ```
+//! use proptest::prelude::*;
+//! use proptest::test_runner::{Config, TestError, TestRunner};
+//! use umbrage::mesh::Mesh;
+//! use umbrage::oracle::{Oracle, Verdict};
+//! use umbrage::testing::strategy::{case, closed};
+//!
+//! // Yours: whether the ray from p towards a point or direction meets the triangle (Möller & Trumbore 1997).
+//! fn hits(p: [f32; 3], ray: [f64; 3], [a, b, c]: [[f32; 3]; 3]) -> Option<f64> {
+//!     let sub = |u: [f32; 3], v: [f32; 3]| [0, 1, 2].map(|i| f64::from(u[i]) - f64::from(v[i]));
+//!     let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+//!     let cross = |u: [f64; 3], v: [f64; 3]| {
+//!         [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+//!     };
+//!     let (e1, e2, s) = (sub(b, a), sub(c, a), sub(p, a));
+//!     let (h, k) = (cross(ray, e2), cross(s, e1));
+//!     let det = dot(e1, h);
+//!     let (u, v, t) = (dot(s, h) / det, dot(ray, k) / det, dot(e2, k) / det);
+//!     (det != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0).then_some(t)
+//! }
+//! fn in_shadow(mesh: &Mesh, p: [f32; 3], [x, y, z, w]: [f32; 4]) -> bool {
+//!     let toward = [x, y, z].map(f64::from);
+//!     let ray = [0, 1, 2].map(|i| toward[i] - f64::from(p[i]) * f64::from(w));
+//!     let far = if w == 0.0 { f64::INFINITY } else { 1.0 };
+//!     let corners = |face: &[u32; 3]| face.map(|vertex| mesh.positions()[vertex as usize]);
+//!     let mut hits = mesh.triangles().iter().filter_map(|face| hits(p, ray, corners(face)));
+//!     hits.any(|t| 1e-3 < t && t < far)
+//! }
+//!
+//! // In a test of your own: `proptest! { #[test] fn .. (case in case(closed(), 8)) { .. } }`.
+//! let config = Config { failure_persistence: None, ..Config::default() };
+//! let found = TestRunner::new(config).run(&case(closed(), 8), |case| {
+//!     let oracle = Oracle::build(&case.mesh);
+//!     for &p in &case.points {
+//!         let yours = in_shadow(&case.mesh, p, case.light.homogeneous());
+//!         match oracle.verdict(p, &case.light) {
+//!             Verdict::Grazing => {} // an exact tie: both answers are right
+//!             verdict => prop_assert_eq!(yours, verdict == Verdict::Shadowed, "at {:?}", p),
+//!         }
+//!     }
+//!     Ok(())
+//! });
+//! assert!(matches!(found, Err(TestError::Fail(..)))); // the case, shrunk
+//! ```
+
+mod cad;
+mod case;
+mod closed;
+mod defect;
+mod feature;
+mod light;
+mod mesh;
+mod point;
+
+#[cfg(test)]
+mod tests;
+
+pub use cad::cad;
+pub use case::{Case, case};
+pub use closed::{bent, closed, hollow, several, voxel_solid};
+pub use defect::{Damage, Damaged, damaged};
+pub use light::{LightPick, light};
+pub use mesh::{at_scale, coordinate, place, power_of_two, soup, soup_at};
+pub use point::PointPick;

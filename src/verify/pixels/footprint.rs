@@ -1,0 +1,177 @@
+//! What a rasterizer may do: the footprint of a pixel, within which a count may differ from the exact one.
+//!
+//! A mismatch is *grazing* only if the exact count changes within the pixel's own footprint: the visible surface at most
+//! a step sideways, and what lies within the depth bound of it along the ray. That is looked for at some 260 places, and
+//! at the outline where the visible surface ends between two of them; too few places can only call more mismatches real.
+//!
+//! - **Sideways**: vertices are snapped to 1/256 pixel (the sub-pixel precision of all common rasterizers). Their clip
+//!   coordinates err by at most 4.5u of the products' magnitudes in each of two dot products (u = 2⁻²³: the difference to
+//!   the eye, the row's own rounding, a product, two sums), and the oracle's ray by u of its length. With the longer of
+//!   the rows, `s`, and the ray through a corner of the picture, `c`, that is less than `8u·(1 + s)·c` of half the
+//!   picture's longer side. So the step is `1/256 + 4u·(1 + s)·c·max(width, height)` pixels; only for a view of a few
+//!   degrees is the second term the larger one.
+//! - **Along the ray**: the error of two depths computed from planes. A depth is `near·(n·r)/(n·a)` with the
+//!   plane's normal `n`, the ray `r`, and `a` from the eye to a corner: 10u of `|n||r|/|n·r|` for the numerator (three
+//!   rounded coefficients and three sums), 5u of `|n||a|/|n·a|` for the denominator, in all 16u of `D/h` with the
+//!   larger distance `D` of the face's first corner, to which the shader anchors its plane, and of the point itself, and the eye's distance `h` from the plane. Where the
+//!   two planes are far from parallel, a step sideways changes their distance by more than that; where they are not,
+//!   `h` is the same for both. So the bound is `32u·D/h` of the depth.
+//!
+//!   That takes a side's depth for one of a place of the side, at most a step from the ray. A pixel may be covered just
+//!   beyond the side's silhouette edge, or beyond the line below a vertex where two sides meet, and there the plane of one
+//!   that is seen nearly edge-on is anywhere: the shader moves such a pixel back to the line.
+//!
+//!   Not in the bound: the side of an edge nearly in line with the light, whose plane is less exact. Such a mismatch is
+//!   called real.
+//!
+//! Anything wider would forgive cracks of one pixel. Within a footprint where the exact count changes any count passes.
+
+use glam::{DVec2, DVec3};
+
+use super::{Pixels, Seen};
+use crate::geom::predicate::{Homogeneous, Sign, orient3d_homogeneous};
+use crate::geom::{Aabb, Light, Segment};
+use crate::mesh::FaceId;
+use crate::view::Projection;
+use crate::view::Size;
+
+/// Eight places a whole step away.
+const RIM: [[f64; 2]; 8] =
+    [[-1.0, -1.0], [0.0, -1.0], [1.0, -1.0], [-1.0, 0.0], [1.0, 0.0], [-1.0, 1.0], [0.0, 1.0], [1.0, 1.0]];
+
+/// Places spread evenly over the square from −1 to 1 (the additive recurrence of the plastic number: Martin Roberts,
+/// *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018).
+fn inside_the_square() -> impl Iterator<Item = [f64; 2]> {
+    const PLASTIC: f64 = 1.324_717_957_244_746;
+    (1..=256).map(|i| [PLASTIC, PLASTIC * PLASTIC].map(|base| 2.0 * (f64::from(i) / base).fract() - 1.0))
+}
+
+/// How far sideways the footprint of a pixel reaches, in pixels.
+pub(super) fn step(projection: &Projection, size: Size) -> f64 {
+    const U: f64 = f32::EPSILON as f64;
+    let length = |row: [f32; 3]| DVec3::from(row.map(f64::from)).length();
+    let rows = 1.0 + length(projection.right).max(length(projection.up));
+    let corner = projection.ray(DVec2::ONE).length();
+    1.0 / 256.0 + 4.0 * U * rows * corner * f64::from(size.width().max(size.height()))
+}
+
+impl Pixels<'_> {
+    /// Whether the exact count changes within one step of the place.
+    pub(super) fn changes_sideways(&self, here: &Seen, place: [f64; 2], thorough: bool) -> bool {
+        let surfaces = self.surfaces(here, place);
+        // The rim first: that is where most of it shows.
+        let inside = inside_the_square().take(if thorough { usize::MAX } else { 0 });
+        RIM.into_iter().chain(inside).map(|at| self.beside(place, at)).any(|beside| {
+            let Some(there) = self.look(beside) else { return true };
+            here.differs(&there)
+                || self.changes_along_the_ray(&there, beside)
+                || thorough
+                    && self.surfaces(&there, beside) != surfaces
+                    && self.changes_on_the_way(here, &surfaces, [place, beside])
+        })
+    }
+
+    /// Whether within one step of a place there is sky where a surface is seen, or a surface where sky is.
+    pub(super) fn is_at_outline(&self, surface: bool, place: [f64; 2]) -> bool {
+        let mut places = RIM.into_iter().chain(inside_the_square()).map(|at| self.beside(place, at));
+        places.any(|beside| self.look(beside).is_some() != surface)
+    }
+
+    /// The place that is so many steps away.
+    fn beside(&self, place: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
+        [place[0] + self.step * x, place[1] + self.step * y]
+    }
+
+    /// Whether between two places, where a surface ends, the volume begins or ends: at a silhouette edge, both sides of
+    /// which may well count the same, but for a strip too thin to be hit by chance.
+    fn changes_on_the_way(&self, here: &Seen, surfaces: &[FaceId], [from, to]: [[f64; 2]; 2]) -> bool {
+        let between = |s: f64| [0, 1].map(|i| from[i] + s * (to[i] - from[i]));
+        let (mut same, mut other) = (0.0_f64, 1.0_f64);
+        // To a 2⁻²⁴th of the step.
+        for _ in 0..24 {
+            let middle = 0.5 * (same + other);
+            match self.look(between(middle)) {
+                Some(there) if here.differs(&there) => return true,
+                Some(there) if self.surfaces(&there, between(middle)) == surfaces => same = middle,
+                _ => other = middle,
+            }
+        }
+        let all = |s| self.look(between(s)).is_some_and(|seen| self.changes_along_the_ray(&seen, between(s)));
+        all(same) || all(other)
+    }
+
+    /// Whether the volume begins or ends within the bound of two depths, at a side. Caps are behind the visible surface
+    /// by definition.
+    pub(super) fn changes_along_the_ray(&self, seen: &Seen, place: [f64; 2]) -> bool {
+        let bound = self.depth_bound(seen, place);
+        let [p, q] = [-bound, bound].map(|part| self.along(seen, place, part));
+        if p.iter().chain(&q).any(|x| !x.is_finite()) {
+            return false;
+        }
+        // The triangle of both points and the light is nowhere farther from the way from one of them than the other is.
+        let wide = |p: [f32; 3]| DVec3::from(p.map(f64::from));
+        let reach = (2.0 * wide(p).distance(wide(q))) as f32;
+        let way = Segment::to_light(p, self.rendered.light);
+        let (ends, light) = ([p, q].map(Homogeneous::point), Homogeneous::light(self.rendered.light));
+        let mut found = false;
+        self.edge_tree.walk(
+            |aabb| {
+                let (low, high) = (aabb.low.map(|x| x - reach), aabb.high.map(|x| x + reach));
+                way.may_meet(&Aabb { low: low.map(f32::next_down), high: high.map(f32::next_up) })
+            },
+            |slot| {
+                found = is_swept(self.edges[self.edge_tree.order()[slot] as usize], ends, light);
+                !found
+            },
+        );
+        found
+    }
+
+    /// The visible surface, and all others within the bound of two depths.
+    fn surfaces(&self, seen: &Seen, place: [f64; 2]) -> Vec<FaceId> {
+        let mut faces = vec![seen.visible.face];
+        let bound = self.depth_bound(seen, place);
+        for end in [-bound, bound] {
+            if let Ok(towards) = Light::point(self.along(seen, place, end)) {
+                self.oracle.for_each_meeting(seen.visible.point, &towards, |face, _| faces.push(face));
+            }
+        }
+        faces.sort_unstable();
+        faces.dedup();
+        faces
+    }
+
+    /// The bound of two depths, relative to that of the visible point.
+    fn depth_bound(&self, seen: &Seen, place: [f64; 2]) -> f64 {
+        const U: f64 = f32::EPSILON as f64;
+        let wide = |p: [f32; 3]| DVec3::from(p.map(f64::from));
+        let [a, b, c] = seen.visible.corners.map(|corner| wide(corner) - wide(self.rendered.projection.eye));
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let at = seen.visible.t * self.ray(place);
+        let farthest = a.length().max(at.length());
+        let height = normal.dot(a).abs();
+        (32.0 * U * farthest / height).min(0.5) // also for a height of 0
+    }
+
+    /// The point on the ray that is by `part` of its depth behind the visible one, or before it.
+    fn along(&self, seen: &Seen, place: [f64; 2], part: f64) -> [f32; 3] {
+        let eye = DVec3::from(self.rendered.projection.eye.map(f64::from));
+        (eye + (1.0 + part) * seen.visible.t * self.ray(place)).as_vec3().into()
+    }
+}
+
+/// Whether what an edge sweeps away from the light meets the segment between two points: whether the edge itself meets the
+/// triangle of the segment and the light. An edge in the plane of that triangle does not count.
+fn is_swept(edge: [[f32; 3]; 2], [p, q]: [Homogeneous; 2], light: Homogeneous) -> bool {
+    let [a, b] = edge.map(Homogeneous::point);
+    let sides = [orient3d_homogeneous([p, q, light, a]), orient3d_homogeneous([p, q, light, b])];
+    if sides[0] == sides[1] {
+        return false;
+    }
+    let around = [
+        orient3d_homogeneous([a, b, p, q]),
+        orient3d_homogeneous([a, b, q, light]),
+        orient3d_homogeneous([a, b, light, p]),
+    ];
+    !(around.contains(&Sign::Positive) && around.contains(&Sign::Negative))
+}

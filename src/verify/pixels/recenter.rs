@@ -1,0 +1,70 @@
+//! Judging a mesh that is far from the origin where it is near.
+//!
+//! A visible point is an `f32` point, and a million units from the origin the next one is a sixteenth of a unit away: far
+//! more than a pixel's footprint. Moving everything by a vertex changes no verdict as long as every difference is exact,
+//! and for a mesh that is small beside its distance it is. (Where it is not, under a light that is farther still, the
+//! comparison holds to the spacing of `f32` at the mesh, and may call real what is within it.)
+
+use crate::geom::Light;
+use crate::mesh::Mesh;
+use crate::view::Projection;
+
+/// A mesh, its light and its eye, moved so that one of the vertices is the origin.
+pub(super) struct Recentered {
+    pub(super) mesh: Mesh,
+    pub(super) light: Light,
+    pub(super) projection: Projection,
+    /// What was subtracted.
+    pub(super) origin: [f32; 3],
+}
+
+impl Recentered {
+    /// `None` if the mesh is not far from the origin, or cannot be moved without rounding.
+    pub(super) fn of(mesh: &Mesh, light: &Light, projection: &Projection) -> Option<Self> {
+        let [low, high] = mesh.bounds()?;
+        let widest = (0..3).map(|i| high[i] - low[i]).fold(0.0, f32::max);
+        let farthest = low.iter().chain(&high).fold(0.0_f32, |most, x| most.max(x.abs()));
+        if farthest <= 4.0 * widest {
+            return None;
+        }
+        let origin = mesh.positions()[0];
+        let less = |p: [f32; 3]| -> Option<[f32; 3]> {
+            let moved = [0, 1, 2].map(|i| p[i] - origin[i]);
+            (0..3).all(|i| rounding(p[i], origin[i], moved[i]) == 0.0).then_some(moved)
+        };
+        let positions = mesh.positions().iter().map(|&p| less(p)).collect::<Option<Vec<_>>>()?;
+        let light = if light.is_directional() { *light } else { Light::point(less(light.xyz())?).ok()? };
+        let projection = Projection { eye: less(projection.eye)?, ..*projection };
+        Some(Self { mesh: Mesh::new(positions, mesh.triangles().to_vec()).ok()?, light, projection, origin })
+    }
+}
+
+/// The error of `difference`, the rounded `a − b`; NaN if it overflowed (Donald E. Knuth, *The Art of Computer
+/// Programming*, vol. 2, §4.2.2, theorem B).
+fn rounding(a: f32, b: f32, difference: f32) -> f32 {
+    let of_b = a - difference;
+    let of_a = difference + of_b;
+    (a - of_a) + (of_b - b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::shapes;
+
+    fn projection(eye: [f32; 3]) -> Projection {
+        Projection { eye, right: [1.0, 0.0, 0.0], up: [0.0, 1.0, 0.0], forward: [0.0, 0.0, -1.0], near: 0.1 }
+    }
+
+    #[test]
+    fn local_moves_what_is_far_away_and_only_exactly() {
+        let far = shapes::translated(&shapes::cube(), [4096.0, -8192.0, 0.0]);
+        let at = |x: f32| Light::point([4098.0, -8190.0, x]).unwrap();
+        let local = Recentered::of(&far, &at(3.0), &projection([4096.5, -8192.0, 5.0])).unwrap();
+        for (moved, p) in local.mesh.positions().iter().zip(far.positions()) {
+            assert_eq!([0, 1, 2].map(|i| moved[i] + local.origin[i]), *p);
+        }
+        assert!(Recentered::of(&far, &at(1e-30), &projection([4096.5, -8192.0, 5.0])).is_none());
+        assert!(Recentered::of(&shapes::cube(), &at(3.0), &projection([0.0, 0.0, 5.0])).is_none());
+    }
+}

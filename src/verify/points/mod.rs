@@ -1,0 +1,379 @@
+//! Every judge against every other, at points chosen to be hard.
+//!
+//! The ray cast counts the faces between a point and the light. The winding number of the emitted volume, found
+//! from its triangles alone, must be the same number; so must that of the volume that was halved where it may be.
+//! A sample of the points is judged once more in whole numbers, and the sides of all faces, which come from a filter,
+//! are decided once more one by one. Where something is only touched, or a judge
+//! stands on a face, that is declared: both answers are right there.
+
+pub(crate) mod draw;
+pub(crate) mod judge;
+
+pub use draw::STRATA;
+
+use crate::caster::ShellProof;
+use crate::facing::{CasterFaces, FacePlanes, classify};
+use crate::geom::{Aabb, Light};
+use crate::mesh::Mesh;
+use crate::oracle::{Oracle, Verdict};
+use crate::shadow::volume::{Caps, Faces, Plan, ShadowVolume, WindingIndex};
+use crate::silhouette::Silhouette;
+use crate::topology::{Shells, Topology};
+use judge::Cast;
+
+/// How much to verify.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// How many points, spread evenly over the strata.
+    pub points: usize,
+    /// What the points are drawn from; the same seed gives the same points.
+    pub seed: u64,
+    /// How many disagreements to keep with their places.
+    pub keep: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { points: 10_000, seed: 1, keep: 10 }
+    }
+}
+
+/// A mesh prepared for verification with any number of lights.
+#[derive(Debug)]
+pub struct Verifier<'mesh> {
+    mesh: &'mesh Mesh,
+    topology: Topology,
+    shells: Shells,
+    proofs: Vec<ShellProof>,
+    planes: FacePlanes,
+    oracle: Oracle,
+}
+
+/// What the judges said for one light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verification {
+    /// One row a stratum, in the order of [`STRATA`].
+    pub strata: Vec<Stratum>,
+    /// One row a judge.
+    pub judges: Vec<Judge>,
+    /// The first disagreements, in the order of the points.
+    pub disagreements: Vec<Disagreement>,
+}
+
+/// Counts over the points of one kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stratum {
+    /// What kind of points.
+    pub name: &'static str,
+    /// How many.
+    pub points: u64,
+    /// All judges agree.
+    pub agree: u64,
+    /// The way to the light only touches the surface, or all winding judges stand on the volume: a declared tie.
+    pub grazing: u64,
+    /// At least one judge contradicts the ray cast.
+    pub disagree: u64,
+}
+
+/// How one judge did against the ray cast.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Judge {
+    /// Who.
+    pub name: &'static str,
+    /// How many points it was asked about.
+    pub points: u64,
+    /// How many it declined, because it stands on a face of the volume.
+    pub abstain: u64,
+    /// How many it contradicted.
+    pub disagree: u64,
+}
+
+/// A point where judges disagree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Disagreement {
+    /// Which kind of point.
+    pub stratum: &'static str,
+    /// Where.
+    pub point: [f32; 3],
+    /// The ray cast's verdict.
+    pub verdict: Verdict,
+    /// Who contradicts it, and how.
+    pub what: String,
+}
+
+impl Verification {
+    /// Whether no judge contradicts another, about a point or about a face.
+    #[must_use]
+    pub fn agrees(&self) -> bool {
+        self.judges.iter().all(|judge| judge.disagree == 0) && self.total().disagree == 0
+    }
+
+    /// All strata together.
+    #[must_use]
+    pub fn total(&self) -> Stratum {
+        self.strata.iter().fold(Stratum { name: "all", ..Stratum::default() }, |sum, row| sum.plus(row))
+    }
+}
+
+impl Stratum {
+    /// The sum of two rows, under the first one's name.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            name: self.name,
+            points: self.points + other.points,
+            agree: self.agree + other.agree,
+            grazing: self.grazing + other.grazing,
+            disagree: self.disagree + other.disagree,
+        }
+    }
+
+    /// With no disagreement among n points that were no ties, the rate of disagreement is below 3/n with 95 %
+    /// confidence (the rule of three), if the points were independent draws; those of one mesh share its surface and its
+    /// lights. `None` after a disagreement, or without such points.
+    #[must_use]
+    pub fn bound_95(&self) -> Option<f64> {
+        let trials = self.agree + self.disagree;
+        (self.disagree == 0 && trials > 0).then(|| (3.0 / trials as f64).min(1.0))
+    }
+}
+
+impl Judge {
+    /// The sum of two rows, under the first one's name.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            name: self.name,
+            points: self.points + other.points,
+            abstain: self.abstain + other.abstain,
+            disagree: self.disagree + other.disagree,
+        }
+    }
+}
+
+/// Points are judged in runs of this many, each on one thread.
+const RUN: usize = 256;
+
+/// The whole-number judge looks at this many faces altogether (less than a second of work), at 4 points a stratum
+/// at least and 200 at most.
+const REFERENCE_FACES: usize = 400_000;
+
+impl<'mesh> Verifier<'mesh> {
+    /// Prepares `mesh`, which is welded: topology, shells and what is proven of them, planes, tree.
+    #[must_use]
+    pub fn new(mesh: &'mesh Mesh) -> Self {
+        let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.triangles().to_vec());
+        let shells = topology.shells();
+        let proofs = ShellProof::of(mesh, &topology, &shells);
+        let (planes, oracle) = (FacePlanes::new(mesh), Oracle::build(mesh));
+        Self { mesh, topology, shells, proofs, planes, oracle }
+    }
+
+    /// The tree over all faces, for other questions about the same mesh.
+    #[must_use]
+    pub fn oracle(&self) -> &Oracle {
+        &self.oracle
+    }
+
+    /// Verifies one light. `progress` is told of points as they are done, from any thread.
+    #[must_use]
+    pub fn verify(&self, light: &Light, options: &Options, progress: &(dyn Fn(u64) + Sync)) -> Verification {
+        self.verify_with(light, options, progress, |_| {})
+    }
+
+    /// As [`Verifier::verify`], with a chance to spoil the casting signs first: tests show with it that a fault is
+    /// seen.
+    fn verify_with(
+        &self,
+        light: &Light,
+        options: &Options,
+        progress: &(dyn Fn(u64) + Sync),
+        spoil: impl Fn(&mut [i8]),
+    ) -> Verification {
+        let facing = self.planes.classify(self.mesh, light);
+        let plan = Plan::choose(self.mesh, &self.shells, &self.proofs, light, Faces::Auto);
+        let chosen = plan.signs(&self.shells, &facing);
+        let extrude = |mut signs: Vec<i8>| {
+            spoil(&mut signs);
+            let silhouette = Silhouette::extract(&self.topology, &signs);
+            ShadowVolume::extrude(self.mesh, &self.topology, light, &signs, &silhouette, Caps::Both)
+        };
+        let edges = Silhouette::extract(&self.topology, &CasterFaces::All.signs(&facing));
+        let points = draw::draw(self.mesh, &self.topology, &edges, light, options);
+        let within = Aabb::around(points.iter().map(|(_, p)| *p));
+        let (all, half) = (extrude(CasterFaces::All.signs(&facing)), extrude(chosen.clone()));
+        let bench = Bench {
+            verifier: self,
+            light,
+            chosen: &chosen,
+            all: WindingIndex::build(&all, within),
+            half: WindingIndex::build(&half, within),
+            reference_every: self.reference_every(options.points / STRATA.len().max(1)),
+        };
+        let mut verification = bench.judge_all(&points, options.keep, progress);
+        let truth = classify(self.mesh, light);
+        let wrong = facing.iter().zip(&truth).filter(|(filtered, exact)| filtered != exact).count() as u64;
+        let name = "sides of all faces, one by one";
+        let judge = Judge { name, points: truth.len() as u64, abstain: 0, disagree: wrong };
+        verification.judges.push(judge);
+        verification
+    }
+
+    /// Every how many points of a stratum the whole-number judge is asked.
+    fn reference_every(&self, points: usize) -> usize {
+        let samples = (REFERENCE_FACES / (self.mesh.face_count() + 1)).clamp(20, 1000) / STRATA.len();
+        points.div_ceil(samples).max(1)
+    }
+}
+
+/// Everything that judges the points of one light.
+struct Bench<'a> {
+    verifier: &'a Verifier<'a>,
+    light: &'a Light,
+    chosen: &'a [i8],
+    all: WindingIndex<'a>,
+    half: WindingIndex<'a>,
+    reference_every: usize,
+}
+
+const JUDGES: [&str; 4] =
+    ["ray cast", "winding number, all faces", "winding number, chosen faces", "whole numbers"];
+
+impl Bench<'_> {
+    fn judge_all(
+        &self,
+        points: &[(usize, [f32; 3])],
+        keep: usize,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Verification {
+        let run = |(index, points): (usize, &[(usize, [f32; 3])])| {
+            let mut tally = Tally::new(keep);
+            for (i, &(stratum, p)) in points.iter().enumerate() {
+                self.judge(index * RUN + i, stratum, p, &mut tally);
+            }
+            progress(points.len() as u64);
+            tally
+        };
+        #[cfg(feature = "parallel")]
+        let tallies: Vec<Tally> = {
+            use rayon::prelude::*;
+            points.par_chunks(RUN).enumerate().map(run).collect()
+        };
+        #[cfg(not(feature = "parallel"))]
+        let tallies: Vec<Tally> = points.chunks(RUN).enumerate().map(run).collect();
+        let sum = tallies.into_iter().fold(Tally::new(keep), Tally::plus);
+        Verification { strata: sum.strata, judges: sum.judges, disagreements: sum.disagreements }
+    }
+
+    fn judge(&self, index: usize, stratum: usize, p: [f32; 3], tally: &mut Tally) {
+        // 1. The ray cast: all faces between, those of them that cast in the halved volume, and what is touched.
+        let cast = Cast::of(&self.verifier.oracle, p, self.light, self.chosen);
+        let verdict = cast.verdict();
+        tally.judges[0].points += 1;
+        let mut contradictions = Vec::new();
+
+        // 2. The two volumes.
+        let mut abstain = 0;
+        for (judge, volume, expected) in [(1, &self.all, cast.all()), (2, &self.half, cast.chosen())] {
+            let row = &mut tally.judges[judge];
+            row.points += 1;
+            match volume.number(p) {
+                None => {
+                    row.abstain += 1;
+                    abstain += 1;
+                }
+                Some(winding) if !cast.allows(winding, &expected) => {
+                    row.disagree += 1;
+                    contradictions.push(format!("{} is {winding}, expected {expected:?}", JUDGES[judge]));
+                }
+                Some(_) => {}
+            }
+        }
+
+        // 3. Whole numbers, on a sample.
+        if (index / STRATA.len()).is_multiple_of(self.reference_every) {
+            let row = &mut tally.judges[3];
+            row.points += 1;
+            if let Err(what) = cast.in_whole_numbers(self.verifier.mesh, p, self.light) {
+                row.disagree += 1;
+                contradictions.push(format!("{}: {what}", JUDGES[3]));
+            }
+        }
+
+        let row = &mut tally.strata[stratum];
+        row.points += 1;
+        if !contradictions.is_empty() {
+            row.disagree += 1;
+            if tally.disagreements.len() < tally.keep {
+                let (stratum, what) = (STRATA[stratum], contradictions.join("; "));
+                tally.disagreements.push(Disagreement { stratum, point: p, verdict, what });
+            }
+        } else if verdict == Verdict::Grazing || abstain == 2 {
+            row.grazing += 1;
+        } else {
+            row.agree += 1;
+        }
+    }
+}
+
+struct Tally {
+    strata: Vec<Stratum>,
+    judges: Vec<Judge>,
+    disagreements: Vec<Disagreement>,
+    keep: usize,
+}
+
+impl Tally {
+    fn new(keep: usize) -> Self {
+        Self {
+            strata: STRATA.iter().map(|&name| Stratum { name, ..Stratum::default() }).collect(),
+            judges: JUDGES.iter().map(|&name| Judge { name, ..Judge::default() }).collect(),
+            disagreements: Vec::new(),
+            keep,
+        }
+    }
+
+    fn plus(mut self, other: Self) -> Self {
+        self.strata.iter_mut().zip(&other.strata).for_each(|(sum, row)| *sum = sum.plus(row));
+        self.judges.iter_mut().zip(&other.judges).for_each(|(sum, row)| *sum = sum.plus(row));
+        let room = self.keep - self.disagreements.len();
+        self.disagreements.extend(other.disagreements.into_iter().take(room));
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::shapes;
+
+    #[test]
+    fn verify_sees_a_single_face_that_is_taken_for_its_opposite() {
+        let mesh = shapes::torus(24, 12, 2.0, 0.7);
+        let verifier = Verifier::new(&mesh);
+        let light = Light::point([3.0, 4.0, 5.0]).unwrap();
+        let options = Options { points: 5000, ..Options::default() };
+        let sound = verifier.verify(&light, &options, &|_| {});
+        assert!(sound.agrees(), "{:?}", sound.disagreements);
+        let spoiled = verifier.verify_with(&light, &options, &|_| {}, |signs| {
+            let face = signs.iter().position(|&sign| sign == 1).unwrap();
+            signs[face] = -1;
+        });
+        assert!(spoiled.total().disagree > 0);
+        assert_eq!(spoiled.disagreements.len().min(1), 1);
+    }
+
+    #[test]
+    fn verify_draws_the_same_points_from_the_same_seed_and_fills_every_stratum() {
+        let mesh = shapes::sheet(4);
+        let verifier = Verifier::new(&mesh);
+        let light = Light::directional([0.2, 0.1, -1.0]).unwrap();
+        let options = Options { points: 1000, ..Options::default() };
+        let first = verifier.verify(&light, &options, &|_| {});
+        assert_eq!(first, verifier.verify(&light, &options, &|_| {}));
+        assert!(first.strata.iter().all(|row| row.points == 200));
+        assert_eq!(first.total().disagree, 0, "{:?}", first.disagreements);
+        let judged = first.judges.iter().find(|judge| judge.name == "whole numbers").unwrap();
+        assert!(judged.points > 100);
+    }
+}

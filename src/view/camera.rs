@@ -1,0 +1,292 @@
+//! Where a picture is taken from.
+
+use std::f32::consts::PI;
+
+use glam::{DVec3, Vec3};
+
+use super::{Pinhole, Size, Up};
+use crate::geom::Aabb;
+use crate::view::Projection;
+
+/// A perspective camera in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where the eye is.
+    pub eye: Vec3,
+    /// Where it looks, unit length.
+    pub forward: Vec3,
+    /// What is up in the picture; need not be perpendicular to `forward`, only not parallel.
+    pub up: Vec3,
+    /// Vertical field of view, radians, in (0, π).
+    pub fov_y_rad: f32,
+}
+
+/// Why a place and a target make no [`Camera`].
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// A coordinate is NaN or infinite.
+    #[error("the camera's eye and target need finite coordinates, not {0}")]
+    NotFinite(f32),
+    /// The eye is where it looks to.
+    #[error("the camera's eye is its target, {0},{1},{2}")]
+    EyeIsTarget(f32, f32, f32),
+    /// The field of view is not an angle that a plane picture can have.
+    #[error("the field of view is {} degrees; it must be more than 0 and less than 180", .0.to_degrees())]
+    FieldOfView(f32),
+}
+
+/// The field of view where nothing else is said: 35 degrees, that of a mild telephoto lens.
+const FOV_Y_RAD: f32 = 35.0 * PI / 180.0;
+
+/// From the middle of things towards the eye of a fitted camera, as right, up, back: three-quarter from the
+/// front, 21 degrees above the horizon.
+const THREE_QUARTER: [f64; 3] = [0.6, 0.45, 1.0];
+
+/// How much wider than its content a fitted picture is.
+const MARGIN: f64 = 1.08;
+
+impl Camera {
+    /// The field of view of a camera for which none is asked, radians.
+    pub const DEFAULT_FOV_Y_RAD: f32 = FOV_Y_RAD;
+
+    /// A camera at `eye` that looks to `target`, with `up` upright (or, looking along it, the next axis).
+    ///
+    /// # Errors
+    ///
+    /// [`CameraError`] if a coordinate is not finite, the two places are one, or `fov_y_rad` is not in (0, π).
+    pub fn look_at(eye: [f32; 3], target: [f32; 3], fov_y_rad: f32, up: Up) -> Result<Self, CameraError> {
+        if let Some(&x) = eye.iter().chain(&target).find(|x| !x.is_finite()) {
+            return Err(CameraError::NotFinite(x));
+        }
+        if !(fov_y_rad > 0.0 && fov_y_rad < PI) {
+            return Err(CameraError::FieldOfView(fov_y_rad));
+        }
+        if eye == target {
+            return Err(CameraError::EyeIsTarget(eye[0], eye[1], eye[2]));
+        }
+        // In f64 the difference of two different f32 is not zero and its square neither over- nor underflows.
+        let forward = (wide(target) - wide(eye)).normalize();
+        let mut upright = wide(up.turn([0.0, 1.0, 0.0]).map(|x| x as f32));
+        if !spans(forward, upright) {
+            upright = wide(up.turn([0.0, 0.0, -1.0]).map(|x| x as f32));
+        }
+        Ok(Self { eye: eye.into(), forward: forward.as_vec3(), up: upright.as_vec3(), fov_y_rad })
+    }
+
+    /// A camera that shows all of `bounds`: the default view, three-quarter from the front, from the right and
+    /// from 21 degrees above, 35 degrees of field of view, as near as leaves a margin of 8 %.
+    ///
+    /// `aspect` is width over height. An empty box is taken as the origin, a point as a box one unit around it.
+    /// A box so large that the eye would leave `f32` is seen from the nearest place within.
+    #[must_use]
+    pub fn fit(bounds: &Aabb, up: Up, aspect: f64) -> Self {
+        let center = wide(bounds.center());
+        let half = match bounds.diagonal() {
+            0.0 => DVec3::splat(0.5),
+            _ => (wide(bounds.high) - wide(bounds.low)) * 0.5,
+        };
+        let towards = DVec3::from(up.turn(THREE_QUARTER)).normalize();
+        let upright = DVec3::from(up.turn([0.0, 1.0, 0.0]));
+        let (right, top) = basis(-towards, upright);
+        let tan_y = f64::from(0.5 * FOV_Y_RAD).tan() / MARGIN;
+        let corners = || {
+            (0..8).map(|corner| {
+                let sign = |axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                half * DVec3::new(sign(0), sign(1), sign(2))
+            })
+        };
+        // Two opposite sides of the picture ask for a distance each, that of their nearest corner. The eye moves
+        // aside until both ask for the same.
+        let fit = |aside: DVec3, tan: f64| {
+            let ask = |sign: f64| {
+                corners()
+                    .map(|at| at.dot(towards) + sign * at.dot(aside) / tan)
+                    .fold(f64::NEG_INFINITY, f64::max)
+            };
+            let (one, other) = (ask(1.0), ask(-1.0));
+            (0.5 * (one + other), 0.5 * (one - other) * tan)
+        };
+        let (distance_x, x) = fit(right, tan_y * aspect);
+        let (distance_y, y) = fit(top, tan_y);
+        let step = towards * distance_x.max(distance_y) + right * x + top * y;
+        let most = f64::from(f32::MAX);
+        let eye = (center + step).clamp(DVec3::splat(-most), DVec3::splat(most));
+        Self {
+            eye: eye.as_vec3(),
+            forward: (-towards).as_vec3(),
+            up: upright.as_vec3(),
+            fov_y_rad: FOV_Y_RAD,
+        }
+    }
+
+    /// The direction, near unit length, from the eye through the place `x_px`, `y_px` of a picture of `size`: from
+    /// 0, 0 at its upper left corner; the middle of a pixel lies half a pixel further. Many of them: [`Pinhole`].
+    #[must_use]
+    pub fn ray(&self, x_px: f64, y_px: f64, size: Size) -> [f32; 3] {
+        Pinhole::new(self, size).ray(x_px, y_px)
+    }
+
+    /// The projection of this camera for a picture of `size`, cut at `near` mesh units before the eye.
+    #[must_use]
+    pub fn projection(&self, size: Size, near: f32) -> Projection {
+        let (right, up) = self.basis();
+        let tan_y = (0.5 * f64::from(self.fov_y_rad)).tan();
+        Projection {
+            eye: self.eye.into(),
+            right: (right / (tan_y * size.aspect())).as_vec3().into(),
+            up: (up / tan_y).as_vec3().into(),
+            forward: self.forward.into(),
+            near,
+        }
+    }
+
+    /// Where the near plane of a [`Camera::projection`] stands if nothing else is said, in mesh units: so that no corner
+    /// of its rectangle is farther from the eye than half the distance to `bounds`, or than 1/1024 of their diagonal for
+    /// an eye that is inside or about to be.
+    ///
+    /// From outside it cuts nothing that is seen, however wide the view. Finite and above 0 for every box.
+    #[must_use]
+    pub fn near(&self, bounds: &Aabb, size: Size) -> f32 {
+        let eye = self.eye.as_dvec3();
+        let reach = match bounds.is_empty() {
+            true => 1.0,
+            false => {
+                let distance = eye.distance(eye.clamp(wide(bounds.low), wide(bounds.high)));
+                (0.5 * distance).max(bounds.diagonal() / 1024.0)
+            }
+        };
+        let tan_y = (0.5 * f64::from(self.fov_y_rad)).tan();
+        let corner = DVec3::new(tan_y * size.aspect(), tan_y, 1.0).length();
+        ((reach / corner) as f32).clamp(f32::MIN_POSITIVE, f32::MAX)
+    }
+
+    /// Unit vectors to the right and upwards in the picture.
+    pub(super) fn basis(&self) -> (DVec3, DVec3) {
+        let forward = self.forward.as_dvec3();
+        let up = self.up.as_dvec3();
+        // A file may give any pair; without a plane, an axis that the view is farthest from serves.
+        basis(forward, if spans(forward, up) { up } else { DVec3::AXES[forward.abs().min_position()] })
+    }
+}
+
+/// Whether two directions tell right from left. `f32` components of unit length are off by up to 2⁻²⁵: a sine
+/// below 2⁻²⁰ would leave the roll of the picture to rounding.
+fn spans(forward: DVec3, up: DVec3) -> bool {
+    forward.cross(up.normalize_or_zero()).length() >= (-20_f64).exp2()
+}
+
+fn basis(forward: DVec3, up: DVec3) -> (DVec3, DVec3) {
+    let right = forward.cross(up).normalize();
+    (right, right.cross(forward))
+}
+
+fn wide(p: [f32; 3]) -> DVec3 {
+    DVec3::from(p.map(f64::from))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn look_at_refuses_what_is_no_camera() {
+        let look = |eye, target, fov| Camera::look_at(eye, target, fov, Up::Y);
+        assert_eq!(look([1.0; 3], [1.0; 3], 0.5), Err(CameraError::EyeIsTarget(1.0, 1.0, 1.0)));
+        assert!(matches!(look([f32::NAN; 3], [1.0; 3], 0.5), Err(CameraError::NotFinite(_))));
+        for fov in [0.0, -1.0, PI, f32::NAN, f32::INFINITY] {
+            assert!(matches!(look([0.0; 3], [1.0; 3], fov), Err(CameraError::FieldOfView(_))), "{fov}");
+        }
+        for far in [f32::MAX, f32::from_bits(1)] {
+            let camera = look([-far; 3], [far; 3], 0.5).unwrap();
+            assert!((camera.forward.length() - 1.0).abs() < 1e-6, "{camera:?}");
+        }
+    }
+
+    #[test]
+    fn look_at_along_up_still_knows_left_from_right() {
+        let size = Size::new(64, 48).unwrap();
+        for (up, eye) in [(Up::Y, [0.0, 5.0, 0.0]), (Up::Z, [0.0, 0.0, 5.0])] {
+            let camera = Camera::look_at(eye, [0.0; 3], 1.0, up).unwrap();
+            let (left, right) = (camera.ray(0.0, 24.0, size), camera.ray(64.0, 24.0, size));
+            assert!(left[0] < -0.1 && right[0] > 0.1, "{left:?} {right:?}");
+        }
+    }
+
+    #[test]
+    fn fit_shows_every_corner_and_fills_the_picture() {
+        let boxes = [
+            ([-1.0; 3], [1.0; 3]),
+            ([0.0; 3], [10.0, 0.1, 0.1]),
+            ([0.0, 0.0, 5.0], [0.0, 9.0, 5.0]),
+            ([1e-30; 3], [3e-30; 3]),
+            ([1e5; 3], [1e5 + 64.0; 3]),
+        ];
+        for (low, high) in boxes {
+            for (up, (width, height)) in [(Up::Y, (960, 540)), (Up::Z, (300, 900))] {
+                let size = Size::new(width, height).unwrap();
+                let bounds = Aabb { low, high };
+                let pinhole = Pinhole::new(&Camera::fit(&bounds, up, size.aspect()), size);
+                let mut widest = 0.0_f64;
+                for corner in 0..8 {
+                    let p = std::array::from_fn(|i| if corner >> i & 1 == 0 { low[i] } else { high[i] });
+                    let at = pinhole.project(p).expect("in front of the eye");
+                    let (x, y) = (at.x_px / f64::from(width) - 0.5, at.y_px / f64::from(height) - 0.5);
+                    widest = widest.max(x.abs()).max(y.abs());
+                }
+                assert!((0.4..0.5).contains(&widest), "{bounds:?} {size}: {widest}");
+            }
+        }
+        for bounds in [Aabb::EMPTY, Aabb { low: [f32::MIN; 3], high: [f32::MAX; 3] }] {
+            assert!(Camera::fit(&bounds, Up::Y, 1.0).eye.is_finite());
+        }
+    }
+
+    #[test]
+    fn near_rectangle_reaches_half_the_way_to_the_box_and_a_part_of_the_diagonal_inside() {
+        let bounds = Aabb { low: [-1.0; 3], high: [1.0; 3] };
+        for (fov, side) in [(0.6_f32, 100), (1.0, 300), (2.9, 100)] {
+            let size = Size::new(side, 100).unwrap();
+            let reach = |eye| {
+                let camera = Camera::look_at(eye, [0.5; 3], fov, Up::Y).unwrap();
+                let projection = camera.projection(size, camera.near(&bounds, size));
+                projection.near_corners().map(|corner| corner.distance(wide(eye)))
+            };
+            let inside = 12_f64.sqrt() / 1024.0;
+            for (eye, wanted) in [
+                ([0.0, 0.0, 5.0], 2.0),
+                ([4.0, 5.0, 0.0], 2.5),
+                ([0.0; 3], inside),
+                ([0.0, 0.0, 1.001], inside),
+            ] {
+                assert!(reach(eye).iter().all(|reach| (reach / wanted - 1.0).abs() < 1e-5), "{eye:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn near_is_finite_and_above_zero_for_any_box_and_eye() {
+        let sizes = [f32::from_bits(1), 1e-30, 1.0, 3.4e38, f32::MAX];
+        let boxes = sizes.into_iter().flat_map(|x| {
+            [([-x; 3], [x; 3]), ([x; 3], [x; 3]), ([0.0; 3], [x, 0.0, 0.0])]
+                .map(|(low, high)| Aabb { low, high })
+        });
+        for bounds in boxes.chain([Aabb::EMPTY]) {
+            let places = sizes.into_iter().flat_map(|x| [[x; 3], [-x, 0.0, x]]);
+            for eye in places.chain([[0.0; 3], Camera::fit(&bounds, Up::Y, 1.0).eye.into()]) {
+                let camera = Camera { eye: eye.into(), ..Camera::fit(&bounds, Up::Y, 1.0) };
+                let near = camera.near(&bounds, Size::new(16, 9).unwrap());
+                assert!(near > 0.0 && near.is_finite(), "{bounds:?} {eye:?}: {near}");
+            }
+        }
+    }
+
+    #[test]
+    fn ray_through_the_middle_looks_forward_and_y_runs_downwards() {
+        let size = Size::new(8, 4).unwrap();
+        let camera = Camera::look_at([0.0, 0.0, 5.0], [0.0; 3], 1.0, Up::Y).unwrap();
+        assert_eq!(camera.ray(4.0, 2.0, size), [0.0, 0.0, -1.0]);
+        let [x, y, z] = camera.ray(0.0, 0.0, size);
+        assert!((y / -z - 0.5_f32.tan()).abs() < 1e-6 && (x / y + 2.0).abs() < 1e-6);
+    }
+}

@@ -14,7 +14,7 @@ use crate::read::read_bytes;
 use crate::render::{CLAY, ShadedLight, View, render};
 use crate::scene::Scope;
 use crate::shadow::stencil::max_depth_complexity;
-use crate::shadow::volume::{Caps, Faces, Plan, ShadowVolume, WindingIndex};
+use crate::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex};
 use crate::silhouette::Silhouette;
 use crate::testing::shapes;
 use crate::topology::Topology;
@@ -63,7 +63,7 @@ fn geometry(mesh: &Mesh) -> u64 {
     let mesh = weld(&shapes::soup(mesh), Weld::Exact).mesh;
     digest.add(bytemuck::cast_slice(mesh.positions()));
     digest.add(bytemuck::cast_slice(mesh.triangles()));
-    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let topology = Topology::of(&mesh);
     let shells = topology.shells();
     let mut report = CrackReport::of(&mesh, &topology);
     report.add_self_intersections(&mesh, &topology, 9);
@@ -78,7 +78,7 @@ fn geometry(mesh: &Mesh) -> u64 {
         let facing = planes.classify(&mesh, &light);
         assert_eq!(facing, classify(&mesh, &light));
         digest.add(&facing.iter().map(|facing| facing.sign() as u8).collect::<Vec<_>>());
-        let plan = Plan::choose(&mesh, &shells, &proofs, &light, Faces::Auto);
+        let plan = ShellFaces::choose(&mesh, &shells, &proofs, &light, None);
         for signs in [CasterFaces::All.signs(&facing), plan.signs(&shells, &facing)] {
             let silhouette = Silhouette::extract(&topology, &signs);
             digest.add(format!("{silhouette:?} {:?}", silhouette.loops(&topology)).as_bytes());
@@ -134,7 +134,8 @@ fn files(mesh: &Mesh) -> u64 {
 #[cfg(feature = "verify")]
 fn verification(mesh: &Mesh) -> u64 {
     use crate::verify::points::{Options, Verifier};
-    let verifier = Verifier::new(mesh);
+    let caster = crate::caster::Caster::new(mesh.clone());
+    let verifier = Verifier::new(&caster);
     let options = Options { points: 300, seed: 5, keep: 10 };
     let said = lights().map(|light| verifier.verify(&light, &options, &|_| {}));
     Digest::of(format!("{said:?}").as_bytes())

@@ -41,7 +41,7 @@
 //! let mesh = weld(&shapes::torus(48, 24, 2.0, 0.7), Weld::Exact).mesh;
 //!
 //! // Topology and crack report.
-//! let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+//! let topology = Topology::of(&mesh);
 //! let report = CrackReport::of(&mesh, &topology);
 //! assert!(report.counts.sound() && report.counts.euler_characteristic == 0);
 //!
@@ -71,7 +71,7 @@
 //! use umbrage::facing::FacePlanes;
 //! use umbrage::silhouette::Silhouette;
 //! use umbrage::topology::Topology;
-//! use umbrage::shadow::volume::{Caps, Faces, Plan, ShadowVolume};
+//! use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume};
 //! use umbrage::caster::ShellProof;
 //!
 //! # let (positions, indices): (Vec<[f32; 3]>, Vec<u32>) = {
@@ -82,13 +82,13 @@
 //! // coordinates are joined by position.
 //! let triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
 //! let mesh = weld(&Mesh::new(positions, triangles)?, Weld::Exact).mesh;
-//! let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+//! let topology = Topology::of(&mesh);
 //! let (planes, shells) = (FacePlanes::new(&mesh), topology.shells());
 //! let proofs = ShellProof::of(&mesh, &topology, &shells);
 //!
 //! // For each light: half the faces cast wherever that is proven to be enough.
 //! let light = Light::point([2.0, 5.0, 3.0])?;
-//! let plan = Plan::choose(&mesh, &shells, &proofs, &light, Faces::Auto);
+//! let plan = ShellFaces::choose(&mesh, &shells, &proofs, &light, None);
 //! let signs = plan.signs(&shells, &planes.classify(&mesh, &light));
 //! let silhouette = Silhouette::extract(&topology, &signs);
 //! let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
@@ -134,8 +134,11 @@ pub mod accuracy;
 
 #[cfg(test)]
 mod determinism;
+mod built;
+mod choice;
 mod parallel;
 mod random;
 
 // Transforms and cameras speak glam; this is the version they speak.
 pub use glam;
+pub use choice::{Choice, Reason};

@@ -104,7 +104,7 @@ struct Stage<'a> {
 impl<'a> Stage<'a> {
     fn new(pass: &'a StencilPass, mesh: &'a Mesh) -> Self {
         let gpu = pass.gpu();
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let planes = FacePlanes::new(mesh);
         let uploaded = GpuTopology::upload(gpu, &topology).expect("it fits");
         let shaders = SilhouetteShaders::new(gpu).expect("they compile");
@@ -291,7 +291,7 @@ fn one_volume(bench: &mut Bench<'_>, gpu: &Gpu) {
 
 /// What is made once for a mesh.
 fn preparation(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) {
-    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let topology = Topology::of(&mesh);
     let uploaded = GpuTopology::upload(gpu, &topology).expect("it fits");
     let words = uploaded.download(gpu).expect("it is there");
     let shaders = SilhouetteShaders::new(gpu).expect("they compile");
@@ -300,7 +300,7 @@ fn preparation(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) {
     let edges = |count| format!("edges={count}");
     let contenders = vec![
         Contender::new("Topology::build", || {
-            let build = || Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+            let build = || Topology::of(&mesh);
             timed(build, |topology| edges(topology.edge_count()))
         })
         .expects(edges(topology.edge_count())),

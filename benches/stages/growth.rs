@@ -80,7 +80,7 @@ fn light() -> Light {
 impl Right {
     fn of(mesh: &Mesh, queries: usize) -> Self {
         let light = light();
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let facing = classify(mesh, &light);
         let signs = CasterFaces::All.signs(&facing);
         let silhouette = Silhouette::extract(&topology, &signs);
@@ -237,7 +237,7 @@ impl Case<'_, '_> {
             Contender::new("check of a GLB, all of it", || {
                 let work = || {
                     let mesh = weld(&read(&glb), Weld::Exact).mesh;
-                    let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.triangles().to_vec());
+                    let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.shared_triangles());
                     CrackReport::of(&mesh, &topology).counts
                 };
                 timed(work, |counts| format!("faces={} sound={}", counts.faces, counts.sound()))

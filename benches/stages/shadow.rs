@@ -27,7 +27,7 @@ fn light() -> Light {
 
 fn silhouette_and_volume(bench: &mut Bench<'_>, mesh: &Mesh) {
     let light = light();
-    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let topology = Topology::of(&mesh);
     let facing = classify(mesh, &light);
     let signs = CasterFaces::All.signs(&facing);
     let silhouette = Silhouette::extract(&topology, &signs);
@@ -154,7 +154,7 @@ fn changes(pairs: &[[u32; 2]], signs: &[i8]) -> Vec<u32> {
 fn winding(bench: &mut Bench<'_>) {
     let mesh = umbrage::testing::shapes::icosphere(if bench.quick { 3 } else { 6 });
     let light = light();
-    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let topology = Topology::of(&mesh);
     let signs = CasterFaces::All.signs(&classify(&mesh, &light));
     let silhouette = Silhouette::extract(&topology, &signs);
     let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);

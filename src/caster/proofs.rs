@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use crate::built::{self, Part};
 use crate::check::{CrackReport, for_each_intersection_among};
 use crate::geom::predicate::Sign;
 use crate::mesh::{FaceId, Mesh};
@@ -35,12 +36,28 @@ impl ShellProof {
     /// Memory: at its peak 129 bytes a face, or what [`CrackReport::of`] takes.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology, shells: &Shells) -> Vec<Self> {
-        Self::within(mesh, topology, shells, MOST_TESTS)
+        Self::within(mesh, topology, shells, &CrackReport::of(mesh, topology), MOST_TESTS)
+    }
+
+    /// The same with the crack report of the mesh, which is there already.
+    pub(crate) fn with_report(
+        mesh: &Mesh,
+        topology: &Topology,
+        shells: &Shells,
+        report: &CrackReport,
+    ) -> Vec<Self> {
+        Self::within(mesh, topology, shells, report, MOST_TESTS)
     }
 
     /// The same with `spare` tests for all shells together, beside those that go with the faces.
-    pub(crate) fn within(mesh: &Mesh, topology: &Topology, shells: &Shells, mut spare: u64) -> Vec<Self> {
-        let report = CrackReport::of(mesh, topology);
+    pub(crate) fn within(
+        mesh: &Mesh,
+        topology: &Topology,
+        shells: &Shells,
+        report: &CrackReport,
+        mut spare: u64,
+    ) -> Vec<Self> {
+        built::note(Part::Proofs, mesh);
         let mut proofs: Vec<Self> = report
             .shell_list
             .iter()
@@ -62,7 +79,7 @@ impl ShellProof {
             }
         }
         // Shell by shell: two of them may well meet each other, for each keeps its own count.
-        for faces in faces_by_shell(shells).iter() {
+        for faces in shells.faces_by_shell().iter() {
             let Some(shell) = faces.first().and_then(|&face| of_face(face)) else { continue };
             if proofs[shell].is_sound() {
                 let own = 256 * faces.len() as u64;
@@ -89,35 +106,3 @@ impl ShellProof {
 /// After so many tests of two faces of one shell, in all shells together, and 256 more a face, proofs are given up:
 /// some seconds.
 const MOST_TESTS: u64 = 1 << 24;
-
-/// The faces of each shell, ascending: one list, and where it ends for each shell.
-struct FacesByShell {
-    faces: Vec<FaceId>,
-    ends: Vec<usize>,
-}
-
-impl FacesByShell {
-    fn iter(&self) -> impl Iterator<Item = &[FaceId]> {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, &end)| &self.faces[start..end])
-    }
-}
-
-/// A counting sort.
-fn faces_by_shell(shells: &Shells) -> FacesByShell {
-    let mut ends = vec![0; shells.count];
-    shells.of_face.iter().flatten().for_each(|&shell| ends[shell as usize] += 1);
-    let mut sum = 0;
-    for end in &mut ends {
-        (sum, *end) = (sum + *end, sum);
-    }
-    let mut faces = vec![FaceId::new(0); sum];
-    for (face, shell) in shells.of_face.iter().enumerate() {
-        if let Some(shell) = shell {
-            let place = &mut ends[*shell as usize];
-            faces[*place] = FaceId::new(face);
-            *place += 1;
-        }
-    }
-    FacesByShell { faces, ends }
-}

@@ -16,6 +16,7 @@ pub use defect::{Defect, DefectKind};
 
 use std::ops::ControlFlow;
 
+use crate::built::{self, Part};
 use crate::geom::Aabb;
 use crate::geom::predicate::Sign;
 use crate::mesh::{EdgeId, FaceId, Mesh};
@@ -271,7 +272,7 @@ impl CrackReport {
     /// use umbrage::check::CrackReport;
     /// use umbrage::topology::Topology;
     /// let cube = shapes::cube();
-    /// let topology = Topology::build(cube.vertex_count(), cube.triangles().to_vec());
+    /// let topology = Topology::of(&cube);
     /// let report = CrackReport::of(&cube, &topology);
     /// assert!(report.counts.sound());
     /// assert_eq!(report.counts.euler_characteristic, 2);
@@ -284,7 +285,8 @@ impl CrackReport {
 
     /// The same with other bounds on the tests that the two searches may make.
     fn within(mesh: &Mesh, topology: &Topology, nesting_tests: u64, t_junction_tests: u64) -> Self {
-        assert!(mesh.triangles() == topology.triangles(), "the topology is that of another mesh");
+        assert!(topology.is_of(mesh), "the topology is that of another mesh");
+        built::note(Part::Report, mesh);
         let uses = topology.edge_counts();
         let shells = topology.shells();
         let &Fans { several: ref fans, vertices, folded } = topology.fans();

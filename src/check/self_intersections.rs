@@ -261,7 +261,7 @@ mod tests {
     fn heap(count: u32) -> (Mesh, Topology) {
         let one = Mesh::new(vec![[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]], vec![[0, 1, 2]]).unwrap();
         let mesh = shapes::soup(&Mesh::concat(&vec![one; count as usize]).unwrap());
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         (mesh, topology)
     }
 

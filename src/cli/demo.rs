@@ -10,12 +10,11 @@ use umbrage::glam::{Mat4, Vec3};
 #[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::Mesh;
-use umbrage::oracle::Oracle;
+use umbrage::caster::Caster;
 use umbrage::render;
 use umbrage::render::{CLAY, Picture, ShadedLight, View};
 use umbrage::scene::{Instance, Scene, SceneLight, Scope};
 use umbrage::testing::shapes;
-use umbrage::topology::Topology;
 use umbrage::verify::points::{Options, Verification, Verifier};
 use umbrage::view::{Camera, Size, Up};
 use umbrage::write::{self, Layer, Model, write_atomic};
@@ -68,7 +67,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let meshes = scene().bake(Scope::Mesh).expect("the scene is finite and small");
     write::write(&Model { layers: meshes.iter().map(Layer::from).collect() }, &file)?;
     let load = MeshArgs::default();
-    let mesh = load.caster(load.read(&file)?.meshes, &file)?;
+    let caster = Caster::new(load.joined(load.read(&file)?.meshes, &file)?);
     let lights = lights();
 
     // 2. The crack report.
@@ -79,11 +78,10 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     write::write(&marks, at("marked.glb"))?;
 
     // 3. Silhouettes and volumes.
-    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
-    let (table, model) = silhouette::of_lights(&file, &mesh, &topology, &lights);
+    let (table, model) = silhouette::of_lights(&file, &caster, &lights);
     out.text(format_args!("Silhouettes: {table}\n\n"))?;
     write::write(&model, at("silhouettes.glb"))?;
-    let (table, models, closed) = volume::of_lights(&file, &mesh, &topology, &lights);
+    let (table, models, closed) = volume::of_lights(&file, &caster, &lights);
     out.text(format_args!("Volumes: {table}\n"))?;
     for (index, model) in models.iter().enumerate() {
         write::write(model, at(&format!("volume-{index}.glb")))?;
@@ -91,11 +89,11 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     out.flush()?;
 
     // 4. The pictures, and the judges of pixels.
-    let (files, pixels_agree) = pictures(found, &mesh, &lights, &args.out, &mut out)?;
+    let (files, pixels_agree) = pictures(found, &caster, &lights, &args.out, &mut out)?;
     out.flush()?;
 
     // 5. The judges of points.
-    let results = judge(&mesh, &lights);
+    let results = judge(&caster, &lights);
     let table = verify::text(&file, &lights, &results);
     out.text(format_args!("Verification: {table}\n"))?;
     write_atomic(at("verification.txt"), |writer| writer.write_all(table.as_bytes()))?;
@@ -169,14 +167,13 @@ fn with_view<T>(
 }
 
 fn by_rays(
-    mesh: &Mesh,
-    oracle: &Oracle,
+    caster: &Caster,
     lights: &[SceneLight],
     size: (u32, u32),
 ) -> Result<Picture, Failure> {
-    with_view(mesh, lights, size, |view| {
+    with_view(caster.mesh(), lights, size, |view| {
         let progress = Progress::bar("drawing", view.steps());
-        render::render(oracle, &view, &|steps| progress.done(steps))
+        render::render(caster.oracle(), &view, &|steps| progress.done(steps))
     })
     .map_err(|error| Failure::new(error, "free some memory"))
 }
@@ -202,19 +199,18 @@ fn find(adapter: &AdapterArgs) -> Result<Found, Failure> {
 #[cfg(feature = "gpu")]
 fn pictures(
     found: Found,
-    mesh: &Mesh,
+    caster: &Caster,
     lights: &[SceneLight],
     folder: &Path,
     out: &mut Output,
 ) -> Result<(&'static str, bool), Failure> {
-    let oracle = Oracle::build(mesh);
-    let bounds = load::bounds(mesh);
+    let bounds = load::bounds(caster.mesh());
     let judged = found.and_then(|gpu| {
-        with_view(mesh, lights, HALF, |view| pixels::judge(&gpu, mesh, &bounds, &oracle, view, lights))
+        with_view(caster.mesh(), lights, HALF, |view| pixels::judge(&gpu, caster, &bounds, view, lights))
     });
     match judged {
         Ok(judged) => {
-            let rays = by_rays(mesh, &oracle, lights, HALF)?;
+            let rays = by_rays(caster, lights, HALF)?;
             pixels::beside(&[&judged.picture, &rays]).write_png(folder.join("picture.png"))?;
             judged.verdicts.write_png(folder.join("verdicts.png"))?;
             out.text(format_args!("Pixels: {}\n", judged.text))?;
@@ -222,7 +218,7 @@ fn pictures(
         }
         Err(error) => {
             output::say(format_args!("note: no stencil pass, the picture comes from the ray cast: {error}"));
-            by_rays(mesh, &oracle, lights, SIZE)?.write_png(folder.join("picture.png"))?;
+            by_rays(caster, lights, SIZE)?.write_png(folder.join("picture.png"))?;
             Ok(("picture.png", true))
         }
     }
@@ -231,19 +227,18 @@ fn pictures(
 #[cfg(not(feature = "gpu"))]
 fn pictures(
     _: Found,
-    mesh: &Mesh,
+    caster: &Caster,
     lights: &[SceneLight],
     folder: &Path,
     _: &mut Output,
 ) -> Result<(&'static str, bool), Failure> {
-    let oracle = Oracle::build(mesh);
-    by_rays(mesh, &oracle, lights, SIZE)?.write_png(folder.join("picture.png"))?;
+    by_rays(caster, lights, SIZE)?.write_png(folder.join("picture.png"))?;
     output::say("note: the picture comes from the ray cast: this build cannot use a graphics adapter");
     Ok(("picture.png", true))
 }
 
-fn judge(mesh: &Mesh, lights: &[SceneLight]) -> Vec<Verification> {
-    let verifier = Verifier::new(mesh);
+fn judge(caster: &Caster, lights: &[SceneLight]) -> Vec<Verification> {
+    let verifier = Verifier::new(caster);
     let options = Options { points: POINTS, ..Options::default() };
     let progress = Progress::bar("judging points", (lights.len() * POINTS) as u64);
     lights

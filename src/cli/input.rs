@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use umbrage::geom::Aabb;
-use umbrage::mesh::Mesh;
+use umbrage::caster::Caster;
 use umbrage::scene::SceneLight;
 use umbrage::view::{Camera, Up};
 
@@ -31,7 +31,7 @@ pub(crate) struct Source {
     /// The format's name, as reports give it.
     pub(crate) format: Option<&'static str>,
     pub(crate) up: Up,
-    pub(crate) mesh: Mesh,
+    pub(crate) caster: Caster,
     pub(crate) bounds: Aabb,
     pub(crate) lights: Vec<SceneLight>,
     pub(crate) camera: Option<Camera>,
@@ -42,11 +42,11 @@ impl SourceArgs {
     pub(crate) fn load(&self) -> Result<Source, Failure> {
         let baked = self.mesh.read(&self.file)?;
         let up = baked.up;
-        let mesh = self.mesh.caster(baked.meshes, &self.file)?;
+        let mesh = self.mesh.joined(baked.meshes, &self.file)?;
         load::note_no_faces(&self.file, &mesh);
         let bounds = load::bounds(&mesh);
         let lights = self.lights.resolve(baked.lights, bounds, up);
         let format = baked.format.map(|format| format.name());
-        Ok(Source { format, up, mesh, bounds, lights, camera: baked.camera })
+        Ok(Source { format, up, caster: Caster::new(mesh), bounds, lights, camera: baked.camera })
     }
 }

@@ -137,7 +137,7 @@ impl MeshArgs {
     }
 
     /// Welds each mesh for itself and joins them into one that casts: no vertex is shared between two.
-    pub(crate) fn caster(&self, meshes: Vec<Mesh>, file: &Path) -> Result<Mesh, Failure> {
+    pub(crate) fn joined(&self, meshes: Vec<Mesh>, file: &Path) -> Result<Mesh, Failure> {
         let mut welded: Vec<Mesh> = meshes.into_iter().map(|mesh| self.weld(mesh).mesh).collect();
         if welded.len() == 1 {
             return Ok(welded.remove(0));
@@ -198,7 +198,7 @@ mod tests {
     fn caster_joins_without_sharing_vertices() {
         let args = MeshArgs { weld: Weld::Exact, scope: ScopeArg::Mesh };
         let soups = vec![shapes::soup(&shapes::cube()), shapes::soup(&shapes::cube())];
-        let caster = args.caster(soups, Path::new("two")).unwrap();
+        let caster = args.joined(soups, Path::new("two")).unwrap();
         assert_eq!((caster.vertex_count(), caster.face_count()), (16, 24));
     }
 }

@@ -7,8 +7,7 @@ use umbrage::geom::Aabb;
 use umbrage::geom::Light;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
-use umbrage::mesh::Mesh;
-use umbrage::oracle::Oracle;
+use umbrage::caster::Caster;
 use umbrage::render;
 use umbrage::render::{CLAY, Ground, Picture, ShadedLight, View};
 #[cfg(feature = "gpu")]
@@ -163,7 +162,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let way = args.method.settle(&args.adapter)?;
     args.threads.apply()?;
 
-    let Source { up, mesh, bounds, lights: of_scene, camera: of_file, .. } = args.source.load()?;
+    let Source { up, caster, bounds, lights: of_scene, camera: of_file, .. } = args.source.load()?;
     let camera = match asked {
         Some(_) => args.view.camera(up)?,
         None => of_file.inspect(|_| output::say("note: no --eye: using the camera of the file")),
@@ -174,12 +173,12 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     } else {
         ShadedLight::balanced(&of_scene, &bounds)
     };
-    let (mesh, ground) = if args.ground {
-        let (mesh, ground) = Ground::under(mesh, up)
+    let (caster, ground) = if args.ground {
+        let (mesh, ground) = Ground::under(caster.into_mesh(), up)
             .map_err(|error| Failure::new(error, "leave out --ground").in_file(&args.source.file))?;
-        (mesh, Some(ground))
+        (Caster::new(mesh), Some(ground))
     } else {
-        (mesh, None)
+        (caster, None)
     };
 
     let view = |samples| View {
@@ -192,14 +191,14 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         edge_samples: args.samples.unwrap_or(samples),
     };
     let picture = match way {
-        Way::Rays => by_rays(mesh, &view(RAYS_SAMPLES))?,
+        Way::Rays => by_rays(caster, &view(RAYS_SAMPLES))?,
         #[cfg(feature = "gpu")]
-        Way::Stencil { gpu, asked } => match by_stencil(&gpu, &mesh, &bounds, view(STENCIL_SAMPLES), asked) {
+        Way::Stencil { gpu, asked } => match by_stencil(&gpu, &caster, &bounds, view(STENCIL_SAMPLES), asked) {
             Ok(picture) => picture,
             // Anything but a defect of ours.
             Err(error) if asked.is_none() && !matches!(error, GpuError::Wgpu(_)) => {
                 note_rays(&error);
-                by_rays(mesh, &view(RAYS_SAMPLES))?
+                by_rays(caster, &view(RAYS_SAMPLES))?
             }
             Err(error) => return Err(error.into()),
         },
@@ -209,10 +208,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     Ok(Outcome::Sound)
 }
 
-/// Lets go of the mesh, of which the oracle has its own.
-fn by_rays(mesh: Mesh, view: &View<'_>) -> Result<Picture, Failure> {
-    let oracle = Oracle::build(&mesh);
-    drop(mesh);
+/// Lets go of the mesh: the ray cast has faces of its own.
+fn by_rays(caster: Caster, view: &View<'_>) -> Result<Picture, Failure> {
+    let oracle = caster.into_oracle();
     let progress = Progress::bar("rendering", view.steps());
     let picture = render::render(&oracle, view, &|steps| progress.done(steps));
     drop(progress);
@@ -223,13 +221,13 @@ fn by_rays(mesh: Mesh, view: &View<'_>) -> Result<Picture, Failure> {
 #[cfg(feature = "gpu")]
 fn by_stencil(
     gpu: &Gpu,
-    mesh: &Mesh,
+    caster: &Caster,
     bounds: &Aabb,
     view: View<'_>,
     asked: Option<StencilMethod>,
 ) -> Result<Picture, GpuError> {
     let progress = Progress::spinner("rendering");
-    let stage = Stage::new(gpu, mesh, bounds, view, asked)?;
+    let stage = Stage::new(gpu, caster, bounds, view, asked)?;
     let picture = stage.picture()?;
     drop(progress);
     output::say(format_args!("note: stencil pass on {}", output::plain(&gpu.name())));

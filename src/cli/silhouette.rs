@@ -8,6 +8,7 @@ use umbrage::geom::Facing;
 use umbrage::geom::Light;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::Gpu;
+use umbrage::caster::Caster;
 use umbrage::mesh::{Mesh, VertexId};
 use umbrage::scene::SceneLight;
 #[cfg(feature = "gpu")]
@@ -153,41 +154,42 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         Target::from_path(path)?;
     }
     refuse_overwriting("--output", args.output.as_deref(), &args.source.file)?;
-    let Source { format, mesh, lights, .. } = args.source.load()?;
+    let Source { format, caster, lights, .. } = args.source.load()?;
+    let mesh = caster.mesh();
 
     let progress = Progress::spinner("finding silhouettes");
-    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let topology = caster.topology();
     let chosen = SilhouetteMethod::choose(mesh.face_count(), lights.len());
     let (method, reason) = match (args.method, &adapter) {
-        (Method::Auto, _) => (chosen.0, chosen.1.to_string()),
+        (Method::Auto, _) => (chosen.what, chosen.to_string()),
         (Method::Tree, _) => (SilhouetteMethod::Tree, "asked for".to_owned()),
         (_, Some(adapter)) => (SilhouetteMethod::Scan, on_adapter(adapter)),
         (_, None) => (SilhouetteMethod::Scan, "asked for".to_owned()),
     };
     let mut finder = match (adapter, method) {
-        (Some(adapter), _) => on_device(&adapter, &mesh, &topology)?,
+        (Some(adapter), _) => on_device(&adapter, mesh, topology)?,
         (None, SilhouetteMethod::Scan) => Finder::Scan,
-        (None, _) => Finder::Tree(Box::new(SilhouetteTree::new(&mesh, &topology))),
+        (None, _) => Finder::Tree(Box::new(SilhouetteTree::new(mesh, topology))),
     };
     let look = |light: SceneLight| {
-        let looked = finder.find(&mesh, &topology, &light.light)?;
-        Ok(found(&topology, light, looked))
+        let looked = finder.find(mesh, topology, &light.light)?;
+        Ok(found(topology, light, looked))
     };
     let found = lights.into_iter().map(look).collect::<Result<Vec<Found>, Failure>>()?;
     drop(progress);
 
     if let Some(path) = &args.output {
-        let layers = found.iter().enumerate().map(|(index, found)| lines(&mesh, &topology, index, found));
+        let layers = found.iter().enumerate().map(|(index, found)| lines(mesh, topology, index, found));
         write::write(&Model { layers: layers.collect() }, path)?;
         output::wrote(path);
     }
     let mut out = Output::new();
     if args.json {
         let lights: Vec<Value> =
-            found.iter().map(|found| document(&topology, found, finder.name(), &reason)).collect();
+            found.iter().map(|found| document(topology, found, finder.name(), &reason)).collect();
         out.json(&json!({ "file": args.source.file.to_string_lossy(), "format": format, "lights": lights }))?;
     } else {
-        out.text(table(&args.source.file, &topology, &found))?;
+        out.text(table(&args.source.file, topology, &found))?;
         out.text(format_args!("\n  method {}: {reason}\n", finder.name()))?;
     }
     out.flush()?;
@@ -217,12 +219,8 @@ fn on_device(none: &std::convert::Infallible, _: &Mesh, _: &Topology) -> Result<
 }
 
 /// The silhouettes of several lights: a table, and a layer of lines for each.
-pub(super) fn of_lights(
-    file: &Path,
-    mesh: &Mesh,
-    topology: &Topology,
-    lights: &[SceneLight],
-) -> (String, Model) {
+pub(super) fn of_lights(file: &Path, caster: &Caster, lights: &[SceneLight]) -> (String, Model) {
+    let (mesh, topology) = (caster.mesh(), caster.topology());
     let look = |light: &SceneLight| found(topology, light.clone(), scan(mesh, topology, &light.light));
     let found: Vec<Found> = lights.iter().map(look).collect();
     let layers = found.iter().enumerate().map(|(index, found)| lines(mesh, topology, index, found));
@@ -317,7 +315,7 @@ mod tests {
     #[test]
     fn silhouette_lines_of_a_cube_are_a_hexagon() {
         let mesh = shapes::cube();
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let light = "directional:-1,-1,-1".parse().unwrap();
         let light = SceneLight { name: String::new(), light, color: [1.0; 3], intensity: 1.0, spot: None };
         let looked = scan(&mesh, &topology, &light.light);

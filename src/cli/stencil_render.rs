@@ -2,19 +2,18 @@
 
 use umbrage::geom::Aabb;
 use umbrage::gpu::{Gpu, GpuError};
-use umbrage::mesh::Mesh;
+use umbrage::caster::Caster;
+use umbrage::facing::CasterFaces;
 use umbrage::render::{LampShadow, Picture, View, render_stencil};
 use umbrage::shadow::stencil::{
-    Asked, Caster, Depth, GpuStencilVolumes, Receivers, ShadowMask, StencilMethod, StencilPass,
+    Depth, GpuStencilVolumes, Receivers, ShadowMask, StencilMethod, StencilPass,
     StencilVolumes,
 };
-use umbrage::shadow::volume::Faces;
-use umbrage::topology::Topology;
 use umbrage::view::Projection;
 
 /// A mesh before an eye, with the volumes of each lamp.
 pub(crate) struct Stage<'a> {
-    caster: Caster<'a>,
+    caster: &'a Caster,
     view: View<'a>,
     pass: StencilPass,
     receivers: Receivers,
@@ -29,29 +28,19 @@ impl<'a> Stage<'a> {
     /// enough takes longer than drawing the others once.
     pub(crate) fn new(
         gpu: &Gpu,
-        mesh: &'a Mesh,
+        caster: &'a Caster,
         bounds: &Aabb,
         view: View<'a>,
         asked: Option<StencilMethod>,
     ) -> Result<Self, GpuError> {
         let projection = view.camera.projection(view.size, view.camera.near(bounds, view.size));
-        let asked = match asked {
-            None => Asked::Auto,
-            Some(StencilMethod::ZPass) => Asked::ZPass,
-            Some(StencilMethod::ZFail) => Asked::ZFail,
-        };
-        let caster = Caster::new(mesh, Faces::All);
-        let castings: Vec<_> =
-            view.lamps.iter().map(|lamp| caster.cast(&lamp.light, &projection, asked)).collect();
+        let castings: Vec<_> = (view.lamps.iter())
+            .map(|lamp| caster.stencil_volumes(&lamp.light, &projection, Some(CasterFaces::All), asked))
+            .collect();
         let on_device = castings.iter().map(|casting| casting.upload(gpu)).collect::<Result<_, _>>()?;
         let pass = StencilPass::new(gpu, Depth::Plane)?;
-        let receivers = Receivers::upload(gpu, mesh)?;
+        let receivers = Receivers::upload(gpu, caster)?;
         Ok(Self { caster, view, pass, receivers, projection, castings, on_device })
-    }
-
-    /// The edge table of the mesh.
-    pub(crate) fn topology(&self) -> &Topology {
-        self.caster.topology()
     }
 
     /// The lit picture.
@@ -62,8 +51,7 @@ impl<'a> Stage<'a> {
             .zip(&self.castings)
             .map(|(draws, casting)| LampShadow { draws, counting: casting.counting() })
             .collect();
-        let mesh = self.caster.mesh();
-        render_stencil(&self.pass, mesh, &self.receivers, &self.view, &self.projection, &shadows)
+        render_stencil(&self.pass, self.caster, &self.receivers, &self.view, &self.projection, &shadows)
     }
 
     /// What is counted for one lamp, without its light.

@@ -3,15 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use umbrage::caster::ShellProof;
-use umbrage::facing::classify;
+use umbrage::Choice;
+use umbrage::caster::Caster;
+use umbrage::facing::CasterFaces;
 use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
 use umbrage::scene::SceneLight;
 use umbrage::shadow::volume;
-use umbrage::shadow::volume::{Plan, ShadowVolume, ShellChoice};
-use umbrage::silhouette::Silhouette;
-use umbrage::topology::{Shells, Topology};
+use umbrage::shadow::volume::{ShadowVolume, ShellFaces};
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
 use super::input::{Source, SourceArgs};
@@ -72,12 +71,12 @@ enum Faces {
     Front,
 }
 
-impl From<Faces> for volume::Faces {
+impl From<Faces> for Option<CasterFaces> {
     fn from(faces: Faces) -> Self {
         match faces {
-            Faces::Auto => Self::Auto,
-            Faces::All => Self::All,
-            Faces::Front => Self::Front,
+            Faces::Auto => None,
+            Faces::All => Some(CasterFaces::All),
+            Faces::Front => Some(CasterFaces::Front),
         }
     }
 }
@@ -108,7 +107,7 @@ const SHELLS_LISTED: usize = 1000;
 struct Built {
     name: String,
     light: Light,
-    plan: Plan,
+    faces: ShellFaces,
     volume: ShadowVolume,
     closed: bool,
 }
@@ -121,22 +120,15 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         output::say("note: --far has no effect without --output");
     }
     refuse_overwriting("--output", args.output.as_deref(), &args.source.file)?;
-    let Source { format, mesh, lights, .. } = args.source.load()?;
+    let Source { format, caster, lights, .. } = args.source.load()?;
 
     let progress = Progress::spinner("building shadow volumes");
-    let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.triangles().to_vec());
-    let shells = topology.shells();
-    let proofs = match args.faces {
-        Faces::Auto => ShellProof::of(&mesh, &topology, &shells),
-        Faces::All | Faces::Front => Vec::new(),
-    };
-    let caster = Caster { mesh: &mesh, topology: &topology, shells: &shells, proofs: &proofs };
     let built: Vec<Built> =
-        lights.into_iter().map(|light| caster.build(light, args.faces.into(), args.caps.into())).collect();
+        lights.into_iter().map(|light| build(&caster, light, args.faces.into(), args.caps.into())).collect();
     drop(progress);
 
     if let Some(path) = &args.output {
-        let far = args.far.unwrap_or_else(|| default_far(&mesh));
+        let far = args.far.unwrap_or_else(|| default_far(caster.mesh()));
         let layers = built.iter().enumerate().flat_map(|(index, built)| {
             let mut suffix = if index == 0 { String::new() } else { format!(" {index}") };
             if !built.name.is_empty() {
@@ -151,7 +143,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
             plain(&path.to_string_lossy()),
             significant(f64::from(far))
         ));
-        let diagonal = load::bounds(&mesh).diagonal();
+        let diagonal = load::bounds(caster.mesh()).diagonal();
         if f64::from(far) < diagonal {
             output::say(format_args!(
                 "note: --far is less than the diagonal of the mesh, {}: the written volume may end inside of it",
@@ -174,40 +166,20 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
 
 /// The capped volumes of several lights, half the faces where that is proven to be enough: a table with the
 /// reasons, the layers of each volume, and whether all are closed.
-pub(super) fn of_lights(
-    file: &Path,
-    mesh: &Mesh,
-    topology: &Topology,
-    lights: &[SceneLight],
-) -> (String, Vec<Model>, bool) {
-    let shells = topology.shells();
-    let proofs = ShellProof::of(mesh, topology, &shells);
-    let caster = Caster { mesh, topology, shells: &shells, proofs: &proofs };
-    let build = |light: &SceneLight| caster.build(light.clone(), volume::Faces::Auto, volume::Caps::Both);
+pub(super) fn of_lights(file: &Path, caster: &Caster, lights: &[SceneLight]) -> (String, Vec<Model>, bool) {
+    let build = |light: &SceneLight| build(caster, light.clone(), None, volume::Caps::Both);
     let built: Vec<Built> = lights.iter().map(build).collect();
-    let far = default_far(mesh);
+    let far = default_far(caster.mesh());
     let models = built.iter().map(|built| Model { layers: layers(&built.volume, far, "") }).collect();
     (text(file, &built), models, built.iter().all(|built| built.closed))
 }
 
-/// What throws the shadow, and what is known of it whatever the light.
-struct Caster<'a> {
-    mesh: &'a Mesh,
-    topology: &'a Topology,
-    shells: &'a Shells,
-    proofs: &'a [ShellProof],
-}
-
-impl Caster<'_> {
-    fn build(&self, light: SceneLight, faces: volume::Faces, caps: volume::Caps) -> Built {
-        let SceneLight { name, light, .. } = light;
-        let plan = Plan::choose(self.mesh, self.shells, self.proofs, &light, faces);
-        let signs = plan.signs(self.shells, &classify(self.mesh, &light));
-        let silhouette = Silhouette::extract(self.topology, &signs);
-        let volume = ShadowVolume::extrude(self.mesh, self.topology, &light, &signs, &silhouette, caps);
-        let closed = volume.boundary_sum().is_closed();
-        Built { name, light, plan, volume, closed }
-    }
+fn build(caster: &Caster, light: SceneLight, faces: Option<CasterFaces>, caps: volume::Caps) -> Built {
+    let SceneLight { name, light, .. } = light;
+    let faces = caster.shell_faces(&light, faces);
+    let volume = caster.volume_of(&light, &faces, caps);
+    let closed = volume.boundary_sum().is_closed();
+    Built { name, light, faces, volume, closed }
 }
 
 /// Ten diagonals, so that the clamped end is well out of a picture of the mesh.
@@ -247,12 +219,12 @@ fn layers(volume: &ShadowVolume, far: f32, suffix: &str) -> Vec<Layer> {
 }
 
 fn document(built: &Built) -> Value {
-    let variant = |(shell, choice): (usize, &ShellChoice)| json!({ "shell": shell, "variant": choice.variant.name(), "reason": choice.to_string() });
+    let variant = |(shell, choice): (usize, &Choice<CasterFaces>)| json!({ "shell": shell, "variant": choice.what.name(), "reason": choice.to_string() });
     let volume = &built.volume;
     json!({
         "light": built.light.to_string(),
         "name": lights::name(&built.name),
-        "variant": built.plan.choices.iter().enumerate().take(SHELLS_LISTED).map(variant).collect::<Vec<_>>(),
+        "variant": built.faces.choices.iter().enumerate().take(SHELLS_LISTED).map(variant).collect::<Vec<_>>(),
         "vertices": volume.vertex_count(),
         "triangles": volume.triangles().len(),
         "light_cap": volume.light_cap().len(),
@@ -279,21 +251,21 @@ fn text(file: &Path, built: &[Built]) -> String {
         let closed = if built.closed { "yes" } else { "no" };
         let counts = counts.iter().map(usize::to_string).chain([closed.to_owned()]);
         table.row(std::iter::once(light).chain(counts).collect());
-        for (choice, count) in grouped(&built.plan.choices) {
+        for (choice, count) in grouped(&built.faces.choices) {
             let shells = counted(count, "shell", "shells");
-            reasons += &format!("  light {index}, {shells} {}: {choice}\n", choice.variant.name());
+            reasons += &format!("  light {index}, {shells} {}: {choice}\n", choice.what.name());
         }
     }
     format!("{}\n{table}\n{reasons}", plain(&file.to_string_lossy()))
 }
 
 /// Equal choices counted, in the order of their first shells.
-fn grouped(choices: &[ShellChoice]) -> Vec<(ShellChoice, usize)> {
-    let mut groups: Vec<(ShellChoice, usize)> = Vec::new();
+fn grouped(choices: &[Choice<CasterFaces>]) -> Vec<(Choice<CasterFaces>, usize)> {
+    let mut groups: Vec<(Choice<CasterFaces>, usize)> = Vec::new();
     for choice in choices {
         // What is printed is all that tells two apart, and there are few reasons.
-        let same = |group: &&mut (ShellChoice, usize)| {
-            group.0.variant == choice.variant && group.0.to_string() == choice.to_string()
+        let same = |group: &&mut (Choice<CasterFaces>, usize)| {
+            group.0.what == choice.what && group.0.to_string() == choice.to_string()
         };
         match groups.iter_mut().find(same) {
             Some(group) => group.1 += 1,
@@ -308,20 +280,17 @@ mod tests {
     use super::*;
     use umbrage::check::CrackReport;
     use umbrage::testing::shapes;
+    use umbrage::topology::Topology;
 
-    fn built(mesh: &Mesh, light: &str, faces: volume::Faces) -> Built {
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
-        let shells = topology.shells();
-        let proofs = ShellProof::of(mesh, &topology, &shells);
-        let caster = Caster { mesh, topology: &topology, shells: &shells, proofs: &proofs };
+    fn built(mesh: Mesh, light: &str, faces: Option<CasterFaces>) -> Built {
         let light = light.parse().unwrap();
         let light = SceneLight { name: String::new(), light, color: [1.0; 3], intensity: 1.0, spot: None };
-        caster.build(light, faces, volume::Caps::Both)
+        build(&Caster::new(mesh), light, faces, volume::Caps::Both)
     }
 
     #[test]
     fn volume_layers_have_the_vertices_they_use_and_close_together() {
-        let built = built(&shapes::cube(), "point:2,3,5", volume::Faces::Auto);
+        let built = built(shapes::cube(), "point:2,3,5", None);
         let layers = layers(&built.volume, 100.0, "");
         assert_eq!(
             layers.iter().map(|layer| layer.name.as_str()).collect::<Vec<_>>(),
@@ -335,13 +304,13 @@ mod tests {
         });
         let whole = Mesh::concat(&parts.collect::<Vec<_>>()).unwrap();
         let whole = umbrage::mesh::weld(&whole, umbrage::mesh::Weld::Exact).mesh;
-        let topology = Topology::build(whole.vertex_count(), whole.triangles().to_vec());
+        let topology = Topology::of(&whole);
         assert!(CrackReport::of(&whole, &topology).counts.sound());
     }
 
     #[test]
     fn volume_towards_a_directional_light_has_no_dark_cap_layer() {
-        let built = built(&shapes::cube(), "directional:-1,-2,-3", volume::Faces::All);
+        let built = built(shapes::cube(), "directional:-1,-2,-3", Some(CasterFaces::All));
         assert_eq!(layers(&built.volume, 10.0, " 1").len(), 2);
         assert!(built.closed);
     }
@@ -349,8 +318,8 @@ mod tests {
     #[test]
     fn volume_reasons_are_counted_over_shells() {
         let two = Mesh::concat(&[shapes::cube(), shapes::open_cube(), shapes::open_cube()]).unwrap();
-        let built = built(&two, "point:9,9,9", volume::Faces::Auto);
-        let counts: Vec<usize> = grouped(&built.plan.choices).iter().map(|group| group.1).collect();
+        let built = built(two, "point:9,9,9", None);
+        let counts: Vec<usize> = grouped(&built.faces.choices).iter().map(|group| group.1).collect();
         assert_eq!(counts.iter().sum::<usize>(), 3);
     }
 }

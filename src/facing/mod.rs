@@ -35,18 +35,30 @@ pub fn classify(mesh: &Mesh, light: &Light) -> Vec<Facing> {
     (0..mesh.face_count()).map(|face| facing_of(mesh, FaceId::new(face), light)).collect()
 }
 
-/// Which faces throw the shadow, and with which sign.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+/// Which faces cast the shadow, and with which sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum CasterFaces {
-    /// Every face that is not edge-on, with its sign. Holds on any mesh.
+    /// Every face that is not edge-on, with its sign. Right for any mesh.
     #[default]
     All,
     /// Front faces only: the textbook outline, "one face in front, the other not".
     Front,
+    /// Back faces only: the front faces of a shell whose faces look inwards.
+    Back,
 }
 
 impl CasterFaces {
-    /// The sign that each face casts with: one entry a face, −1, 0 or +1.
+    /// Lower-case name, as in reports: `general`, `front`, `back`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::All => "general",
+            Self::Front => "front",
+            Self::Back => "back",
+        }
+    }
+
+    /// The sign that each face casts with: one entry per face, −1, 0 or +1.
     #[must_use]
     pub fn signs(self, facing: &[Facing]) -> Vec<i8> {
         let mut signs = Vec::new();
@@ -64,16 +76,21 @@ impl CasterFaces {
     #[inline]
     #[must_use]
     pub fn sign(self, facing: Facing) -> i8 {
-        if self == Self::All { facing.sign() } else { facing.sign().max(0) }
+        match self {
+            Self::All => facing.sign(),
+            Self::Front => facing.sign().max(0),
+            Self::Back => facing.sign().min(0),
+        }
     }
 
-    /// Which sides a face casts on, as bits: [`CASTS_IN_FRONT`], [`CASTS_BEHIND`].
+    /// The sides on which a face casts, as bits: [`CASTS_IN_FRONT`], [`CASTS_BEHIND`].
     #[inline]
     #[must_use]
     pub fn mask(self) -> u8 {
         match self {
             Self::All => CASTS_IN_FRONT | CASTS_BEHIND,
             Self::Front => CASTS_IN_FRONT,
+            Self::Back => CASTS_BEHIND,
         }
     }
 }

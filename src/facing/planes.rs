@@ -6,6 +6,7 @@ use multiversion::multiversion;
 use super::facing_of;
 use super::quantized;
 use super::quantized::{Quantized, QuantizedPlanes};
+use crate::built::{self, Part};
 use crate::geom::Facing;
 use crate::geom::{Aabb, Light};
 use crate::mesh::{FaceId, Mesh};
@@ -117,6 +118,7 @@ impl FacePlanes {
     pub fn new(mesh: &Mesh) -> Self {
         // (Spelt out, here and below: `map` and `fold` of arrays are not always inlined, which doubled the time.)
         let at = |v: u32| mesh.positions()[v as usize];
+        built::note(Part::Planes, mesh);
         // Each face by itself first: a sum of all in a row would wait for every comparison.
         let around = |faces: &[[u32; 3]]| {
             let point = |v: u32| Aabb { low: at(v), high: at(v) };

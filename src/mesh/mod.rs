@@ -4,6 +4,7 @@ mod id;
 mod weld;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 pub use id::{EdgeId, FaceId, HalfEdgeId, VertexId};
 pub(crate) use weld::weld_points;
@@ -21,7 +22,7 @@ pub struct Mesh {
     /// What the file calls the mesh; may be empty.
     pub name: String,
     positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
+    triangles: Arc<Vec<[u32; 3]>>,
     parts: Vec<Part>,
     frames: Vec<Vec<[f32; 3]>>,
 }
@@ -66,6 +67,20 @@ pub enum MeshError {
         count: usize,
         /// How many are allowed.
         most: usize,
+    },
+    /// There are more or fewer positions than vertices.
+    #[error("there are {count} positions, but the mesh has {vertex_count} vertices")]
+    PositionCount {
+        /// How many positions there are.
+        count: usize,
+        /// How many vertices the mesh has.
+        vertex_count: usize,
+    },
+    /// The number of indices is not divisible by 3.
+    #[error("there are {count} indices, which is not a multiple of 3")]
+    IndexCount {
+        /// How many indices there are.
+        count: usize,
     },
     /// A frame has another number of positions than the mesh.
     #[error("frame {frame} has {count} positions, but the mesh has {vertex_count}")]
@@ -116,7 +131,39 @@ impl Mesh {
                 return Err(MeshError::IndexOutOfRange { triangle, index, vertex_count });
             }
         }
-        Ok(Self { positions, triangles, ..Self::default() })
+        Ok(Self { positions, triangles: Arc::new(triangles), ..Self::default() })
+    }
+
+    /// Copies vertex and index arrays, three indices per face. Nothing is welded.
+    ///
+    /// # Errors
+    ///
+    /// As [`Mesh::new`], and [`MeshError::IndexCount`] if the number of indices is not divisible by 3.
+    ///
+    /// ```
+    /// use umbrage::mesh::Mesh;
+    /// let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// assert_eq!(Mesh::from_indexed(&positions, &[0, 1, 2])?.face_count(), 1);
+    /// assert!(Mesh::from_indexed(&positions, &[0, 1]).is_err());
+    /// # Ok::<(), umbrage::mesh::MeshError>(())
+    /// ```
+    pub fn from_indexed(positions: &[[f32; 3]], indices: &[u32]) -> Result<Self, MeshError> {
+        let (triangles, rest) = indices.as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(MeshError::IndexCount { count: indices.len() });
+        }
+        Self::new(positions.to_vec(), triangles.to_vec())
+    }
+
+    /// Moves the vertices; after an error nothing has changed.
+    pub(crate) fn set_positions(&mut self, mut positions: Vec<[f32; 3]>) -> Result<(), MeshError> {
+        let (count, vertex_count) = (positions.len(), self.vertex_count());
+        if count != vertex_count {
+            return Err(MeshError::PositionCount { count, vertex_count });
+        }
+        admit(&mut positions)?;
+        self.positions = positions;
+        Ok(())
     }
 
     /// The same mesh under another name.
@@ -181,6 +228,12 @@ impl Mesh {
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
+    }
+
+    /// The faces, to be shared with what is built over them: a clone of a pointer.
+    #[must_use]
+    pub fn shared_triangles(&self) -> Arc<Vec<[u32; 3]>> {
+        Arc::clone(&self.triangles)
     }
 
     /// Named runs of faces; may be empty.
@@ -251,7 +304,7 @@ impl Mesh {
     #[must_use]
     #[expect(clippy::type_complexity, reason = "the four fields, named in the line above")]
     pub fn into_parts(self) -> (Vec<[f32; 3]>, Vec<[u32; 3]>, Vec<Part>, Vec<Vec<[f32; 3]>>) {
-        (self.positions, self.triangles, self.parts, self.frames)
+        (self.positions, Arc::unwrap_or_clone(self.triangles), self.parts, self.frames)
     }
 
     /// Several meshes as one: vertices and faces in order, no vertex shared between two of them.

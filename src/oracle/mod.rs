@@ -17,6 +17,7 @@ pub use segment_triangle::{Intersection, intersect};
 use multiversion::multiversion;
 
 use crate::geom::Facing;
+use crate::built::{self, Part};
 use crate::geom::bvh::{Bvh, Step, WideBvh};
 use crate::geom::predicate::{Homogeneous, Sign};
 use crate::geom::{Aabb, Light};
@@ -83,6 +84,7 @@ impl Oracle {
     /// a face. Memory: 128 bytes a face at its peak.
     #[must_use]
     pub fn build(mesh: &Mesh) -> Self {
+        built::note(Part::Oracle, mesh);
         let corners = |face: &[u32; 3]| face.map(|vertex| mesh.positions()[vertex as usize]);
         let boxes: Vec<Aabb> = mesh.triangles().iter().map(|face| Aabb::around(corners(face))).collect();
         let binary = Bvh::build(&boxes);

@@ -10,7 +10,7 @@ use wgpu::{CompareFunction, StencilFaceState, TextureAspect, TextureFormat};
 
 use super::shade::{AMBIENT, AMBIENT_SLOPE, SPECULAR, SPECULAR_SQUARINGS, cosines};
 use super::{ABOVE, BELOW, GROUND, Picture, ShadedLight, View, buffer, color, ground};
-use crate::facing::FacePlanes;
+use crate::caster::Caster;
 use crate::geom::Facing;
 use crate::geom::Light;
 use crate::gpu::raster::{Pipeline, Target, depth_stencil};
@@ -30,9 +30,9 @@ pub struct LampShadow<'a> {
     pub counting: Counting,
 }
 
-/// Renders `mesh` as [`render`](super::render) does, with the shadows that a stencil pass counts.
+/// Renders `caster` as [`render`](super::render) does, with the shadows that a stencil pass counts.
 ///
-/// `receivers` are the faces of `mesh`, `projection` is the view's camera, and each lamp of the view has one of the
+/// `receivers` are the faces of `caster`, `projection` is the view's camera, and each lamp of the view has one of the
 /// `shadows`. Every pixel is the mean of `edge_samples`² samples, each counted for itself. What is nearer than the near
 /// plane is not seen.
 ///
@@ -46,20 +46,20 @@ pub struct LampShadow<'a> {
 ///
 /// # Panics
 ///
-/// Panics if there is not one shadow a lamp, or `receivers` have another number of faces than `mesh`.
+/// Panics if there is not one shadow a lamp, or `receivers` have another number of faces than `caster`.
 pub fn render_stencil(
     pass: &StencilPass,
-    mesh: &Mesh,
+    caster: &Caster,
     receivers: &Receivers,
     view: &View<'_>,
     projection: &Projection,
     shadows: &[LampShadow<'_>],
 ) -> Result<Picture, GpuError> {
+    let (mesh, planes) = (caster.mesh(), caster.planes());
     assert_eq!(shadows.len(), view.lamps.len(), "one shadow a lamp");
     assert_eq!(receivers.corners as usize, 3 * mesh.face_count(), "the receivers are another mesh");
     let gpu = pass.gpu();
     let stage = Stage::new(pass, mesh, receivers, view, projection)?;
-    let planes = FacePlanes::new(mesh);
     let eye = Light::point(projection.eye).expect("cameras are finite");
     let from_eye: Vec<i32> = planes.classify(mesh, &eye).into_iter().map(side).collect();
     stage.begin(receivers, &gpu.upload("sides of faces", &from_eye)?)?;

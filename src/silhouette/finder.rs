@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::choice::{Choice, Reason};
+
 use super::kinetic::way;
 use super::{KineticSilhouette, KineticStep, Silhouette, SilhouetteEdge, SilhouetteTree, TreeSearch};
 use crate::facing::{CasterFaces, FacePlanes};
@@ -38,75 +40,16 @@ impl fmt::Display for SilhouetteMethod {
     }
 }
 
-/// Why a [`SilhouetteMethod`] was taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum SilhouetteReason {
-    /// Scan: there is too little to search.
-    FewFaces {
-        /// How many faces there are.
-        faces: usize,
-    },
-    /// Scan: building a tree would take longer than it saves.
-    FewLights {
-        /// How many lights are expected.
-        lights: usize,
-    },
-    /// Scan: many edges have other faces than two in opposite directions.
-    OpenMesh,
-    /// Scan: many faces lie in a plane with the light, or nearly.
-    Ties,
-    /// Scan: the silhouette runs through most of the mesh.
-    Crowded,
-    /// Tree: many lights are expected, and this one is not near the last.
-    ColdLight,
-    /// Tree: the light has moved so far that most certificates would run out.
-    FarMove,
-    /// Tree: the light seems to move slowly; certificates were made.
-    SlowLight,
-    /// Certificates: the light has moved little or not at all.
-    SmallMove,
-}
-
-impl fmt::Display for SilhouetteReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::FewFaces { faces } => write!(f, "{faces} faces: a scan is done before a search has begun"),
-            Self::FewLights { lights: 1 } => {
-                f.write_str("one look a light: a scan of all edges costs less than building anything first")
-            }
-            Self::FewLights { lights } => {
-                write!(f, "{lights} lights: scans of all edges cost less than building a tree first")
-            }
-            Self::OpenMesh => {
-                f.write_str("many edges do not join two faces in opposite directions: no tree holds them")
-            }
-            Self::Ties => {
-                f.write_str("many faces lie in a plane with the light: each is decided exactly anyway")
-            }
-            Self::Crowded => {
-                f.write_str("the silhouette runs through most of the mesh: no tree leaves out much of it")
-            }
-            Self::ColdLight => f.write_str("many lights: a tree leaves out most edges"),
-            Self::FarMove => f.write_str("the light moved far: a tree leaves out most edges"),
-            Self::SlowLight => {
-                f.write_str("the light moves slowly: searched once more, to follow it from here")
-            }
-            Self::SmallMove => f.write_str("the light moved little: only what may have changed is looked at"),
-        }
-    }
-}
-
 impl SilhouetteMethod {
     /// The way to begin with, for a mesh of so many faces and so many lights that are still to come: scan or tree.
     #[must_use]
-    pub fn choose(faces: usize, lights: usize) -> (Self, SilhouetteReason) {
+    pub fn choose(faces: usize, lights: usize) -> Choice<Self> {
         if faces < FEW_FACES {
-            (Self::Scan, SilhouetteReason::FewFaces { faces })
+            Choice::new(Self::Scan, Reason::FewFaces { faces })
         } else if lights < FEW_LIGHTS {
-            (Self::Scan, SilhouetteReason::FewLights { lights })
+            Choice::new(Self::Scan, Reason::FewLights { lights })
         } else {
-            (Self::Tree, SilhouetteReason::ColdLight)
+            Choice::new(Self::Tree, Reason::ColdLight)
         }
     }
 }
@@ -120,12 +63,12 @@ impl SilhouetteMethod {
 /// use umbrage::facing::CasterFaces;
 /// use umbrage::silhouette::{SilhouetteFinder, SilhouetteMethod};
 /// let sphere = shapes::icosphere(4);
-/// let topology = Topology::build(sphere.vertex_count(), sphere.triangles().to_vec());
+/// let topology = Topology::of(&sphere);
 /// let mut finder = SilhouetteFinder::new(&sphere, &topology, CasterFaces::All, usize::MAX);
 /// let mut method = SilhouetteMethod::Scan;
 /// for i in 0..5 {
 ///     let light = Light::point([3.0, 4.0, 5.0 + 0.0001 * i as f32])?;
-///     (method, _) = finder.find(&sphere, &topology, &light);
+///     method = finder.find(&sphere, &topology, &light).what;
 /// }
 /// assert_eq!(method, SilhouetteMethod::Kinetic);
 /// assert!(finder.edges().count() > 100);
@@ -136,7 +79,7 @@ pub struct SilhouetteFinder {
     casters: CasterFaces,
     last: Option<Light>,
     /// How the silhouette of the last light was found, and how many edges it has.
-    way: (SilhouetteMethod, SilhouetteReason),
+    way: Choice<SilhouetteMethod>,
     edge_count: usize,
     /// Of the last light, if it was not found by certificates.
     list: Silhouette,
@@ -145,7 +88,7 @@ pub struct SilhouetteFinder {
 
 #[derive(Clone, Debug)]
 enum Ways {
-    Scan { planes: Box<FacePlanes>, facing: Vec<Facing>, signs: Vec<i8>, reason: SilhouetteReason },
+    Scan { planes: Box<FacePlanes>, facing: Vec<Facing>, signs: Vec<i8>, reason: Reason },
     Tree { tree: Box<SilhouetteTree>, moving: Option<Box<KineticSilhouette>>, followed: bool, short: f64 },
 }
 
@@ -159,18 +102,18 @@ impl SilhouetteFinder {
     pub fn new(mesh: &Mesh, topology: &Topology, casters: CasterFaces, lights: usize) -> Self {
         let scan = |planes, reason| Ways::Scan { planes, facing: Vec::new(), signs: Vec::new(), reason };
         let ways = match SilhouetteMethod::choose(mesh.face_count(), lights) {
-            (SilhouetteMethod::Scan, reason) => scan(Box::new(FacePlanes::new(mesh)), reason),
+            Choice { what: SilhouetteMethod::Scan, why } => scan(Box::new(FacePlanes::new(mesh)), why),
             _ => {
                 let tree = SilhouetteTree::new(mesh, topology);
                 if tree.is_idle() {
-                    scan(Box::new(tree.into_planes()), SilhouetteReason::OpenMesh)
+                    scan(Box::new(tree.into_planes()), Reason::OpenMesh)
                 } else {
                     let short = SHORT_MOVE * f64::from(tree.planes().reach());
                     Ways::Tree { tree: Box::new(tree), moving: None, followed: false, short }
                 }
             }
         };
-        let way = (SilhouetteMethod::Scan, SilhouetteReason::FewLights { lights }); // until there is a light
+        let way = Choice::new(SilhouetteMethod::Scan, Reason::FewLights { lights }); // until there is a light
         Self { casters, last: None, way, edge_count: 0, list: Silhouette::default(), ways }
     }
 
@@ -187,7 +130,7 @@ impl SilhouetteFinder {
         mesh: &Mesh,
         topology: &Topology,
         light: &Light,
-    ) -> (SilhouetteMethod, SilhouetteReason) {
+    ) -> Choice<SilhouetteMethod> {
         if self.last.as_ref() != Some(light) {
             self.way = self.search(mesh, topology, light);
             self.last = Some(*light);
@@ -201,13 +144,13 @@ impl SilhouetteFinder {
         mesh: &Mesh,
         topology: &Topology,
         light: &Light,
-    ) -> (SilhouetteMethod, SilhouetteReason) {
+    ) -> Choice<SilhouetteMethod> {
         match &mut self.ways {
             Ways::Scan { planes, facing, signs, reason } => {
                 planes.classify_into(mesh, light, facing);
                 self.casters.signs_into(facing, signs);
                 self.list.extract_into(topology, signs);
-                (SilhouetteMethod::Scan, *reason)
+                Choice::new(SilhouetteMethod::Scan, *reason)
             }
             Ways::Tree { tree, moving, followed, short } => {
                 let length = self.last.map_or(f64::INFINITY, |last| way(&last, light));
@@ -224,22 +167,22 @@ impl SilhouetteFinder {
                     let length = if was_followed { length } else { way(&moving.light(), light) };
                     return match moving.step_by(mesh, topology, tree, light, length) {
                         KineticStep::Rested | KineticStep::Followed { .. } => {
-                            (SilhouetteMethod::Kinetic, SilhouetteReason::SmallMove)
+                            Choice::new(SilhouetteMethod::Kinetic, Reason::SmallMove)
                         }
-                        KineticStep::Searched => (SilhouetteMethod::Tree, SilhouetteReason::FarMove),
-                        KineticStep::Renewed => (SilhouetteMethod::Tree, SilhouetteReason::SlowLight),
+                        KineticStep::Searched => Choice::new(SilhouetteMethod::Tree, Reason::FarMove),
+                        KineticStep::Renewed => Choice::new(SilhouetteMethod::Tree, Reason::SlowLight),
                     };
                 }
                 if let Some(moving) = moving.as_mut().filter(|_| short) {
                     moving.wait();
                 }
                 match tree.search_into(mesh, topology, light, self.casters, &mut self.list) {
-                    TreeSearch::Scanned => (SilhouetteMethod::Scan, SilhouetteReason::Ties),
-                    TreeSearch::Crowded => (SilhouetteMethod::Scan, SilhouetteReason::Crowded),
+                    TreeSearch::Scanned => Choice::new(SilhouetteMethod::Scan, Reason::Ties),
+                    TreeSearch::Crowded => Choice::new(SilhouetteMethod::Scan, Reason::Crowded),
                     TreeSearch::Searched { .. } if short => {
-                        (SilhouetteMethod::Tree, SilhouetteReason::FarMove)
+                        Choice::new(SilhouetteMethod::Tree, Reason::FarMove)
                     }
-                    TreeSearch::Searched { .. } => (SilhouetteMethod::Tree, SilhouetteReason::ColdLight),
+                    TreeSearch::Searched { .. } => Choice::new(SilhouetteMethod::Tree, Reason::ColdLight),
                 }
             }
         }
@@ -276,10 +219,10 @@ mod tests {
     #[test]
     fn silhouette_finder_takes_the_way_that_fits_the_move_and_says_why() {
         let mesh = shapes::icosphere(6);
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let mut finder = SilhouetteFinder::new(&mesh, &topology, CasterFaces::All, usize::MAX);
         use SilhouetteMethod::{Kinetic, Tree};
-        use SilhouetteReason::{ColdLight, SmallMove};
+        use Reason::{ColdLight, SmallMove};
         let expected = [
             ([3.0, 4.0, 5.0], Tree, ColdLight),
             ([3.0, 4.0001, 5.0], Kinetic, SmallMove),
@@ -288,7 +231,7 @@ mod tests {
         ];
         for (place, method, reason) in expected {
             let light = Light::point(place).unwrap();
-            assert_eq!(finder.find(&mesh, &topology, &light), (method, reason), "{light}");
+            assert_eq!(finder.find(&mesh, &topology, &light), Choice::new(method, reason), "{light}");
             let silhouette =
                 Silhouette::extract(&topology, &CasterFaces::All.signs(&classify(&mesh, &light)));
             assert_eq!(finder.edges().collect::<Vec<_>>(), silhouette.edges, "{light}");
@@ -299,10 +242,10 @@ mod tests {
     #[test]
     fn silhouette_finder_scans_where_a_tree_does_not_pay() {
         let reason = |mesh: &Mesh, lights| {
-            let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+            let topology = Topology::of(&mesh);
             let mut finder = SilhouetteFinder::new(mesh, &topology, CasterFaces::Front, lights);
             let light = Light::directional([1.0, 2.0, 3.0]).unwrap();
-            let (method, reason) = finder.find(mesh, &topology, &light);
+            let Choice { what: method, why: reason } = finder.find(mesh, &topology, &light);
             assert_eq!(method, SilhouetteMethod::Scan);
             let silhouette =
                 Silhouette::extract(&topology, &CasterFaces::Front.signs(&classify(mesh, &light)));
@@ -310,15 +253,15 @@ mod tests {
             reason
         };
         let sphere = shapes::icosphere(3);
-        assert_eq!(reason(&shapes::cube(), usize::MAX), SilhouetteReason::FewFaces { faces: 12 });
-        assert_eq!(reason(&sphere, 3), SilhouetteReason::FewLights { lights: 3 });
-        assert_eq!(reason(&shapes::soup(&sphere), usize::MAX), SilhouetteReason::OpenMesh);
+        assert_eq!(reason(&shapes::cube(), usize::MAX), Reason::FewFaces { faces: 12 });
+        assert_eq!(reason(&sphere, 3), Reason::FewLights { lights: 3 });
+        assert_eq!(reason(&shapes::soup(&sphere), usize::MAX), Reason::OpenMesh);
         // The light travels in the planes of most faces.
         let sponge = shapes::menger_sponge(2);
-        let topology = Topology::build(sponge.vertex_count(), sponge.triangles().to_vec());
+        let topology = Topology::of(&sponge);
         let mut finder = SilhouetteFinder::new(&sponge, &topology, CasterFaces::All, usize::MAX);
         let axis = Light::directional([0.0, 0.0, -1.0]).unwrap();
         let found = finder.find(&sponge, &topology, &axis);
-        assert_eq!(found, (SilhouetteMethod::Scan, SilhouetteReason::Ties));
+        assert_eq!(found, Choice::new(SilhouetteMethod::Scan, Reason::Ties));
     }
 }

@@ -64,7 +64,7 @@ pub enum KineticStep {
 /// use umbrage::facing::CasterFaces;
 /// use umbrage::silhouette::{KineticSilhouette, SilhouetteTree};
 /// let sphere = shapes::icosphere(3);
-/// let topology = Topology::build(sphere.vertex_count(), sphere.triangles().to_vec());
+/// let topology = Topology::of(&sphere);
 /// let mut tree = SilhouetteTree::new(&sphere, &topology);
 /// let light = Light::point([3.0, 4.0, 5.0])?;
 /// let mut moving = KineticSilhouette::new(&sphere, &topology, &mut tree, &light, CasterFaces::All);
@@ -395,7 +395,7 @@ mod tests {
 
     impl Walk {
         fn start(mesh: Mesh, light: &Light, casters: CasterFaces) -> Self {
-            let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+            let topology = Topology::of(&mesh);
             let mut tree = SilhouetteTree::new(&mesh, &topology);
             let moving = KineticSilhouette::new(&mesh, &topology, &mut tree, light, casters);
             Self { mesh, topology, tree, moving }

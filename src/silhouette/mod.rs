@@ -3,7 +3,7 @@
 //! An edge's *multiplicity* is the signed sum of its faces' sides: `m = Σ σ·s`, with σ = +1 for a face that runs
 //! along the edge (smaller to larger vertex) and −1 against it. An edge is silhouette when `m ≠ 0`. This needs
 //! no pairing of faces, so it holds on any mesh: open, non-manifold, not orientable. (Cf. Byungmoon Kim, Kihwan
-//! Kim, Greg Turk, *A Shadow-Volume Algorithm for Opaque and Transparent Nonmanifold CasterFaces*, 2008.)
+//! Kim, Greg Turk, *A Shadow-Volume Algorithm for Opaque and Transparent Nonmanifold Casters*, 2008.)
 
 mod edge_set;
 mod finder;
@@ -15,7 +15,7 @@ mod linear;
 pub(crate) mod test_support;
 mod tree;
 
-pub use finder::{SilhouetteFinder, SilhouetteMethod, SilhouetteReason};
+pub use finder::{SilhouetteFinder, SilhouetteMethod};
 #[cfg(feature = "gpu")]
 pub use gpu::{FoundSilhouette, GpuCaster, GpuSilhouette, SilhouetteShaders};
 pub use kinetic::{EdgeChange, KineticSilhouette, KineticStep};
@@ -58,7 +58,7 @@ impl Silhouette {
     /// use umbrage::facing::{CasterFaces, classify};
     /// use umbrage::silhouette::Silhouette;
     /// let cube = shapes::cube();
-    /// let topology = Topology::build(cube.vertex_count(), cube.triangles().to_vec());
+    /// let topology = Topology::of(&cube);
     /// let facing = classify(&cube, &Light::directional([-1.0, -1.0, -1.0])?);
     /// let silhouette = Silhouette::extract(&topology, &CasterFaces::All.signs(&facing));
     /// assert_eq!(silhouette.edges.len(), 6); // along the body diagonal: a hexagon

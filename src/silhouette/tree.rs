@@ -52,7 +52,7 @@ const PATIENCE: u32 = 8;
 /// use umbrage::facing::CasterFaces;
 /// use umbrage::silhouette::SilhouetteTree;
 /// let cube = shapes::cube();
-/// let topology = Topology::build(cube.vertex_count(), cube.triangles().to_vec());
+/// let topology = Topology::of(&cube);
 /// let mut tree = SilhouetteTree::new(&cube, &topology);
 /// let light = Light::directional([-1.0, -1.0, -1.0])?;
 /// let silhouette = tree.silhouette(&cube, &topology, &light, CasterFaces::All);
@@ -449,7 +449,7 @@ mod tests {
 
     /// A tree that searches whatever is left open.
     fn built(mesh: &Mesh) -> (Topology, SilhouetteTree) {
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let mut tree = SilhouetteTree::new(mesh, &topology);
         tree.limits = NONE;
         (topology, tree)

@@ -2,8 +2,11 @@
 //!
 //! [`shapes`] generates meshes, `strategy` draws them for proptest, and `torture` attacks the exactness itself.
 
+#[cfg(any(test, feature = "testing"))]
+pub use crate::built::{Part as BuiltPart, record as record_built};
+
 pub mod shapes;
-#[cfg(any(test, feature = "proptest"))]
+#[cfg(any(test, feature = "testing"))]
 pub mod strategy;
 #[cfg(feature = "verify")]
 pub mod torture;

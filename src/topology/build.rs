@@ -4,7 +4,7 @@
 //! of them. So the lists of many vertices are sorted side by side, by a network that makes the same comparisons whatever
 //! the order, and each is then tested for that. All else goes the long way.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use multiversion::multiversion;
 
@@ -12,10 +12,11 @@ use super::bucket::{self, Memory, Receive, SLACK};
 use super::network;
 use super::sort::{self, Blocks};
 use super::star::{self, Arcs, Stars};
+use crate::built::note_topology;
 use super::{EdgeCounts, Entry, Topology};
 use crate::mesh::MAX_TRIANGLES;
 
-pub(super) fn build(vertex_count: usize, triangles: Vec<[u32; 3]>) -> Topology {
+pub(super) fn build(vertex_count: usize, triangles: Arc<Vec<[u32; 3]>>) -> Topology {
     let mut topology = TopologyBuilder::new().build(vertex_count, triangles);
     topology.offsets.shrink_to_fit();
     topology.entries.shrink_to_fit();
@@ -38,7 +39,7 @@ pub(super) fn build(vertex_count: usize, triangles: Vec<[u32; 3]>) -> Topology {
 ///     let topology = builder.build(mesh.vertex_count(), mesh.triangles().to_vec());
 ///     assert!(topology.edge_counts().watertight());
 ///     let triangles = builder.recycle(topology);
-///     assert_eq!(triangles, mesh.triangles());
+///     assert_eq!(*triangles, mesh.triangles());
 /// }
 /// ```
 #[derive(Clone, Debug, Default)]
@@ -59,7 +60,8 @@ impl TopologyBuilder {
     ///
     /// As that.
     #[must_use]
-    pub fn build(&mut self, vertex_count: usize, triangles: Vec<[u32; 3]>) -> Topology {
+    pub fn build(&mut self, vertex_count: usize, triangles: impl Into<Arc<Vec<[u32; 3]>>>) -> Topology {
+        let triangles = triangles.into();
         assert!(
             triangles.len() <= MAX_TRIANGLES,
             "{} triangles; at most {MAX_TRIANGLES} fit",
@@ -70,13 +72,14 @@ impl TopologyBuilder {
     }
 
     /// Takes the memory of a table for the next one; gives back the triangles.
-    pub fn recycle(&mut self, topology: Topology) -> Vec<[u32; 3]> {
+    pub fn recycle(&mut self, topology: Topology) -> Arc<Vec<[u32; 3]>> {
         let Topology { entries, offsets, triangles, .. } = topology;
         self.memory.take_back(entries, offsets);
         triangles
     }
 
-    fn build_by(&mut self, vertex_count: usize, triangles: Vec<[u32; 3]>, blocks: Blocks) -> Topology {
+    fn build_by(&mut self, vertex_count: usize, triangles: Arc<Vec<[u32; 3]>>, blocks: Blocks) -> Topology {
+        note_topology(&triangles);
         let mut table = Table::default();
         let collapsed_faces = self.memory.by_smaller_vertex(vertex_count, &triangles, blocks, &mut table);
         let (entries, offsets) = self.memory.table(3 * (triangles.len() - collapsed_faces), table.edges);
@@ -91,13 +94,14 @@ impl TopologyBuilder {
 }
 
 /// The same with all that the stars of the vertices tell.
-pub(super) fn build_surveyed(vertex_count: usize, triangles: Vec<[u32; 3]>) -> Topology {
+pub(super) fn build_surveyed(vertex_count: usize, triangles: Arc<Vec<[u32; 3]>>) -> Topology {
     assert!(triangles.len() <= MAX_TRIANGLES, "{} triangles; at most {MAX_TRIANGLES} fit", triangles.len());
     let blocks = Blocks::for_order_of(vertex_count, &triangles, star::BLOCK_BITS);
     build_surveyed_by(vertex_count, triangles, blocks)
 }
 
-fn build_surveyed_by(vertex_count: usize, triangles: Vec<[u32; 3]>, blocks: Blocks) -> Topology {
+fn build_surveyed_by(vertex_count: usize, triangles: Arc<Vec<[u32; 3]>>, blocks: Blocks) -> Topology {
+    note_topology(&triangles);
     let mut stars = Stars::new(vertex_count);
     let collapsed_faces = sort::by_vertex(vertex_count, &triangles, blocks, Arcs, &mut stars);
     let (offsets, entries, counts, survey) = stars.finish();
@@ -244,8 +248,12 @@ mod tests {
     use crate::topology::has_collapsed;
     use crate::topology::sort::is_scattered;
 
+    fn surveyed_by(vertex_count: usize, triangles: Vec<[u32; 3]>, blocks: Blocks) -> Topology {
+        build_surveyed_by(vertex_count, triangles.into(), blocks)
+    }
+
     fn build_by(vertex_count: usize, triangles: Vec<[u32; 3]>, blocks: Blocks) -> Topology {
-        TopologyBuilder::new().build_by(vertex_count, triangles, blocks)
+        TopologyBuilder::new().build_by(vertex_count, triangles.into(), blocks)
     }
 
     /// The edge table by sorting all half-edges at once.
@@ -287,7 +295,7 @@ mod tests {
             let (offsets, entries) = naive(&triangles);
             let mut surveys = Vec::new();
             for bits in [0, 1, 4, 16] {
-                for build in [build_by, build_surveyed_by] {
+                for build in [build_by, surveyed_by] {
                     let topology = build(vertices, triangles.clone(), Blocks { bits });
                     assert_eq!((&topology.offsets, &topology.entries), (&offsets, &entries), "seed {seed}");
                     surveys.push((topology.counts, topology.survey().clone()));
@@ -307,7 +315,7 @@ mod tests {
         let mixed = shapes::shuffled(&torus, 7);
         assert!(!is_scattered(torus.vertex_count(), torus.triangles()));
         assert!(is_scattered(mixed.vertex_count(), mixed.triangles()));
-        let built = build(mixed.vertex_count(), mixed.triangles().to_vec());
+        let built = build(mixed.vertex_count(), mixed.shared_triangles());
         assert_eq!((built.offsets.clone(), built.entries.clone()), naive(mixed.triangles()));
         assert_eq!(built, build_by(mixed.vertex_count(), mixed.triangles().to_vec(), Blocks { bits: 0 }));
         assert_eq!((built.shells().count, built.non_manifold_vertices().len()), (1, 0));
@@ -331,7 +339,7 @@ mod tests {
             };
             let (offsets, entries) = naive(&triangles);
             let bits = [0, 3, 16][random.below(3)];
-            let built = builder.build_by(vertices, triangles.clone(), Blocks { bits });
+            let built = builder.build_by(vertices, triangles.clone().into(), Blocks { bits });
             assert_eq!((&built.offsets, &built.entries), (&offsets, &entries), "round {round}");
             assert_eq!(
                 built.edge_counts(),
@@ -345,7 +353,7 @@ mod tests {
             }
             // The sabotage: a face less.
             if let Some((_, fewer)) = triangles.split_last().filter(|(last, _)| !has_collapsed(**last)) {
-                assert_ne!(builder.build_by(vertices, fewer.to_vec(), Blocks { bits }).entries, entries);
+                assert_ne!(builder.build_by(vertices, fewer.to_vec().into(), Blocks { bits }).entries, entries);
             }
         }
     }
@@ -362,7 +370,7 @@ mod tests {
                 let middle = faces % first;
                 let end = |i: u32| first + if closed { i % faces } else { i };
                 triangles.extend((0..faces).map(|i| [middle, end(i), end(i + 1)]));
-                let built = build((first + faces + 1) as usize, triangles.clone());
+                let built = build((first + faces + 1) as usize, triangles.clone().into());
                 assert_eq!((built.offsets, built.entries), naive(&triangles), "{faces} faces, {closed}");
             }
         }
@@ -408,10 +416,10 @@ mod tests {
             let ring = |first: u32| (0..n).map(move |i| [0, first + i, first + (i + 1) % n]);
             let cone: Vec<[u32; 3]> = ring(1).chain(ring(n + 1)).collect();
             assert_eq!(cone.len(), degree);
-            let topology = build(2 * n as usize + 1, cone);
+            let topology = build(2 * n as usize + 1, cone.into());
             assert_eq!(topology.non_manifold_vertices(), [(crate::mesh::VertexId(0), 2)]);
             assert_eq!(topology.shells().count, 2);
-            let topology = build(n as usize + 1, ring(1).collect());
+            let topology = build(n as usize + 1, ring(1).collect::<Vec<_>>().into());
             assert_eq!((topology.non_manifold_vertices(), topology.shells().count), (vec![], 1));
         }
     }
@@ -431,7 +439,7 @@ mod tests {
                         if random.below(2) == 0 { [0, a, b] } else { [0, b, a] }
                     })
                     .collect();
-                let built = build(9, triangles.clone());
+                let built = build(9, triangles.clone().into());
                 assert_eq!((built.offsets, built.entries), naive(&triangles), "{triangles:?}");
             }
         }

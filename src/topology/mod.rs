@@ -25,12 +25,13 @@ pub use build::TopologyBuilder;
 #[cfg(feature = "gpu")]
 pub use gpu::{GpuTopology, GpuTopologyBuilder};
 pub use shell::{Components, Shells};
+pub(crate) use shell::FacesByShell;
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::mesh::{EdgeId, FaceId, HalfEdgeId, VertexId};
+use crate::mesh::{EdgeId, FaceId, HalfEdgeId, Mesh, VertexId};
 use fan::Fans;
 
 /// Half-edges and edges of a triangle list.
@@ -40,7 +41,7 @@ use fan::Fans;
 #[derive(Clone, Debug)]
 pub struct Topology {
     vertex_count: usize,
-    triangles: Vec<[u32; 3]>,
+    triangles: Arc<Vec<[u32; 3]>>,
     /// Where each edge's entries start; one more than there are edges.
     offsets: Vec<u32>,
     /// Half-edges by edge, ascending within an edge, as [`Entry`]s.
@@ -174,13 +175,30 @@ impl Topology {
     /// use umbrage::testing::shapes;
     /// use umbrage::topology::Topology;
     /// let cube = shapes::cube();
-    /// let topology = Topology::build(cube.vertex_count(), cube.triangles().to_vec());
+    /// let topology = Topology::of(&cube);
     /// assert_eq!(topology.edge_count(), 18);
     /// assert!(topology.edge_counts().watertight());
     /// ```
     #[must_use]
-    pub fn build(vertex_count: usize, triangles: Vec<[u32; 3]>) -> Self {
-        build::build(vertex_count, triangles)
+    pub fn build(vertex_count: usize, triangles: impl Into<Arc<Vec<[u32; 3]>>>) -> Self {
+        build::build(vertex_count, triangles.into())
+    }
+
+    /// The edge table of a mesh, with which it shares its triangles: [`Topology::build`] without a copy.
+    ///
+    /// ```
+    /// use umbrage::testing::shapes;
+    /// use umbrage::topology::Topology;
+    /// assert_eq!(Topology::of(&shapes::cube()).edge_count(), 18);
+    /// ```
+    #[must_use]
+    pub fn of(mesh: &Mesh) -> Self {
+        Self::build(mesh.vertex_count(), mesh.shared_triangles())
+    }
+
+    /// Whether it was built from the triangles of `mesh`; at once if they share them.
+    pub(crate) fn is_of(&self, mesh: &Mesh) -> bool {
+        Arc::ptr_eq(&self.triangles, &mesh.shared_triangles()) || self.triangles() == mesh.triangles()
     }
 
     /// The same table, for those who will also ask for shells, fans or a [`CrackReport`]: the corners are sorted
@@ -195,8 +213,8 @@ impl Topology {
     ///
     /// As [`Topology::build`].
     #[must_use]
-    pub fn build_surveyed(vertex_count: usize, triangles: Vec<[u32; 3]>) -> Self {
-        build::build_surveyed(vertex_count, triangles)
+    pub fn build_surveyed(vertex_count: usize, triangles: impl Into<Arc<Vec<[u32; 3]>>>) -> Self {
+        build::build_surveyed(vertex_count, triangles.into())
     }
 
     /// How many vertices there are, used or not.
@@ -206,7 +224,7 @@ impl Topology {
         self.vertex_count
     }
 
-    /// The faces as given, collapsed ones included.
+    /// The faces as given, collapsed ones included; shared with the mesh if that was [`Topology::of`].
     #[inline]
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {

@@ -94,6 +94,41 @@ pub struct Shells {
     pub count: usize,
 }
 
+impl Shells {
+    /// The faces of each shell; collapsed ones are left out. A counting sort.
+    pub(crate) fn faces_by_shell(&self) -> FacesByShell {
+        let mut ends = vec![0; self.count];
+        self.of_face.iter().flatten().for_each(|&shell| ends[shell as usize] += 1);
+        let mut sum = 0;
+        for end in &mut ends {
+            (sum, *end) = (sum + *end, sum);
+        }
+        let mut faces = vec![FaceId::new(0); sum];
+        for (face, shell) in self.of_face.iter().enumerate() {
+            if let Some(shell) = shell {
+                let place = &mut ends[*shell as usize];
+                faces[*place] = FaceId::new(face);
+                *place += 1;
+            }
+        }
+        FacesByShell { faces, ends }
+    }
+}
+
+/// The faces of each shell, ascending: one list, and where it ends for each shell.
+#[derive(Clone, Debug)]
+pub(crate) struct FacesByShell {
+    pub(crate) faces: Vec<FaceId>,
+    pub(crate) ends: Vec<usize>,
+}
+
+impl FacesByShell {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &[FaceId]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| &self.faces[start..end])
+    }
+}
+
 impl Topology {
     /// Which faces hang together through edges. Memory: 8 bytes a face, 12 at its peak; the first to ask a table that
     /// was not built with its survey takes what [`Topology::build_surveyed`] does.

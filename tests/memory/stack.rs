@@ -13,7 +13,7 @@ use umbrage::oracle::Oracle;
 use umbrage::read::read_bytes;
 use umbrage::scene::Scope;
 use umbrage::shadow::stencil::{ShellBoxes, max_depth_complexity};
-use umbrage::shadow::volume::{Caps, Faces, Plan, ShadowVolume, WindingIndex};
+use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex};
 use umbrage::silhouette::Silhouette;
 use umbrage::topology::Topology;
 
@@ -38,12 +38,12 @@ fn on_a_stack<T: Send + 'static>(kib: usize, work: impl FnOnce() -> T + Send + '
 fn all_stages(mesh: &Mesh) {
     let light = Light::point([3.1, 7.3, 11.7]).unwrap();
     let _ = (weld(mesh, Weld::Exact), weld(mesh, Weld::Within(1e-4)));
-    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let topology = Topology::of(&mesh);
     let shells = topology.shells();
     let report = CrackReport::of(mesh, &topology);
     let _ = DefectKind::ALL.map(|kind| report.items(kind, mesh, &topology, 2));
     let proofs = ShellProof::of(mesh, &topology, &shells);
-    let plan = Plan::choose(mesh, &shells, &proofs, &light, Faces::Auto);
+    let plan = ShellFaces::choose(mesh, &shells, &proofs, &light, None);
     let signs = plan.signs(&shells, &FacePlanes::new(mesh).classify(mesh, &light));
     let silhouette = Silhouette::extract(&topology, &signs);
     let _ = silhouette.loops(&topology);
@@ -102,7 +102,7 @@ fn stack_of_many_faces_around_one_vertex_is_small() {
     let _alone = alone();
     on_a_small_stack(|| {
         let mesh = inputs::fan(200_000);
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let report = CrackReport::of(&mesh, &topology);
         assert_eq!((report.counts.shells, report.counts.boundary_loops), (1, 1));
         assert!(report.counts.non_manifold_vertices == 0 && report.t_junctions_complete);

@@ -7,7 +7,7 @@ use umbrage::geom::{Light, bvh::Bvh};
 use umbrage::mesh::{Weld, weld, weld_in_place};
 use umbrage::oracle::Oracle;
 use umbrage::shadow::stencil::{ShellBoxes, max_depth_complexity};
-use umbrage::shadow::volume::{Caps, Faces, Plan, ShadowVolume, WindingIndex};
+use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex};
 use umbrage::silhouette::Silhouette;
 use umbrage::topology::Topology;
 
@@ -99,7 +99,7 @@ fn memory_of_every_stage_is_what_its_documentation_says() {
         drop(planes);
         let (facing, bytes) = peak(|| classify(&mesh, &light));
         note("classify", faces, bytes);
-        let (plan, bytes) = peak(|| Plan::choose(&mesh, &shells, &proofs, &light, Faces::Auto));
+        let (plan, bytes) = peak(|| ShellFaces::choose(&mesh, &shells, &proofs, &light, None));
         note("plan", faces, bytes);
         let signs = plan.signs(&shells, &facing);
         let (silhouette, bytes) = peak(|| Silhouette::extract(&topology, &signs));

@@ -27,7 +27,7 @@ impl Scene {
         let oracle = Oracle::build(&mesh);
         let camera = Camera::fit(&oracle.bounds(), Up::Y, size.aspect());
         Self {
-            topology: Topology::build(mesh.vertex_count(), mesh.triangles().to_vec()),
+            topology: Topology::of(&mesh),
             oracle,
             projection: camera.projection(size, 0.01),
             size,

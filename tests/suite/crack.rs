@@ -9,7 +9,7 @@ use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 
 fn topology(mesh: &Mesh) -> Topology {
-    Topology::build(mesh.vertex_count(), mesh.triangles().to_vec())
+    Topology::of(&mesh)
 }
 
 fn report(mesh: &Mesh) -> CrackReport {
@@ -507,7 +507,7 @@ fn crack_a_bar_through_a_u_is_not_nested_though_its_corners_are() {
     let u = Mesh::new(positions, faces).unwrap();
     let bar = shapes::cuboid([0.2, 2.0, 1.0], [2.8, 2.5, 2.0]);
     let both = Mesh::concat(&[u, bar]).unwrap();
-    let topology = Topology::build(both.vertex_count(), both.triangles().to_vec());
+    let topology = Topology::of(&both);
     let report = CrackReport::of(&both, &topology);
     assert!(report.counts.watertight);
     assert_eq!((report.counts.inside_out_shells, report.shell_list[1].depth), (0, 0));

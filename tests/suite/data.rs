@@ -120,7 +120,7 @@ fn counted(file: &str, scene: Scene) -> Vec<(&'static str, String)> {
     let meshes = scene.bake(Scope::Scene).unwrap();
     let [mesh] = &meshes[..] else { panic!("{file} holds {} meshes", meshes.len()) };
     let welded = weld(mesh, Weld::Exact).mesh;
-    let topology = Topology::build(welded.vertex_count(), welded.triangles().to_vec());
+    let topology = Topology::of(&welded);
     topology.validate();
     let counts = CrackReport::of(&welded, &topology).counts;
     let numbers = [

@@ -42,7 +42,7 @@ fn measure(file: &Path) -> (Counts, Vec<ShellReport>) {
 
 fn report(mesh: &Mesh) -> CrackReport {
     let mesh = weld(mesh, Weld::Exact).mesh;
-    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let topology = Topology::of(&mesh);
     CrackReport::of(&mesh, &topology)
 }
 
@@ -90,7 +90,7 @@ fn facts_of_real_meshes_are_found_again() {
         let name = fact("name");
         let (counts, shells) = measure(&folder.join(name));
         let world = world(&folder.join(name));
-        let topology = Topology::build(world.vertex_count(), world.triangles().to_vec());
+        let topology = Topology::of(&world);
         let in_world = CrackReport::of(&world, &topology);
         let closed = shells.iter().filter(|shell| shell.watertight);
         let negative = closed.filter(|shell| shell.signed_volume < 0.0).count();

@@ -8,7 +8,7 @@ use umbrage::oracle::Oracle;
 use umbrage::shadow::stencil::{
     Asked, Caster, Counting, Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass,
 };
-use umbrage::shadow::volume::{Caps, Faces, GpuVolume, ShadowVolume};
+use umbrage::shadow::volume::{Caps, GpuVolume, ShadowVolume};
 use umbrage::silhouette::Silhouette;
 use umbrage::testing::shapes;
 use umbrage::topology::Topology;
@@ -42,7 +42,7 @@ impl<'a> Scene<'a> {
 
     /// What the device counts if faces cast with these signs.
     fn mask(&self, gpu: &Gpu, signs: &[i8], counting: Counting) -> ShadowMask {
-        let topology = Topology::build(self.mesh.vertex_count(), self.mesh.triangles().to_vec());
+        let topology = Topology::of(&self.mesh);
         let silhouette = Silhouette::extract(&topology, signs);
         let volume = ShadowVolume::extrude(self.mesh, &topology, &self.light, signs, &silhouette, Caps::Both);
         let volume = GpuVolume::upload(gpu, &volume).unwrap();
@@ -53,7 +53,7 @@ impl<'a> Scene<'a> {
     }
 
     fn compare(&self, mask: &ShadowMask, signs: &[i8], unsure: &[FaceId]) -> Comparison {
-        let topology = Topology::build(self.mesh.vertex_count(), self.mesh.triangles().to_vec());
+        let topology = Topology::of(&self.mesh);
         let rendered = Rendered {
             mesh: self.mesh,
             topology: &topology,
@@ -134,7 +134,7 @@ fn compare_calls_a_wrapped_stencil_an_overflow() {
     // The eye sees the dark sides of the outermost cube: each cube within is crossed twice.
     let scene = Scene::new(&mesh, [1000.0, 900.0, 800.0], [-1800.0, -1300.0, -1500.0], [0.0; 3]);
     let signs = scene.signs();
-    let casting = Caster::new(&mesh, Faces::All).cast(&scene.light, &scene.projection, Asked::Auto);
+    let casting = Caster::new(&mesh, Some(CasterFaces::All)).cast(&scene.light, &scene.projection, None);
     assert_eq!(casting.counting(), Counting::Integer, "{}", casting.layers);
     let wrapped = scene.compare(&scene.mask(&gpu, &signs, Counting::Stencil), &signs, &[]);
     assert!(wrapped.count(PixelVerdict::Overflow) > 500 && !wrapped.agrees(), "{:?}", wrapped.mismatches);

@@ -7,9 +7,7 @@ use umbrage::geom::{Aabb, Light};
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::{FaceId, Mesh, Weld, weld};
 use umbrage::scene::Scope;
-use umbrage::shadow::volume::{
-    Caps, Faces, GpuExtrusion, GpuVolume, Part, Plan, ShadowVolume, VolumeShaders,
-};
+use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, ShellFaces, ShadowVolume, VolumeShaders};
 use umbrage::silhouette::{GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders};
 use umbrage::testing::shapes;
 use umbrage::topology::{GpuTopology, Topology};
@@ -41,7 +39,7 @@ struct Case<'a> {
 impl<'a> Case<'a> {
     fn new(device: &'a Device, mesh: &'a Mesh) -> Self {
         let planes = FacePlanes::new(mesh);
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let uploaded = GpuTopology::upload(&device.gpu, &topology).unwrap();
         let caster = GpuCaster::with_planes(&device.silhouettes, mesh, uploaded, &planes).unwrap();
         let silhouette = GpuSilhouette::new(&caster).unwrap();
@@ -188,7 +186,7 @@ fn gpu_silhouette_of_a_plan_casts_shell_by_shell() {
     let proofs = ShellProof::of(&mesh, &case.topology, &shells);
     for light in ["point:3,14,5", "point:0.1,0.2,0.3", "directional:-1,-2,0.5"] {
         let light: Light = light.parse().unwrap();
-        let plan = Plan::choose(&mesh, &shells, &proofs, &light, Faces::Auto);
+        let plan = ShellFaces::choose(&mesh, &shells, &proofs, &light, None);
         case.silhouette.set_masks(&plan.masks(&shells)).unwrap();
         let found = case.silhouette.find(&mesh, &light).unwrap();
         let signs = plan.signs(&shells, &classify(&mesh, &light));
@@ -241,7 +239,7 @@ fn gpu_silhouette_longer_than_one_read_back_is_read_back_whole() {
 fn gpu_silhouette_of_positions_that_change_follows_them() {
     let Some(device) = device() else { return };
     let mesh = shapes::icosphere(3);
-    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let topology = Topology::of(&mesh);
     let positions: Vec<f32> = mesh.positions().concat();
     let bytes: Vec<u8> = positions.iter().flat_map(|x| x.to_ne_bytes()).collect();
     let vertices = device.gpu.device().create_buffer(&wgpu::BufferDescriptor {

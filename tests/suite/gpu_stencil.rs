@@ -11,7 +11,7 @@ use umbrage::scene::Scope;
 use umbrage::shadow::stencil::{
     Asked, Caster, Counting, Depth, Draw, Receivers, ShadowMask, StencilFrame, StencilMethod, StencilPass,
 };
-use umbrage::shadow::volume::{Caps, Faces, GpuExtrusion, GpuVolume, Part, VolumeShaders};
+use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, VolumeShaders};
 use umbrage::silhouette::{GpuCaster, GpuSilhouette, SilhouetteShaders};
 use umbrage::testing::shapes;
 use umbrage::topology::GpuTopology;
@@ -32,7 +32,7 @@ struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    fn new(gpu: &'a Gpu, pass: &'a StencilPass, mesh: &'a Mesh, faces: Faces, side: u32) -> Self {
+    fn new(gpu: &'a Gpu, pass: &'a StencilPass, mesh: &'a Mesh, faces: Option<CasterFaces>, side: u32) -> Self {
         Self {
             gpu,
             pass,
@@ -58,9 +58,9 @@ impl<'a> Stage<'a> {
     /// be real.
     fn judge(&self, light: &Light, projection: &Projection, what: &str) -> [usize; 7] {
         let mut sum = [0; 7];
-        for asked in [Asked::ZFail, Asked::Auto] {
+        for asked in [Some(StencilMethod::ZFail), None] {
             let casting = self.caster.cast(light, projection, asked);
-            if asked == Asked::Auto && casting.methods.count(StencilMethod::ZPass) == 0 {
+            if asked == None && casting.methods.count(StencilMethod::ZPass) == 0 {
                 continue;
             }
             let cast = casting.upload(self.gpu).unwrap();
@@ -141,7 +141,7 @@ fn stencil_pass_counts_what_the_oracle_counts_on_every_real_mesh() {
             scene.bake(Scope::Mesh).unwrap().iter().map(|mesh| weld(mesh, Weld::Exact).mesh).collect();
         let mesh = Mesh::concat(&meshes).unwrap();
         // Half the faces where that is proven, for meshes that are quickly proven.
-        let faces = if mesh.face_count() < 30_000 { Faces::Auto } else { Faces::All };
+        let faces = if mesh.face_count() < 30_000 { None } else { Some(CasterFaces::All) };
         let stage = Stage::new(&gpu, &pass, &mesh, faces, side);
         for light in lights(&stage.oracle.bounds()) {
             for (eye, projection) in projections(&stage.oracle, &light, stage.size) {
@@ -172,10 +172,10 @@ fn stencil_pass_adds_up_to_nothing_around_closed_volumes_and_to_something_withou
         tangle(60),
     ];
     for mesh in solids {
-        let stage = Stage::new(&gpu, &pass, &mesh, Faces::All, 64);
+        let stage = Stage::new(&gpu, &pass, &mesh, Some(CasterFaces::All), 64);
         let light = lights(&stage.oracle.bounds())[0];
         let (_, projection) = projections(&stage.oracle, &light, stage.size)[0];
-        let casting = stage.caster.cast(&light, &projection, Asked::ZFail);
+        let casting = stage.caster.cast(&light, &projection, Some(StencilMethod::ZFail));
         let volume = GpuVolume::upload(&gpu, &casting.volumes[0].1).unwrap();
         let sum = |parts: &[Part]| pass.signed_sum(&projection, stage.size, &[(&volume, parts)]).unwrap();
         assert!(sum(&Part::ALL).iter().all(|&sum| sum == 0));
@@ -217,7 +217,7 @@ fn stencil_pass_holds_where_drawing_is_hard() {
     ];
     let mut sum = [0; 7];
     for (what, mesh) in &cases {
-        let stage = Stage::new(&gpu, &pass, mesh, Faces::Auto, 40);
+        let stage = Stage::new(&gpu, &pass, mesh, None, 40);
         let bounds = stage.oracle.bounds();
         let diagonal = bounds.diagonal() as f32;
         let outside = projections(&stage.oracle, &lights(&bounds)[0], stage.size)[0].1;
@@ -259,11 +259,11 @@ fn stencil_pass_counts_beyond_eight_bits_in_whole_numbers() {
     let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
     for (shells, wraps) in [(60, false), (128, true), (256, true), (300, true)] {
         let mesh = shapes::nested_cubes(shells);
-        let stage = Stage::new(&gpu, &pass, &mesh, Faces::All, 48);
+        let stage = Stage::new(&gpu, &pass, &mesh, Some(CasterFaces::All), 48);
         // Against the light, so that the dark sides are seen.
         let (_, projection) = projections(&stage.oracle, &Light::point([0.0; 3]).unwrap(), stage.size)[0];
         let light = Light::point(projection.eye.map(|x| -x)).unwrap();
-        let casting = stage.caster.cast(&light, &projection, Asked::ZFail);
+        let casting = stage.caster.cast(&light, &projection, Some(StencilMethod::ZFail));
         assert_eq!(casting.counting() == Counting::Integer, wraps, "{shells}: {:?}", casting.layers);
         let cast = casting.upload(&gpu).unwrap();
         let mask = stage.mask(&projection, &cast.draws(), casting.counting());
@@ -286,14 +286,14 @@ fn stencil_pass_of_a_volume_without_a_face_is_caught() {
     let Some(gpu) = gpu() else { return };
     let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
     let mesh = shapes::torus_knot(2, 3, 60, 8, 0.3);
-    let stage = Stage::new(&gpu, &pass, &mesh, Faces::All, 64);
+    let stage = Stage::new(&gpu, &pass, &mesh, Some(CasterFaces::All), 64);
     let light = lights(&stage.oracle.bounds())[0];
     let (_, projection) = projections(&stage.oracle, &light, stage.size)[0];
-    let casting = stage.caster.cast(&light, &projection, Asked::ZFail);
+    let casting = stage.caster.cast(&light, &projection, Some(StencilMethod::ZFail));
     // Without the last caster that is seen, the pixels behind it are lit.
     let whole = stage.caster.topology().triangles();
     let without = Mesh::new(mesh.positions().to_vec(), whole[..whole.len() - 40].to_vec()).unwrap();
-    let other = Caster::new(&without, Faces::All).cast(&light, &projection, Asked::ZFail);
+    let other = Caster::new(&without, Some(CasterFaces::All)).cast(&light, &projection, Some(StencilMethod::ZFail));
     let cast = other.upload(&gpu).unwrap();
     let mask = stage.mask(&projection, &cast.draws(), Counting::Stencil);
     assert!(!stage.compare(&light, &projection, &casting.signs, &mask).agrees());
@@ -304,7 +304,7 @@ fn stencil_frame_in_a_callers_encoder_counts_as_the_pass_of_our_own() {
     let Some(gpu) = gpu() else { return };
     let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
     let mesh = shapes::torus_knot(2, 3, 80, 10, 0.3);
-    let stage = Stage::new(&gpu, &pass, &mesh, Faces::All, 64);
+    let stage = Stage::new(&gpu, &pass, &mesh, Some(CasterFaces::All), 64);
     let shaders = SilhouetteShaders::new(&gpu).unwrap();
     let topology = GpuTopology::upload(&gpu, stage.caster.topology()).unwrap();
     let silhouette = GpuSilhouette::new(&GpuCaster::new(&shaders, &mesh, topology).unwrap()).unwrap();
@@ -372,7 +372,7 @@ fn stencil_frame_in_a_callers_encoder_counts_as_the_pass_of_our_own() {
             .flat_map(|row| row[..64].iter().map(|&count| i32::from(count)).collect::<Vec<_>>())
             .collect();
         back.unmap();
-        let casting = stage.caster.cast(&light, &projection, Asked::ZFail);
+        let casting = stage.caster.cast(&light, &projection, Some(StencilMethod::ZFail));
         let cast = casting.upload(&gpu).unwrap();
         let mask = stage.mask(&projection, &cast.draws(), Counting::Stencil);
         assert!(counts == mask.raw(), "{light}");

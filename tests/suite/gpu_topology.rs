@@ -23,7 +23,7 @@ fn gpu_topology_of_real_meshes_equals_the_hosts() {
     let (Some(gpu), Some(folder)) = (gpu(), real_meshes()) else { return };
     let builder = GpuTopologyBuilder::new(&gpu).unwrap();
     let check = |mesh: &Mesh| {
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let sent = GpuTopology::upload(&gpu, &topology).unwrap();
         let built = builder.build(&gpu, sent.vertex_count, &sent.triangles, sent.face_count).unwrap();
         let expected = words(&topology);
@@ -50,7 +50,7 @@ fn gpu_topology_of_a_mesh_changed_on_the_device_is_that_meshs() {
     let Some(gpu) = gpu() else { return };
     let builder = GpuTopologyBuilder::new(&gpu).unwrap();
     let mesh = umbrage::testing::shapes::icosphere(3);
-    let mut topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let mut topology = Topology::of(&mesh);
     let buffer: wgpu::Buffer = GpuTopology::upload(&gpu, &topology).unwrap().triangles;
     // Each frame another face collapses, as in a level-of-detail chain.
     for face in 0..5 {

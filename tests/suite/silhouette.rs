@@ -57,7 +57,7 @@ fn walk(mesh: &Mesh, i: u16) -> Light {
 
 /// Every way against the scan.
 fn judge(mesh: &Mesh, taken: &mut Taken) {
-    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let topology = Topology::of(&mesh);
     let planes = FacePlanes::new(mesh);
     let mut tree = SilhouetteTree::new(mesh, &topology);
     for light in lights(mesh) {

@@ -7,9 +7,8 @@ use umbrage::geom::Light;
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::{Intersection, Oracle, intersect};
 use umbrage::scene::Scope;
-use umbrage::shadow::stencil::{
-    Asked, DepthComplexity, MethodPlan, Reason, ShellBoxes, StencilMethod, max_depth_complexity,
-};
+use umbrage::shadow::stencil::{Asked, DepthComplexity, ShellMethods, ShellBoxes, StencilMethod, max_depth_complexity};
+use umbrage::Reason;
 use umbrage::testing::shapes;
 use umbrage::testing::strategy::{light, place, soup};
 use umbrage::topology::{Shells, Topology};
@@ -18,11 +17,11 @@ use umbrage::view::Projection;
 use crate::support::real_meshes;
 
 fn shells(mesh: &Mesh) -> Shells {
-    Topology::build(mesh.vertex_count(), mesh.triangles().to_vec()).shells()
+    Topology::of(&mesh).shells()
 }
 
-fn auto(mesh: &Mesh, projection: &Projection, light: &Light) -> MethodPlan {
-    MethodPlan::choose(mesh, &shells(mesh), projection, light, Asked::Auto)
+fn auto(mesh: &Mesh, projection: &Projection, light: &Light) -> ShellMethods {
+    ShellMethods::choose(mesh, &shells(mesh), projection, light, None)
 }
 
 fn narrow(p: DVec3) -> [f32; 3] {
@@ -82,7 +81,7 @@ fn harmful(mesh: &Mesh, shells: &Shells, shell: usize, projection: &Projection, 
 }
 
 /// The first shell that a plan counts with z-pass against the samples.
-fn miscounted(mesh: &Mesh, projection: &Projection, light: &Light, plan: &MethodPlan) -> Option<usize> {
+fn miscounted(mesh: &Mesh, projection: &Projection, light: &Light, plan: &ShellMethods) -> Option<usize> {
     let shells = shells(mesh);
     (0..shells.count).find(|&shell| {
         plan.choices[shell].method == StencilMethod::ZPass && harmful(mesh, &shells, shell, projection, light)
@@ -149,7 +148,7 @@ fn zpass_is_chosen_nearly_wherever_samples_allow_it() {
 
 #[test]
 fn zpass_faults_are_seen_by_the_samples() {
-    let seen = |fault: &dyn Fn(&Mesh, &Projection, &Light) -> MethodPlan| {
+    let seen = |fault: &dyn Fn(&Mesh, &Projection, &Light) -> ShellMethods| {
         generic(300, true)
             .filter(|(mesh, projection, light)| {
                 miscounted(mesh, projection, light, &fault(mesh, projection, light)).is_some()
@@ -158,7 +157,7 @@ fn zpass_faults_are_seen_by_the_samples() {
     };
     // Everything is z-pass; the rectangle is a point; the light is on the other side; half of the faces are skipped.
     let shell_of = |mesh: &Mesh| shells(mesh);
-    assert!(seen(&|mesh, p, l| MethodPlan::choose(mesh, &shell_of(mesh), p, l, Asked::ZPass)) > 20);
+    assert!(seen(&|mesh, p, l| ShellMethods::choose(mesh, &shell_of(mesh), p, l, Some(StencilMethod::ZPass))) > 20);
     let mirrored = |light: &Light| {
         let other = light.xyz().map(|x| 0.0 - x);
         if light.is_directional() { Light::directional(light.xyz()) } else { Light::point(other) }.unwrap()
@@ -174,7 +173,7 @@ fn zpass_faults_are_seen_by_the_samples() {
         seen(&|mesh, p, l| {
             let half = skipped(mesh);
             let all_clear = auto(&half, p, l).count(StencilMethod::ZFail) == 0;
-            MethodPlan::choose(mesh, &shells(mesh), p, l, if all_clear { Asked::ZPass } else { Asked::ZFail })
+            ShellMethods::choose(mesh, &shells(mesh), p, l, if all_clear { Some(StencilMethod::ZPass) } else { Some(StencilMethod::ZFail) })
         }) > 3
     );
 }
@@ -293,10 +292,10 @@ fn zpass_is_decided_for_each_shell_by_itself() {
     let boxes = ShellBoxes::new(&mesh, &shells(&mesh));
     assert_eq!(boxes.choose(&mesh, &projection, &light), plan);
     for (asked, words) in [
-        (Asked::ZPass, "zpass for 3 shells: z-pass was asked for; nothing is proven"),
-        (Asked::ZFail, "zfail for 3 shells: z-fail was asked for"),
+        (Some(StencilMethod::ZPass), "zpass for 3 shells: z-pass was asked for; nothing is proven"),
+        (Some(StencilMethod::ZFail), "zfail for 3 shells: z-fail was asked for"),
     ] {
-        assert_eq!(MethodPlan::choose(&mesh, &shells(&mesh), &projection, &light, asked).summary(), words);
+        assert_eq!(ShellMethods::choose(&mesh, &shells(&mesh), &projection, &light, asked).summary(), words);
     }
     let empty = Mesh::new(vec![[0.0; 3]], vec![[0, 0, 0]]).unwrap();
     assert_eq!(auto(&empty, &projection, &light).summary(), "nothing casts");

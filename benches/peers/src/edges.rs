@@ -176,7 +176,7 @@ fn shells(bench: &mut Bench<'_>, mesh: &Mesh) {
 }
 
 fn build(mesh: &Mesh) -> Topology {
-    Topology::build(mesh.vertex_count(), mesh.triangles().to_vec())
+    Topology::of(&mesh)
 }
 
 /// Where "the face on the other side" has one meaning: at most two faces an edge, in opposite directions.

@@ -46,7 +46,7 @@ fn judge(scene: Scene) {
             for how in [Weld::Exact, Weld::None, Weld::Within(0.01)] {
                 let welded = weld(mesh, how).mesh;
                 assert_eq!(welded.face_count(), mesh.face_count());
-                let topology = Topology::build(welded.vertex_count(), welded.triangles().to_vec());
+                let topology = Topology::of(&welded);
                 topology.validate();
                 if how == Weld::Exact {
                     let report = CrackReport::of(&welded, &topology);

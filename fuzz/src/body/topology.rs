@@ -16,7 +16,7 @@ pub(crate) fn run(data: &[u8]) {
     let welded = weld(&mesh, Weld::Exact).mesh;
     let unwelded = (welded != mesh).then_some(mesh);
     for mesh in unwelded.into_iter().chain([welded]) {
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         topology.validate();
         judge(&mesh, &topology);
     }

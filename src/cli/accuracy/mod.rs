@@ -192,7 +192,8 @@ fn refuse(args: &Args) -> Result<Asked, Failure> {
 fn measure(file: &Path, args: &Args, asked: &Asked) -> Result<Measured, Failure> {
     let Asked { question, options } = asked;
     let source = SourceArgs { file: file.to_owned(), mesh: args.mesh, lights: args.lights.clone() };
-    let Source { format, mesh, lights, .. } = source.load()?;
+    let Source { format, caster, lights, .. } = source.load()?;
+    let mesh = caster.into_mesh();
     if lights.len() > MOST_LIGHTS {
         let (file, count) = (file.display(), lights.len());
         output::say(format_args!("note: {file}: using {MOST_LIGHTS} of {count} lights, evenly spread"));

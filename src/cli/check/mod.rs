@@ -287,7 +287,7 @@ fn examine(
     let mut meshes = Vec::with_capacity(baked.meshes.len());
     for mesh in baked.meshes {
         let WeldedMesh { mesh, vertices, unreferenced } = args.mesh.weld(mesh);
-        let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.shared_triangles());
         let mut report = CrackReport::of(&mesh, &topology);
         for (complete, note) in [
             (

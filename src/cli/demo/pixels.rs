@@ -2,8 +2,7 @@
 
 use umbrage::geom::Aabb;
 use umbrage::gpu::{Gpu, GpuError};
-use umbrage::mesh::Mesh;
-use umbrage::oracle::Oracle;
+use umbrage::caster::Caster;
 use umbrage::render;
 use umbrage::render::{Picture, View};
 use umbrage::scene::SceneLight;
@@ -30,13 +29,12 @@ const SAMPLES: u32 = 2;
 /// Draws the view by a stencil pass, and judges its pixels for each of the lights, which are those of the lamps.
 pub(super) fn judge(
     gpu: &Gpu,
-    mesh: &Mesh,
+    caster: &Caster,
     bounds: &Aabb,
-    oracle: &Oracle,
     view: View<'_>,
     lights: &[SceneLight],
 ) -> Result<Judged, GpuError> {
-    let stage = Stage::new(gpu, mesh, bounds, View { edge_samples: SAMPLES, ..view }, None)?;
+    let stage = Stage::new(gpu, caster, bounds, View { edge_samples: SAMPLES, ..view }, None)?;
     let picture = stage.picture()?;
     let progress = Progress::bar("judging pixels", (lights.len() as u64) * u64::from(view.size.height()));
     let mut table = Table::new(&["light", "pixels", "sky", "agree", "grazing", "disagree"]);
@@ -44,15 +42,14 @@ pub(super) fn judge(
     for (lamp, (light, casting)) in lights.iter().zip(&stage.castings).enumerate() {
         let mask = stage.mask(lamp)?;
         let rendered = Rendered {
-            mesh,
-            topology: stage.topology(),
+            caster,
             signs: &casting.signs,
             light: &light.light,
             projection: &stage.projection,
             mask: &mask,
             unsure: &[],
         };
-        let result = compare(oracle, &rendered, 0, &|rows| progress.done(rows));
+        let result = compare(&rendered, 0, &|rows| progress.done(rows));
         let counts = [
             view.size.pixels(),
             result.count(PixelVerdict::Sky),
@@ -65,7 +62,7 @@ pub(super) fn judge(
         methods += &format!("  {name}: {}\n", casting.methods.summary());
         table.row([name].into_iter().chain(cells).collect());
         agrees &= result.agrees();
-        panels.push(render::verdicts(oracle, &stage.projection, &result, &|_| {}));
+        panels.push(render::verdicts(caster.oracle(), &stage.projection, &result, &|_| {}));
     }
     drop(progress);
     let verdict = if agrees { "every pixel agrees or grazes" } else { "some pixels disagree" };

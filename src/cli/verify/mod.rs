@@ -116,10 +116,10 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     args.threads.apply()?;
     let graphics = if args.gpu { Some(Graphics::open(&args.adapter)?) } else { None };
     let source = args.source.load()?;
-    let Source { format, mesh, lights, .. } = &source;
+    let Source { format, caster, lights, .. } = &source;
 
     let progress = Progress::spinner("topology, proofs and tree");
-    let verifier = Verifier::new(mesh);
+    let verifier = Verifier::new(caster);
     drop(progress);
     let points = args.points as usize; // at most MOST_POINTS
     let options = Options { points, seed: args.seed, keep: SHOWN };
@@ -130,7 +130,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         .collect();
     drop(progress);
     let pixels = match graphics {
-        Some(graphics) => Some(graphics.judge(&args, &source, &verifier)?),
+        Some(graphics) => Some(graphics.judge(&args, &source)?),
         None => None,
     };
 
@@ -157,7 +157,7 @@ impl Graphics {
         Err(Failure::new("--gpu: this build has no graphics", "build it with the feature `gpu`"))
     }
 
-    fn judge(&self, _: &Args, _: &Source, _: &Verifier<'_>) -> Result<Pixels, Failure> {
+    fn judge(&self, _: &Args, _: &Source) -> Result<Pixels, Failure> {
         match *self {}
     }
 }

@@ -4,17 +4,11 @@ use std::path::{Path, PathBuf};
 
 use umbrage::geom::Light;
 use umbrage::gpu::Gpu;
-use umbrage::mesh::Mesh;
-use umbrage::oracle::Oracle;
+use umbrage::caster::Caster;
 use umbrage::render::{MemoryError, verdict_color, verdicts};
 use umbrage::scene::SceneLight;
-use umbrage::shadow::stencil::{
-    Asked, Caster, Counting, Depth, MethodPlan, Receivers, ShadowMask, StencilMethod, StencilPass,
-    StencilVolumes,
-};
-use umbrage::shadow::volume::Faces;
+use umbrage::shadow::stencil::{Counting, Depth, ShellMethods, Receivers, ShadowMask, StencilMethod, StencilPass, StencilVolumes};
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
-use umbrage::verify::points::Verifier;
 use umbrage::view::Projection;
 use umbrage::view::{Camera, Size};
 
@@ -42,13 +36,11 @@ impl Graphics {
         &self,
         args: &Args,
         source: &Source,
-        verifier: &Verifier<'_>,
     ) -> Result<Pixels, Failure> {
         let size = args.size.unwrap_or(Size::new(SIDE, SIDE).expect("in range"));
         let camera = camera(args, source, size)?;
         let job = Job {
-            mesh: &source.mesh,
-            oracle: verifier.oracle(),
+            caster: &source.caster,
             lights: &source.lights,
             projection: camera.projection(size, camera.near(&source.bounds, size)),
             size,
@@ -88,8 +80,7 @@ fn numbered(path: &Path, number: usize) -> PathBuf {
 
 /// What is to be judged.
 struct Job<'a> {
-    mesh: &'a Mesh,
-    oracle: &'a Oracle,
+    caster: &'a Caster,
     lights: &'a [SceneLight],
     projection: Projection,
     size: Size,
@@ -115,8 +106,7 @@ fn judge(gpu: &Gpu, job: &Job<'_>) -> Result<Pixels, Failure> {
         gpu,
         job,
         pass: StencilPass::new(gpu, Depth::Plane)?,
-        receivers: Receivers::upload(gpu, job.mesh)?,
-        caster: Caster::new(job.mesh, Faces::Auto),
+        receivers: Receivers::upload(gpu, job.caster)?,
     };
     drop(progress);
     let mut lights = Vec::new();
@@ -136,19 +126,18 @@ struct Bench<'a> {
     job: &'a Job<'a>,
     pass: StencilPass,
     receivers: Receivers,
-    caster: Caster<'a>,
 }
 
 impl Bench<'_> {
     /// The passes of one light, and all of them as one comparison.
     fn judge_light(&self, index: usize, light: &Light) -> Result<(LightPixels, Comparison), Failure> {
         let [zfail, auto] = PASSES.map(|(asked, _)| asked);
-        let casting = self.caster.cast(light, &self.job.projection, Asked::ZFail);
+        let casting = self.cast(light, Some(StencilMethod::ZFail));
         let mask = self.mask(&casting)?;
         let mut worst = self.compare(index, light, &casting, &mask);
         let mut passes = vec![describe(zfail, &casting, &worst)];
 
-        let casting = self.caster.cast(light, &self.job.projection, Asked::Auto);
+        let casting = self.cast(light, None);
         if casting.methods.count(StencilMethod::ZPass) > 0 {
             let chosen = self.mask(&casting)?;
             if counts_the_same(&mask, &chosen) {
@@ -164,6 +153,10 @@ impl Bench<'_> {
         Ok((LightPixels { passes, counts: counts(&worst) }, worst))
     }
 
+    fn cast(&self, light: &Light, method: Option<StencilMethod>) -> StencilVolumes {
+        self.job.caster.stencil_volumes(light, &self.job.projection, None, method)
+    }
+
     fn mask(&self, casting: &StencilVolumes) -> Result<ShadowMask, Failure> {
         let volumes = casting.upload(self.gpu)?;
         let Job { projection, size, .. } = self.job;
@@ -177,13 +170,12 @@ impl Bench<'_> {
         casting: &StencilVolumes,
         mask: &ShadowMask,
     ) -> Comparison {
-        let Job { mesh, oracle, lights, projection, size, .. } = self.job;
+        let Job { caster, lights, projection, size, .. } = self.job;
         let what = format!("judging pixels, light {} of {}", index + 1, lights.len());
         let progress = Progress::bar(what, size.height().into());
         // The volumes come from exact signs: no face is unsure.
-        let (topology, signs) = (self.caster.topology(), &casting.signs);
-        let rendered = Rendered { mesh, topology, signs, light, projection, mask, unsure: &[] };
-        compare(oracle, &rendered, SHOWN, &|rows| progress.done(rows))
+        let rendered = Rendered { caster, signs: &casting.signs, light, projection, mask, unsure: &[] };
+        compare(&rendered, SHOWN, &|rows| progress.done(rows))
     }
 }
 
@@ -209,7 +201,7 @@ fn describe(asked: &'static str, casting: &StencilVolumes, comparison: &Comparis
 }
 
 /// The method of all shells.
-fn method(plan: &MethodPlan) -> &'static str {
+fn method(plan: &ShellMethods) -> &'static str {
     match (plan.count(StencilMethod::ZPass), plan.count(StencilMethod::ZFail)) {
         (0, _) => StencilMethod::ZFail.name(),
         (_, 0) => StencilMethod::ZPass.name(),
@@ -224,7 +216,7 @@ fn counts(comparison: &Comparison) -> Counts {
 /// Draws a comparison, and says what its colors mean.
 fn draw(job: &Job<'_>, comparison: &Comparison, path: &Path) -> Result<(), Failure> {
     let progress = Progress::bar("drawing", job.size.height().into());
-    let picture = verdicts(job.oracle, &job.projection, comparison, &|rows| progress.done(rows));
+    let picture = verdicts(job.caster.oracle(), &job.projection, comparison, &|rows| progress.done(rows));
     drop(progress);
     let picture = picture.map_err(|error| Failure::new(error, "leave out --picture"))?;
     picture.write_png(path)?;

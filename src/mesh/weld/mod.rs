@@ -8,6 +8,8 @@ mod streaming;
 mod tests;
 mod within;
 
+use std::sync::Arc;
+
 use super::{Mesh, VertexId};
 
 /// Which vertices are the same.
@@ -105,7 +107,7 @@ pub fn weld(mesh: &Mesh, how: Weld) -> Welded {
         name: mesh.name.clone(),
         frames: mesh.frames.iter().map(|frame| pick(frame, &kept.origins)).collect(),
         positions: kept.positions,
-        triangles,
+        triangles: triangles.into(),
         parts: mesh.parts.clone(),
     };
     Welded { mesh: welded, vertex_of }
@@ -126,13 +128,13 @@ pub fn weld_in_place(mut mesh: Mesh, how: Weld) -> Welded {
     let used = Used::by(&mesh);
     let vertices = mesh.vertex_count();
     let (kept, vertex_of) = if how.is_exact() && used.are_corners {
-        let mut triangles = std::mem::take(&mut mesh.triangles);
+        let mut triangles = Arc::unwrap_or_clone(std::mem::take(&mut mesh.triangles));
         let kept = exact::merge(&mesh, &used, triangles.as_flattened_mut());
-        mesh.triangles = triangles;
+        mesh.triangles = triangles.into();
         (kept, None)
     } else {
         let (kept, vertex_of) = merged(&mesh, &used, how);
-        for corner in mesh.triangles.as_flattened_mut() {
+        for corner in Arc::make_mut(&mut mesh.triangles).as_flattened_mut() {
             *corner = vertex_of[*corner as usize];
         }
         (kept, Some(vertex_of))

@@ -1,6 +1,6 @@
 //! The stencil pass: counting a shadow volume's faces along the way of every pixel.
 //!
-//! What is decided before anything is drawn stands here, and needs no graphics device: [`MethodPlan`] chooses z-pass
+//! What is decided before anything is drawn stands here, and needs no graphics device: [`ShellMethods`] chooses z-pass
 //! or z-fail for every shell and says why, and [`max_depth_complexity`] bounds the counts, so that one that would not fit the
 //! stencil is known beforehand.
 
@@ -18,10 +18,10 @@ pub(crate) use gpu::SOURCE;
 #[cfg(feature = "gpu")]
 pub use gpu::{Depth, Draw, Receivers, StencilFrame, StencilPass};
 pub use mask::{Counting, ShadowMask};
-pub use method::{Asked, MethodChoice, MethodPlan, Reason, ShellBoxes};
+pub use method::ShellMethods;
 #[cfg(feature = "gpu")]
 pub use volumes::GpuStencilVolumes;
-pub use volumes::{Caster, StencilVolumes};
+pub use volumes::StencilVolumes;
 
 /// Which faces of a shadow volume the stencil counts at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,26 +1,12 @@
-//! From a mesh and a light to volumes that are ready to be counted, with the reason for every choice.
+//! From a caster and a light to volumes that are ready to be counted, with the reason for every choice.
 
-use super::{Asked, Counting, DepthComplexity, MethodPlan, ShellBoxes, StencilMethod, max_depth_complexity};
-use crate::caster::ShellProof;
-use crate::facing::FacePlanes;
+use super::{Counting, DepthComplexity, ShellMethods, StencilMethod, max_depth_complexity};
+use crate::caster::Caster;
+use crate::facing::CasterFaces;
 use crate::geom::Light;
-use crate::mesh::Mesh;
-use crate::shadow::volume::{Caps, Faces, Plan, ShadowVolume};
+use crate::shadow::volume::{Caps, ShadowVolume, ShellFaces};
 use crate::silhouette::Silhouette;
-use crate::topology::{Shells, Topology};
 use crate::view::Projection;
-
-/// A mesh prepared for many lights and cameras.
-#[derive(Clone, Debug)]
-pub struct Caster<'mesh> {
-    mesh: &'mesh Mesh,
-    topology: Topology,
-    shells: Shells,
-    boxes: ShellBoxes,
-    planes: FacePlanes,
-    proofs: Vec<ShellProof>,
-    faces: Faces,
-}
 
 /// What a mesh casts from one light, for one camera.
 #[derive(Clone, Debug)]
@@ -28,9 +14,9 @@ pub struct StencilVolumes {
     /// The sign that each face casts with: one entry a face.
     pub signs: Vec<i8>,
     /// Which faces cast, shell by shell.
-    pub faces: Plan,
+    pub faces: ShellFaces,
     /// How they are counted, shell by shell.
-    pub methods: MethodPlan,
+    pub methods: ShellMethods,
     /// How many casting faces a ray from the light can cross.
     pub layers: DepthComplexity,
     /// The volumes: one for the shells that z-pass is right for, without caps, one with caps for the others. A method
@@ -41,75 +27,67 @@ pub struct StencilVolumes {
 /// One more than eight bits can hold.
 const STENCIL_LIMIT: u32 = 256;
 
-impl<'mesh> Caster<'mesh> {
-    /// Builds the topology of `mesh`, its planes, and what the choice of methods needs. With [`Faces::Auto`] the proofs
-    /// that half the faces are enough take the longest, some microseconds a face; they pay where the mesh is drawn
-    /// often.
-    #[must_use]
-    pub fn new(mesh: &'mesh Mesh, faces: Faces) -> Self {
-        let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.triangles().to_vec());
-        let shells = topology.shells();
-        let proofs = match faces {
-            Faces::Auto => ShellProof::of(mesh, &topology, &shells),
-            Faces::All | Faces::Front => Vec::new(),
-        };
-        let (boxes, planes) = (ShellBoxes::new(mesh, &shells), FacePlanes::new(mesh));
-        Self { mesh, topology, shells, boxes, planes, proofs, faces }
-    }
-
-    /// The mesh.
-    #[must_use]
-    pub fn mesh(&self) -> &'mesh Mesh {
-        self.mesh
-    }
-
-    /// Its edge table.
-    #[must_use]
-    pub fn topology(&self) -> &Topology {
-        &self.topology
-    }
-
+impl Caster {
     /// Decides which faces cast from `light` and how each shell is counted by a camera, and makes the volumes.
+    ///
+    /// `faces` and `method` are used as they are if they are asked for, proven or not. Without `faces` half of them cast
+    /// where that is proven to be enough, which takes [`Caster::proofs`]; without `method` z-pass counts the shells
+    /// that it is proven right for.
+    ///
+    /// ```
+    /// use umbrage::caster::Caster;
+    /// use umbrage::shadow::stencil::StencilMethod;
+    /// use umbrage::testing::shapes;
+    /// use umbrage::view::Projection;
+    /// let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
+    /// let camera = Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1 };
+    /// let caster = Caster::new(shapes::cube());
+    /// let shadow = caster.stencil_volumes(&"point:0,9,5".parse()?, &camera, None, None);
+    /// assert_eq!(shadow.methods.choices[0].what, StencilMethod::ZPass);
+    /// # Ok::<(), umbrage::geom::LightError>(())
+    /// ```
     #[must_use]
-    pub fn cast(&self, light: &Light, projection: &Projection, asked: Asked) -> StencilVolumes {
-        let faces = Plan::choose(self.mesh, &self.shells, &self.proofs, light, self.faces);
-        let signs = faces.signs(&self.shells, &self.planes.classify(self.mesh, light));
-        let methods = match asked {
-            Asked::Auto => self.boxes.choose(self.mesh, projection, light),
-            _ => MethodPlan::choose(self.mesh, &self.shells, projection, light, asked),
+    pub fn stencil_volumes(
+        &self,
+        light: &Light,
+        projection: &Projection,
+        faces: Option<CasterFaces>,
+        method: Option<StencilMethod>,
+    ) -> StencilVolumes {
+        let faces = self.shell_faces(light, faces);
+        let signs = faces.signs(self.shells(), &self.facing(light));
+        let methods = match method {
+            None => self.shell_boxes().choose(self.mesh(), projection, light),
+            Some(method) => ShellMethods::all(method, self.shells().count),
         };
         let volumes = [StencilMethod::ZPass, StencilMethod::ZFail]
             .into_iter()
             .filter(|&method| methods.count(method) > 0)
-            .map(|method| (method, self.volume(light, &signs, &methods, method)))
+            .map(|method| (method, self.counted_volume(light, &signs, &methods, method)))
             .collect();
-        let layers = max_depth_complexity(self.mesh, &signs, light, STENCIL_LIMIT);
+        let layers = max_depth_complexity(self.mesh(), &signs, light, STENCIL_LIMIT);
         StencilVolumes { signs, faces, methods, layers, volumes }
     }
 
     /// The volume of those shells that are counted by one method.
-    fn volume(
+    fn counted_volume(
         &self,
         light: &Light,
         signs: &[i8],
-        methods: &MethodPlan,
+        methods: &ShellMethods,
         method: StencilMethod,
     ) -> ShadowVolume {
         let counted =
-            |shell: Option<u32>| shell.is_some_and(|shell| methods.choices[shell as usize].method == method);
-        let signs: Vec<i8> = self
-            .shells
-            .of_face
-            .iter()
-            .zip(signs)
-            .map(|(&shell, &sign)| if counted(shell) { sign } else { 0 })
-            .collect();
-        let silhouette = Silhouette::extract(&self.topology, &signs);
+            |shell: Option<u32>| shell.is_some_and(|shell| methods.choices[shell as usize].what == method);
+        let shell_of = self.shells().of_face.iter();
+        let sign = |(&shell, &sign): (&Option<u32>, &i8)| if counted(shell) { sign } else { 0 };
+        let signs: Vec<i8> = shell_of.zip(signs).map(sign).collect();
+        let silhouette = Silhouette::extract(self.topology(), &signs);
         let caps = match method {
             StencilMethod::ZPass => Caps::None,
             StencilMethod::ZFail => Caps::Both,
         };
-        ShadowVolume::extrude(self.mesh, &self.topology, light, &signs, &silhouette, caps)
+        ShadowVolume::extrude(self.mesh(), self.topology(), light, &signs, &silhouette, caps)
     }
 }
 

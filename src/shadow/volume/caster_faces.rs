@@ -6,155 +6,62 @@
 //! negative volume the same holds with all signs turned. Anything less is not proof: a figure-eight prism is
 //! watertight and may have a positive volume, and its other lobe would stay lit.
 
-use std::fmt;
 
 use super::winding::{Crossing, crossing, scattered};
-use crate::caster::ShellProof;
-use crate::facing::{CASTS_BEHIND, CASTS_IN_FRONT};
+use super::{Caps, ShadowVolume};
+use crate::caster::{Caster, ShellProof};
+use crate::silhouette::Silhouette;
+use crate::choice::{Choice, Reason};
+use crate::facing::CasterFaces;
 use crate::geom::Facing;
 use crate::geom::Light;
 use crate::geom::predicate::Homogeneous;
 use crate::mesh::{FaceId, Mesh};
 use crate::topology::Shells;
 
-/// Which faces of a shell cast.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Variant {
-    /// Every face that is not edge-on, with its sign. Right for any mesh.
-    General,
-    /// Front faces only.
-    FrontOnly,
-    /// Back faces only: the front faces of a shell whose faces look inwards.
-    BackOnly,
-}
-
-impl Variant {
-    /// Lower-case name, as in reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::General => "general",
-            Self::FrontOnly => "front",
-            Self::BackOnly => "back",
-        }
-    }
-
-    /// The sign that a face of the shell casts with.
-    #[inline]
-    #[must_use]
-    pub fn sign(self, facing: Facing) -> i8 {
-        match self {
-            Self::General => facing.sign(),
-            Self::FrontOnly => facing.sign().max(0),
-            Self::BackOnly => facing.sign().min(0),
-        }
-    }
-
-    /// Which sides a face of the shell casts on, as bits: [`CASTS_IN_FRONT`], [`CASTS_BEHIND`].
-    #[inline]
-    #[must_use]
-    pub fn mask(self) -> u8 {
-        match self {
-            Self::General => CASTS_IN_FRONT | CASTS_BEHIND,
-            Self::FrontOnly => CASTS_IN_FRONT,
-            Self::BackOnly => CASTS_BEHIND,
-        }
-    }
-}
-
-/// What the caller wants cast.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Faces {
-    /// Half the faces where that is proven to be enough.
-    #[default]
-    Auto,
-    /// The general form everywhere.
-    All,
-    /// Front faces everywhere, proven or not.
-    Front,
-}
-
 /// Where a light is with respect to one shell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LightPlace {
+enum LightPlace {
     /// The shell winds this often around the light.
     Winding(i32),
     /// On a face of the shell, or so aligned with it that it could not be told.
     OnShell,
 }
 
-/// What was chosen for one shell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ShellChoice {
-    /// Which faces cast.
-    pub variant: Variant,
-    /// What was asked for.
-    pub faces: Faces,
-    /// What is known of the shell; `None` where nothing needed proof.
-    pub proof: Option<ShellProof>,
-    /// Where the light is; `None` where that was not looked at.
-    pub light: Option<LightPlace>,
-}
-
-/// The reason, in words.
-impl fmt::Display for ShellChoice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match (self.faces, self.proof, self.light) {
-            (Faces::All, ..) => "all faces were asked for",
-            (Faces::Front, ..) => "front faces were asked for; nothing is proven",
-            (_, Some(ShellProof::NotWatertight), _) => "the shell is not watertight",
-            (_, Some(ShellProof::ZeroAreaFace), _) => "a face of the shell has no area",
-            (_, Some(ShellProof::MeetsItself), _) => "the shell meets itself",
-            (_, Some(ShellProof::Unsettled), _) => "too many faces reach into one place for a proof",
-            (_, Some(ShellProof::NoVolume), _) => "the shell encloses no volume",
-            (.., Some(LightPlace::OnShell)) => "the light is on the shell",
-            (.., Some(LightPlace::Winding(w))) if w != 0 => "the light is inside the shell",
-            (_, Some(ShellProof::Inward), _) => {
-                "watertight, faces inwards, does not meet itself, and the light is outside: back faces are enough"
-            }
-            _ => "watertight, does not meet itself, and the light is outside: front faces are enough",
-        })
-    }
-}
-
 /// Which faces cast, shell by shell, for one light.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Plan {
-    /// One choice a shell, in the order of the shells.
-    pub choices: Vec<ShellChoice>,
+pub struct ShellFaces {
+    /// One choice per shell, in the order of the shells.
+    pub choices: Vec<Choice<CasterFaces>>,
 }
 
-impl Plan {
-    /// Chooses for every shell. `proofs` may be empty unless `faces` is [`Faces::Auto`].
+impl ShellFaces {
+    /// Chooses for every shell: the faces `asked` for, proven or not, or without these half the faces where that is
+    /// proven to be enough. `proofs` may be empty if faces are asked for.
     ///
     /// # Panics
     ///
-    /// Panics if `faces` is [`Faces::Auto`] and there is not one proof a shell.
+    /// Panics if no faces are asked for and there is not one proof per shell.
     #[must_use]
-    pub fn choose(mesh: &Mesh, shells: &Shells, proofs: &[ShellProof], light: &Light, faces: Faces) -> Self {
-        let plain = |variant| ShellChoice { variant, faces, proof: None, light: None };
-        let choices = match faces {
-            Faces::All => vec![plain(Variant::General); shells.count],
-            Faces::Front => vec![plain(Variant::FrontOnly); shells.count],
-            Faces::Auto => {
+    pub fn choose(
+        mesh: &Mesh,
+        shells: &Shells,
+        proofs: &[ShellProof],
+        light: &Light,
+        asked: Option<CasterFaces>,
+    ) -> Self {
+        let choices = match asked {
+            Some(faces) => vec![Choice::new(faces, why_asked(faces)); shells.count],
+            None => {
                 assert_eq!(proofs.len(), shells.count, "one proof a shell");
                 let places = light_places(mesh, shells, proofs, light);
-                let choose = |(&proof, light): (&ShellProof, Option<LightPlace>)| {
-                    let outside = light == Some(LightPlace::Winding(0));
-                    let variant = match proof {
-                        ShellProof::Outward if outside => Variant::FrontOnly,
-                        ShellProof::Inward if outside => Variant::BackOnly,
-                        _ => Variant::General,
-                    };
-                    ShellChoice { variant, faces, proof: Some(proof), light }
-                };
-                proofs.iter().zip(places).map(choose).collect()
+                proofs.iter().zip(places).map(|(&proof, place)| choose(proof, place)).collect()
             }
         };
         Self { choices }
     }
 
-    /// The sign that each face casts with: one entry a face.
+    /// The sign that each face casts with: one entry per face.
     ///
     /// # Panics
     ///
@@ -163,21 +70,85 @@ impl Plan {
     pub fn signs(&self, shells: &Shells, facing: &[Facing]) -> Vec<i8> {
         assert_eq!(shells.of_face.len(), facing.len(), "one facing a face");
         let sign = |(shell, &facing): (&Option<u32>, &Facing)| {
-            shell.map_or(0, |shell| self.choices[shell as usize].variant.sign(facing))
+            shell.map_or(0, |shell| self.choices[shell as usize].what.sign(facing))
         };
         shells.of_face.iter().zip(facing).map(sign).collect()
     }
 
-    /// Which sides each face casts on, whatever the light: one entry a face, as [`Variant::mask`].
+    /// The sides on which each face casts, whatever the light: one entry per face, as [`CasterFaces::mask`].
     ///
     /// # Panics
     ///
     /// Panics if `shells` belong to another mesh.
     #[must_use]
     pub fn masks(&self, shells: &Shells) -> Vec<u8> {
-        let mask = |shell: &Option<u32>| shell.map_or(0, |shell| self.choices[shell as usize].variant.mask());
+        let mask = |shell: &Option<u32>| shell.map_or(0, |shell| self.choices[shell as usize].what.mask());
         shells.of_face.iter().map(mask).collect()
     }
+}
+
+impl Caster {
+    /// Which faces cast from `light`, shell by shell: see [`ShellFaces::choose`].
+    #[must_use]
+    pub fn shell_faces(&self, light: &Light, asked: Option<CasterFaces>) -> ShellFaces {
+        let proofs = if asked.is_none() { self.proofs() } else { &[] };
+        ShellFaces::choose(self.mesh(), self.shells(), proofs, light, asked)
+    }
+
+    /// The shadow volume of `light`: half the faces of a shell where that is proven to be enough, else all.
+    ///
+    /// For light after light, an [`Extruder`](super::Extruder) does the same in memory that is kept.
+    ///
+    /// ```
+    /// use umbrage::caster::Caster;
+    /// use umbrage::shadow::volume::Caps;
+    /// use umbrage::testing::shapes;
+    /// let volume = Caster::new(shapes::cube()).volume(&"point:2,3,5".parse()?, Caps::Both);
+    /// // Homogeneous vertices (w = 0 lies at infinity: draw with an infinite far plane) and indices.
+    /// let (vertices, indices) = (volume.to_f32(), volume.triangles().as_flattened());
+    /// assert!(indices.iter().all(|&index| (index as usize) < vertices.len()));
+    /// # Ok::<(), umbrage::geom::LightError>(())
+    /// ```
+    #[must_use]
+    pub fn volume(&self, light: &Light, caps: Caps) -> ShadowVolume {
+        self.volume_of(light, &self.shell_faces(light, None), caps)
+    }
+
+    /// The shadow volume of `light`, cast by `faces`, which [`Caster::shell_faces`] chose.
+    #[must_use]
+    pub fn volume_of(&self, light: &Light, faces: &ShellFaces, caps: Caps) -> ShadowVolume {
+        let signs = faces.signs(self.shells(), &self.facing(light));
+        let silhouette = Silhouette::extract(self.topology(), &signs);
+        ShadowVolume::extrude(self.mesh(), self.topology(), light, &signs, &silhouette, caps)
+    }
+}
+
+fn why_asked(faces: CasterFaces) -> Reason {
+    match faces {
+        CasterFaces::All => Reason::AllFacesAsked,
+        CasterFaces::Front => Reason::FrontFacesAsked,
+        CasterFaces::Back => Reason::BackFacesAsked,
+    }
+}
+
+/// `place` is where the light is with respect to a sound shell.
+fn choose(proof: ShellProof, place: Option<LightPlace>) -> Choice<CasterFaces> {
+    let why = match (proof, place) {
+        (ShellProof::NotWatertight, _) => Reason::NotWatertight,
+        (ShellProof::ZeroAreaFace, _) => Reason::ZeroAreaFace,
+        (ShellProof::MeetsItself, _) => Reason::MeetsItself,
+        (ShellProof::Unsettled, _) => Reason::Unsettled,
+        (ShellProof::NoVolume, _) => Reason::NoVolume,
+        (_, None | Some(LightPlace::OnShell)) => Reason::LightOnShell,
+        (ShellProof::Outward, Some(LightPlace::Winding(0))) => {
+            return Choice::new(CasterFaces::Front, Reason::FrontFacesSuffice);
+        }
+        (ShellProof::Inward, Some(LightPlace::Winding(0))) => {
+            return Choice::new(CasterFaces::Back, Reason::BackFacesSuffice);
+        }
+        (_, Some(LightPlace::Winding(winding))) => Reason::LightInside { winding },
+    };
+    Choice::new(CasterFaces::All, why)
 }
 
 /// How often each sound shell winds around the light; shells that are not sound are not looked at.
@@ -232,6 +203,7 @@ fn light_places(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::check::CrackReport;
     use crate::topology::Topology;
 
     /// Two cones of so many faces each, base to base: all of a cone reach its apex.
@@ -252,22 +224,24 @@ mod tests {
     fn plan_shells_that_would_each_take_seconds_share_one_allowance() {
         let one = double_cone(1500);
         let two = Mesh::concat(&[one.clone(), one.clone()]).unwrap();
-        let built = |mesh: &Mesh| Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let built = |mesh: &Mesh| Topology::of(&mesh);
         let topologies = [&one, &two].map(built);
         let shells = [0, 1].map(|i| topologies[i].shells());
-        let proofs_of_one = |spare| ShellProof::within(&one, &topologies[0], &shells[0], spare);
+        let reports = [(&one, &topologies[0]), (&two, &topologies[1])].map(|(m, t)| CrackReport::of(m, t));
+        let proofs_of_one =
+            |spare| ShellProof::within(&one, &topologies[0], &shells[0], &reports[0], spare);
         assert_eq!(proofs_of_one(0), [ShellProof::Unsettled]);
         let step = 1 << 20;
         let spare = (1..16).map(|k| k * step).find(|&spare| proofs_of_one(spare) == [ShellProof::Outward]);
         let spare = spare.expect("the default is enough");
         assert!(spare > 2 * step, "so that it is not enough for two");
 
-        let proofs = ShellProof::within(&two, &topologies[1], &shells[1], spare);
+        let proofs = ShellProof::within(&two, &topologies[1], &shells[1], &reports[1], spare);
         assert_eq!(proofs, [ShellProof::Outward, ShellProof::Unsettled]);
         let light = Light::directional([1.0, 2.0, 3.0]).unwrap();
-        let plan = Plan::choose(&two, &shells[1], &proofs, &light, Faces::Auto);
-        assert_eq!(plan.choices[0].variant, Variant::FrontOnly);
-        assert_eq!(plan.choices[1].variant, Variant::General);
+        let plan = ShellFaces::choose(&two, &shells[1], &proofs, &light, None);
+        assert_eq!(plan.choices[0].what, CasterFaces::Front);
+        assert_eq!(plan.choices[1].what, CasterFaces::All);
         assert_eq!(plan.choices[1].to_string(), "too many faces reach into one place for a proof");
     }
 }

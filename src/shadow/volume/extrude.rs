@@ -84,7 +84,7 @@ impl std::error::Error for BufferTooSmall {}
 /// use umbrage::silhouette::Silhouette;
 /// use umbrage::shadow::volume::{Caps, ExtrudeInput, Extruder};
 /// let mesh = shapes::icosphere(3);
-/// let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+/// let topology = Topology::of(&mesh);
 /// let (planes, mut extruder) = (FacePlanes::new(&mesh), Extruder::new(&topology));
 /// let (mut facing, mut signs, mut silhouette) = (Vec::new(), Vec::new(), Silhouette::default());
 /// let mut buffer = vec![[0; 3]; 4 * mesh.face_count()]; // mapped memory of a renderer, say
@@ -105,7 +105,7 @@ impl std::error::Error for BufferTooSmall {}
 pub struct Extruder {
     /// Every vertex is a corner of a face that has not collapsed.
     whole: bool,
-    /// StencilVolumes faces before each chunk of faces, and of all.
+    /// Casting faces before each chunk of faces, and of all.
     starts: Vec<u32>,
     used: Vec<bool>,
     /// The number of each vertex among those that are used.
@@ -414,7 +414,7 @@ mod tests {
             lights in prop::collection::vec(strategy::light(), 3),
             random in prop::collection::vec(-1_i8..=1, 200),
         ) {
-            let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+            let topology = Topology::of(&mesh);
             let mut extruder = Extruder::new(&topology);
             let mut volume = empty(&lights[0]);
             for light in &lights {
@@ -436,7 +436,7 @@ mod tests {
     /// signs, but for those of one face.
     fn large_agrees(changed: Option<usize>) -> [bool; 3] {
         let mesh = shapes::torus(300, 150, 2.0, 0.75);
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let light = &Light::point([3.0, 4.0, 5.0]).expect("finite");
         let mut extruder = Extruder::new(&topology);
         let facing = classify(&mesh, light);
@@ -468,7 +468,7 @@ mod tests {
     #[test]
     fn volume_in_a_buffer_that_is_too_small_is_refused_and_nothing_is_written() {
         let mesh = shapes::cube();
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let light = Light::point([2.0, 3.0, 5.0]).expect("finite");
         let signs = CasterFaces::All.signs(&classify(&mesh, &light));
         let silhouette = Silhouette::extract(&topology, &signs);
@@ -497,7 +497,7 @@ mod tests {
         positions.insert(0, [9.0; 3]);
         let shifted = whole.triangles().iter().map(|triangle| triangle.map(|v| v + 1)).collect();
         let mesh = Mesh::new(positions, shifted).expect("finite");
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let light = Light::point([2.0, 3.0, 5.0]).expect("finite");
         let signs = CasterFaces::All.signs(&classify(&mesh, &light));
         let silhouette = Silhouette::extract(&topology, &signs);

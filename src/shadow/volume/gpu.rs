@@ -126,7 +126,7 @@ mod tests {
     fn volume_comes_back_from_the_device_as_it_went() {
         let Some(gpu) = gpu() else { return };
         let mesh = shapes::menger_sponge(1);
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         for light in ["point:3,4,5", "directional:-1,-2,-0.5"] {
             let light: Light = light.parse().unwrap();
             let signs = CasterFaces::All.signs(&classify(&mesh, &light));

@@ -6,7 +6,7 @@
 //! edge by edge, whatever the signs are, because `∂K = Σ m·e` by definition. This is the sum of the prisms that
 //! the single faces cast (Graham Aldridge and Eric Woods, *Robust, Geometry-Independent Shadow Volumes*, 2004;
 //! Byungmoon Kim, Kihwan Kim, Greg Turk, *A Shadow-Volume Algorithm for Opaque and Transparent Nonmanifold
-//! CasterFaces*, 2008).
+//! Casters*, 2008).
 //!
 //! The winding number of the volume at a point counts the casting faces between that point and the light.
 
@@ -24,7 +24,7 @@ mod winding;
 
 use std::ops::Range;
 
-pub use caster_faces::{Faces, LightPlace, Plan, ShellChoice, Variant};
+pub use caster_faces::ShellFaces;
 pub use closed::BoundarySum;
 pub use extrude::{BufferTooSmall, ExtrudeInput, Extruder, VolumeParts};
 #[cfg(feature = "gpu")]
@@ -93,7 +93,7 @@ impl ShadowVolume {
     /// use umbrage::shadow::volume::{Caps, ShadowVolume};
     /// let mesh = shapes::cube();
     /// let light = Light::point([2.0, 3.0, 5.0])?;
-    /// let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    /// let topology = Topology::of(&mesh);
     /// let signs = CasterFaces::Front.signs(&classify(&mesh, &light));
     /// let silhouette = Silhouette::extract(&topology, &signs);
     /// let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);

@@ -175,7 +175,7 @@ impl GpuSilhouette {
     }
 
     /// Says on which sides each face casts: one entry a face, [`CasterFaces::mask`](crate::facing::CasterFaces::mask) or those of
-    /// [`Plan::masks`](crate::shadow::volume::Plan::masks). Holds for everything found or recorded afterwards.
+    /// [`Plan::masks`](crate::shadow::volume::ShellFaces::masks). Holds for everything found or recorded afterwards.
     ///
     /// # Errors
     ///

@@ -12,7 +12,7 @@ fn shaders() -> Option<SilhouetteShaders> {
 }
 
 fn topology(mesh: &Mesh) -> Topology {
-    Topology::build(mesh.vertex_count(), mesh.triangles().to_vec())
+    Topology::of(&mesh)
 }
 
 fn on_device(shaders: &SilhouetteShaders, mesh: &Mesh, planes: &FacePlanes) -> GpuSilhouette {

@@ -10,7 +10,7 @@ use crate::oracle::{Oracle, Verdict};
 use crate::topology::Topology;
 
 fn topology(mesh: &Mesh) -> Topology {
-    Topology::build(mesh.vertex_count(), mesh.triangles().to_vec())
+    Topology::of(&mesh)
 }
 
 fn balanced(mesh: &Mesh) -> bool {

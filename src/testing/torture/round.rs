@@ -8,7 +8,7 @@ use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
 use crate::oracle::{Oracle, Verdict};
 use crate::random::SplitMix64;
-use crate::shadow::volume::{Caps, Faces, Plan, ShadowVolume, WindingIndex, WindingTable, stands_on};
+use crate::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex, WindingTable, stands_on};
 use crate::silhouette::Silhouette;
 use crate::topology::Topology;
 use crate::verify::points::draw::Sampler;
@@ -90,7 +90,7 @@ impl<'a> Prepared<'a> {
     /// volume is judged beside the general one.
     pub(super) fn new(mesh: &'a Mesh, light: &'a Light, signs: u64, half: bool, seam: Seam) -> Self {
         // 1. The side of every face, by the filter and one by one.
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let mut facing = FacePlanes::new(mesh).classify(mesh, light);
         (seam.facing)(&mut facing);
         let truth = classify(mesh, light);
@@ -112,7 +112,7 @@ impl<'a> Prepared<'a> {
         let (chosen, half) = if half {
             let shells = topology.shells();
             let proofs = ShellProof::of(mesh, &topology, &shells);
-            let plan = Plan::choose(mesh, &shells, &proofs, light, Faces::Auto);
+            let plan = ShellFaces::choose(mesh, &shells, &proofs, light, None);
             let mut chosen = plan.signs(&shells, &facing);
             (seam.signs)(&mut chosen);
             let (_, half) = extrude(&chosen);

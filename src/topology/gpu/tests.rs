@@ -182,7 +182,7 @@ fn gpu_topology_of_more_faces_than_the_buffer_holds_is_refused() {
 fn gpu_topology_comes_back_from_the_device_as_it_went() {
     let Some(gpu) = gpu() else { return };
     for mesh in [shapes::book(5), shapes::menger_sponge(1)] {
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let lent = GpuTopology::upload(&gpu, &topology).unwrap();
         assert_eq!(lent.edge_count as usize, topology.edge_count());
         let host = on_host(lent.vertex_count, mesh.triangles());

@@ -12,6 +12,7 @@ use glam::{DVec2, DVec3};
 use footprint::step;
 use recenter::Recentered;
 
+use crate::caster::Caster;
 use crate::geom::bvh::Bvh;
 use crate::geom::{Aabb, Light};
 use crate::mesh::{FaceId, Mesh};
@@ -19,7 +20,6 @@ use crate::oracle::{Intersection, Oracle, PrimaryHit};
 use crate::parallel;
 use crate::shadow::stencil::{Counting, ShadowMask};
 use crate::silhouette::{Silhouette, SilhouetteEdge};
-use crate::topology::Topology;
 use crate::view::Projection;
 use crate::view::Size;
 
@@ -108,10 +108,8 @@ impl Comparison {
 /// What was rendered, for [`compare`].
 #[derive(Clone, Copy, Debug)]
 pub struct Rendered<'a> {
-    /// The mesh that casts and receives.
-    pub mesh: &'a Mesh,
-    /// Its edge table.
-    pub topology: &'a Topology,
+    /// What casts and receives.
+    pub caster: &'a Caster,
     /// The sign that each face casts with, exact: one entry a face.
     pub signs: &'a [i8],
     /// The light.
@@ -125,7 +123,7 @@ pub struct Rendered<'a> {
     pub unsure: &'a [FaceId],
 }
 
-/// Judges every pixel of `rendered` by the `oracle` of its mesh, and keeps the places of the first `keep` real
+/// Judges every pixel of `rendered` by the exact ray cast, and keeps the places of the first `keep` real
 /// mismatches. With the feature `parallel`, rows are shared among threads.
 ///
 /// `progress` hears of rows done, from any thread. About 4 µs a pixel and thread for a mesh of 10⁵ faces.
@@ -135,17 +133,16 @@ pub struct Rendered<'a> {
 /// Panics if `signs` has another length than the faces of the mesh.
 #[must_use]
 pub fn compare(
-    oracle: &Oracle,
     rendered: &Rendered<'_>,
     keep: usize,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Comparison {
-    assert_eq!(rendered.signs.len(), rendered.mesh.face_count(), "one sign a face");
-    match Recentered::of(rendered.mesh, rendered.light, rendered.projection) {
-        None => judge_all(oracle, rendered, keep, progress),
+    assert_eq!(rendered.signs.len(), rendered.caster.mesh().face_count(), "one sign a face");
+    match Recentered::of(rendered.caster.mesh(), rendered.light, rendered.projection) {
+        None => judge_all(rendered.caster.mesh(), rendered.caster.oracle(), rendered, keep, progress),
         Some(Recentered { mesh, light, projection, origin }) => {
-            let moved = Rendered { mesh: &mesh, light: &light, projection: &projection, ..*rendered };
-            let mut comparison = judge_all(&Oracle::build(&mesh), &moved, keep, progress);
+            let moved = Rendered { light: &light, projection: &projection, ..*rendered };
+            let mut comparison = judge_all(&mesh, &Oracle::build(&mesh), &moved, keep, progress);
             for point in comparison.mismatches.iter_mut().filter_map(|mismatch| mismatch.point.as_mut()) {
                 *point = [0, 1, 2].map(|i| point[i] + origin[i]);
             }
@@ -158,15 +155,17 @@ pub fn compare(
 const THOROUGH: usize = 16;
 
 fn judge_all(
+    mesh: &Mesh,
     oracle: &Oracle,
     rendered: &Rendered<'_>,
     keep: usize,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Comparison {
     let size = rendered.mask.size();
-    let silhouette = Silhouette::extract(rendered.topology, rendered.signs);
-    let ends = |edge: &SilhouetteEdge| rendered.topology.vertices(edge.edge);
-    let edges = silhouette.edges.iter().map(|edge| ends(edge).map(|v| rendered.mesh.positions()[v.index()]));
+    let topology = rendered.caster.topology();
+    let silhouette = Silhouette::extract(topology, rendered.signs);
+    let ends = |edge: &SilhouetteEdge| topology.vertices(edge.edge);
+    let edges = silhouette.edges.iter().map(|edge| ends(edge).map(|v| mesh.positions()[v.index()]));
     let edges: Vec<[[f32; 3]; 2]> = edges.collect();
     let boxes: Vec<Aabb> = edges.iter().map(|ends| Aabb::around(*ends)).collect();
     let edge_tree = Bvh::build(&boxes);
@@ -193,7 +192,7 @@ fn judge_all(
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     visible: PrimaryHit,
-    /// StencilVolumes faces that are properly crossed on the way to the light.
+    /// Casting faces that are properly crossed on the way to the light.
     count: u32,
     /// Whether casting faces are only touched: then the count may be more.
     touching: bool,

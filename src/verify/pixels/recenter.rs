@@ -33,9 +33,11 @@ impl Recentered {
             (0..3).all(|i| rounding(p[i], origin[i], moved[i]) == 0.0).then_some(moved)
         };
         let positions = mesh.positions().iter().map(|&p| less(p)).collect::<Option<Vec<_>>>()?;
+        let mut moved = mesh.clone();
+        moved.set_positions(positions).ok()?;
         let light = if light.is_directional() { *light } else { Light::point(less(light.xyz())?).ok()? };
         let projection = Projection { eye: less(projection.eye)?, ..*projection };
-        Some(Self { mesh: Mesh::new(positions, mesh.triangles().to_vec()).ok()?, light, projection, origin })
+        Some(Self { mesh: moved, light, projection, origin })
     }
 }
 

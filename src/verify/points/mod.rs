@@ -11,14 +11,12 @@ pub(crate) mod judge;
 
 pub use draw::STRATA;
 
-use crate::caster::ShellProof;
-use crate::facing::{CasterFaces, FacePlanes, classify};
+use crate::caster::Caster;
+use crate::facing::{CasterFaces, classify};
 use crate::geom::{Aabb, Light};
-use crate::mesh::Mesh;
-use crate::oracle::{Oracle, Verdict};
-use crate::shadow::volume::{Caps, Faces, Plan, ShadowVolume, WindingIndex};
+use crate::oracle::Verdict;
+use crate::shadow::volume::{Caps, ShadowVolume, WindingIndex};
 use crate::silhouette::Silhouette;
-use crate::topology::{Shells, Topology};
 use judge::Cast;
 
 /// How much to verify.
@@ -38,15 +36,10 @@ impl Default for Options {
     }
 }
 
-/// A mesh prepared for verification with any number of lights.
-#[derive(Debug)]
-pub struct Verifier<'mesh> {
-    mesh: &'mesh Mesh,
-    topology: Topology,
-    shells: Shells,
-    proofs: Vec<ShellProof>,
-    planes: FacePlanes,
-    oracle: Oracle,
+/// Verifies a caster with any number of lights.
+#[derive(Clone, Copy, Debug)]
+pub struct Verifier<'a> {
+    caster: &'a Caster,
 }
 
 /// What the judges said for one light.
@@ -158,21 +151,11 @@ const RUN: usize = 256;
 /// at least and 200 at most.
 const REFERENCE_FACES: usize = 400_000;
 
-impl<'mesh> Verifier<'mesh> {
-    /// Prepares `mesh`, which is welded: topology, shells and what is proven of them, planes, tree.
+impl<'a> Verifier<'a> {
+    /// For a caster whose mesh is welded. Topology, proofs, planes and ray cast are made when first needed.
     #[must_use]
-    pub fn new(mesh: &'mesh Mesh) -> Self {
-        let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.triangles().to_vec());
-        let shells = topology.shells();
-        let proofs = ShellProof::of(mesh, &topology, &shells);
-        let (planes, oracle) = (FacePlanes::new(mesh), Oracle::build(mesh));
-        Self { mesh, topology, shells, proofs, planes, oracle }
-    }
-
-    /// The tree over all faces, for other questions about the same mesh.
-    #[must_use]
-    pub fn oracle(&self) -> &Oracle {
-        &self.oracle
+    pub fn new(caster: &'a Caster) -> Self {
+        Self { caster }
     }
 
     /// Verifies one light. `progress` is told of points as they are done, from any thread.
@@ -190,16 +173,16 @@ impl<'mesh> Verifier<'mesh> {
         progress: &(dyn Fn(u64) + Sync),
         spoil: impl Fn(&mut [i8]),
     ) -> Verification {
-        let facing = self.planes.classify(self.mesh, light);
-        let plan = Plan::choose(self.mesh, &self.shells, &self.proofs, light, Faces::Auto);
-        let chosen = plan.signs(&self.shells, &facing);
+        let (mesh, topology) = (self.caster.mesh(), self.caster.topology());
+        let facing = self.caster.facing(light);
+        let chosen = self.caster.shell_faces(light, None).signs(self.caster.shells(), &facing);
         let extrude = |mut signs: Vec<i8>| {
             spoil(&mut signs);
-            let silhouette = Silhouette::extract(&self.topology, &signs);
-            ShadowVolume::extrude(self.mesh, &self.topology, light, &signs, &silhouette, Caps::Both)
+            let silhouette = Silhouette::extract(topology, &signs);
+            ShadowVolume::extrude(mesh, topology, light, &signs, &silhouette, Caps::Both)
         };
-        let edges = Silhouette::extract(&self.topology, &CasterFaces::All.signs(&facing));
-        let points = draw::draw(self.mesh, &self.topology, &edges, light, options);
+        let edges = Silhouette::extract(topology, &CasterFaces::All.signs(&facing));
+        let points = draw::draw(mesh, topology, &edges, light, options);
         let within = Aabb::around(points.iter().map(|(_, p)| *p));
         let (all, half) = (extrude(CasterFaces::All.signs(&facing)), extrude(chosen.clone()));
         let bench = Bench {
@@ -211,7 +194,7 @@ impl<'mesh> Verifier<'mesh> {
             reference_every: self.reference_every(options.points / STRATA.len().max(1)),
         };
         let mut verification = bench.judge_all(&points, options.keep, progress);
-        let truth = classify(self.mesh, light);
+        let truth = classify(mesh, light);
         let wrong = facing.iter().zip(&truth).filter(|(filtered, exact)| filtered != exact).count() as u64;
         let name = "sides of all faces, one by one";
         let judge = Judge { name, points: truth.len() as u64, abstain: 0, disagree: wrong };
@@ -221,7 +204,7 @@ impl<'mesh> Verifier<'mesh> {
 
     /// Every how many points of a stratum the whole-number judge is asked.
     fn reference_every(&self, points: usize) -> usize {
-        let samples = (REFERENCE_FACES / (self.mesh.face_count() + 1)).clamp(20, 1000) / STRATA.len();
+        let samples = (REFERENCE_FACES / (self.caster.mesh().face_count() + 1)).clamp(20, 1000) / STRATA.len();
         points.div_ceil(samples).max(1)
     }
 }
@@ -267,7 +250,7 @@ impl Bench<'_> {
 
     fn judge(&self, index: usize, stratum: usize, p: [f32; 3], tally: &mut Tally) {
         // 1. The ray cast: all faces between, those of them that cast in the halved volume, and what is touched.
-        let cast = Cast::of(&self.verifier.oracle, p, self.light, self.chosen);
+        let cast = Cast::of(self.verifier.caster.oracle(), p, self.light, self.chosen);
         let verdict = cast.verdict();
         tally.judges[0].points += 1;
         let mut contradictions = Vec::new();
@@ -294,7 +277,7 @@ impl Bench<'_> {
         if (index / STRATA.len()).is_multiple_of(self.reference_every) {
             let row = &mut tally.judges[3];
             row.points += 1;
-            if let Err(what) = cast.in_whole_numbers(self.verifier.mesh, p, self.light) {
+            if let Err(what) = cast.in_whole_numbers(self.verifier.caster.mesh(), p, self.light) {
                 row.disagree += 1;
                 contradictions.push(format!("{}: {what}", JUDGES[3]));
             }
@@ -349,8 +332,8 @@ mod tests {
 
     #[test]
     fn verify_sees_a_single_face_that_is_taken_for_its_opposite() {
-        let mesh = shapes::torus(24, 12, 2.0, 0.7);
-        let verifier = Verifier::new(&mesh);
+        let caster = Caster::new(shapes::torus(24, 12, 2.0, 0.7));
+        let verifier = Verifier::new(&caster);
         let light = Light::point([3.0, 4.0, 5.0]).unwrap();
         let options = Options { points: 5000, ..Options::default() };
         let sound = verifier.verify(&light, &options, &|_| {});
@@ -365,8 +348,8 @@ mod tests {
 
     #[test]
     fn verify_draws_the_same_points_from_the_same_seed_and_fills_every_stratum() {
-        let mesh = shapes::sheet(4);
-        let verifier = Verifier::new(&mesh);
+        let caster = Caster::new(shapes::sheet(4));
+        let verifier = Verifier::new(&caster);
         let light = Light::directional([0.2, 0.1, -1.0]).unwrap();
         let options = Options { points: 1000, ..Options::default() };
         let first = verifier.verify(&light, &options, &|_| {});

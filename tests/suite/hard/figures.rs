@@ -12,7 +12,7 @@ use umbrage::verify::points::{Options, Verifier};
 use umbrage::verify::reference;
 
 pub(super) fn topology(mesh: &Mesh) -> Topology {
-    let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let topology = Topology::of(&mesh);
     topology.validate();
     topology
 }

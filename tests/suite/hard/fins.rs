@@ -4,7 +4,6 @@
 use umbrage::glam::Vec3;
 use umbrage::mesh::Mesh;
 use umbrage::shadow::stencil::{Asked, Caster, Counting, ShadowMask};
-use umbrage::shadow::volume::Faces;
 use umbrage::verify::pixels::PixelVerdict;
 
 use super::figures::*;
@@ -34,8 +33,8 @@ fn fins(seed: u32, depth: f32, corners: impl Fn(Vec3, Vec3, &mut dyn FnMut() -> 
 /// Asserts that no pixel is miscounted, with few forgiven: their middles are beside the shadows, not on their rims.
 fn expect_beside_shadows(seed: u32, fins: Mesh) {
     let (light, scene) = (sun(TRAVEL.x, TRAVEL.y, TRAVEL.z), walled(&[fins]));
-    let caster = Caster::new(&scene, Faces::All);
-    for asked in [Asked::ZFail, Asked::Auto] {
+    let caster = Caster::new(&scene, Some(CasterFaces::All));
+    for asked in [Some(StencilMethod::ZFail), None] {
         for counting in [Counting::Stencil, Counting::Integer] {
             let shot = shoot_as(&caster, &light, &plain(), asked, Some(counting));
             let Some(Shot { comparison, .. }) = shot else { return };
@@ -44,7 +43,7 @@ fn expect_beside_shadows(seed: u32, fins: Mesh) {
         }
     }
     // The sabotage: one more or less in each pixel, as a side on the wrong side of the wall makes it.
-    let Some(Shot { mask, casting, .. }) = shoot_as(&caster, &light, &plain(), Asked::ZFail, None) else {
+    let Some(Shot { mask, casting, .. }) = shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), None) else {
         return;
     };
     let by = if seed.is_multiple_of(2) { 1 } else { -1 };

@@ -3,22 +3,23 @@
 use umbrage::caster::ShellProof;
 use umbrage::facing::CasterFaces;
 use umbrage::mesh::Mesh;
-use umbrage::shadow::volume::{Faces, LightPlace, Plan, Variant};
+use umbrage::shadow::volume::{LightPlace, ShellFaces};
+use umbrage::facing::CasterFaces;
 use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 
 use super::figures::*;
 
 /// What is chosen for each shell.
-fn plan(mesh: &Mesh, light: &umbrage::geom::Light) -> Plan {
+fn plan(mesh: &Mesh, light: &umbrage::geom::Light) -> ShellFaces {
     let topology: Topology = topology(mesh);
     let shells = topology.shells();
     let proofs = ShellProof::of(mesh, &topology, &shells);
-    Plan::choose(mesh, &shells, &proofs, light, Faces::Auto)
+    ShellFaces::choose(mesh, &shells, &proofs, light, None)
 }
 
-fn variants(plan: &Plan) -> Vec<Variant> {
-    plan.choices.iter().map(|choice| choice.variant).collect()
+fn variants(plan: &ShellFaces) -> Vec<Variant> {
+    plan.choices.iter().map(|choice| choice.what).collect()
 }
 
 /// Guards against casting front faces alone, of which a light inside sees none: the world outside would be lit.
@@ -39,7 +40,7 @@ fn hard_02_light_inside_a_closed_shell_shadows_all_outside() {
         );
         expect_agreement(&mesh, &light);
         let choice = plan(&mesh, &light).choices[0];
-        assert_eq!(choice.variant, Variant::General);
+        assert_eq!(choice.what, CasterFaces::All);
         assert_eq!(choice.light, Some(LightPlace::Winding(if inverted { -1 } else { 1 })));
         assert_eq!(choice.to_string(), "the light is inside the shell");
     }
@@ -65,7 +66,7 @@ fn hard_02_light_inside_a_ring_leaves_through_three_walls() {
         ],
     );
     expect_agreement(&ring, &light);
-    assert_eq!(variants(&plan(&ring, &light)), [Variant::General]);
+    assert_eq!(variants(&plan(&ring, &light)), [CasterFaces::All]);
     // From behind the far tube front faces alone count two of the three, and none of the one before it.
     assert_eq!(winding(&ring, &light, CasterFaces::Front, [-4.0, 0.1, 0.05]), Some(1));
     assert_eq!(winding(&ring, &light, CasterFaces::Front, [0.3, 0.1, 0.05]), Some(0));
@@ -89,9 +90,9 @@ fn hard_22_cavity_is_sound_and_each_shell_has_its_own_plan() {
     // Points in the cavity, in the wood below it, and below all of it.
     let points = [[0.1, 0.25, -0.5], [0.1, 0.25, -1.5], [0.1, 0.25, -3.0]];
     for (light, expected, chosen) in [
-        (outside, [2, 3, 4], [Variant::FrontOnly, Variant::BackOnly]),
-        (between, [1, 2, 3], [Variant::General, Variant::BackOnly]),
-        (within, [0, 1, 2], [Variant::General, Variant::General]),
+        (outside, [2, 3, 4], [CasterFaces::Front, CasterFaces::Back]),
+        (between, [1, 2, 3], [CasterFaces::All, CasterFaces::Back]),
+        (within, [0, 1, 2], [CasterFaces::All, CasterFaces::All]),
     ] {
         let rows: Vec<_> = points.into_iter().zip(expected).collect();
         expect_crossings(&hollow, &light, &rows);
@@ -125,7 +126,7 @@ fn hard_22_nested_shells_alternate_between_solid_and_cavity() {
     let rows: Vec<_> = (0..7_u32).map(|k| ([0.3, 0.2, 6.5 - k as f32], k)).collect();
     expect_crossings(&onion, &light, &rows);
     expect_agreement(&onion, &point(3.1, 2.2, 4.3));
-    let (front, back) = (Variant::FrontOnly, Variant::BackOnly);
+    let (front, back) = (CasterFaces::Front, CasterFaces::Back);
     assert_eq!(variants(&plan(&onion, &light)), [front, back, front, back, front, back]);
     // The sabotage: all of one winding, and every second one contradicts its depth.
     assert_eq!(counts(&shapes::nested_cubes(6)).inside_out_shells, 3);
@@ -157,7 +158,7 @@ fn hard_21_winding_of_a_lobe_is_negative_and_front_faces_are_refused() {
     expect_crossings(&mesh, &light, &rows.map(|(p, all, _)| (p, all)));
     expect_agreement(&mesh, &light);
     let choice = plan(&mesh, &light).choices[0];
-    assert_eq!((choice.variant, choice.proof), (Variant::General, Some(ShellProof::MeetsItself)));
+    assert_eq!((choice.what, choice.proof), (CasterFaces::All, Some(ShellProof::MeetsItself)));
     assert_eq!(choice.to_string(), "the shell meets itself");
     // The sabotage: front faces alone light the inside of the negative lobe.
     for (p, _, front) in rows {
@@ -183,7 +184,7 @@ fn hard_21_winding_of_parts_that_interpenetrate_adds_up() {
     ];
     expect_crossings(&both, &light, &rows.map(|(p, all, _)| (p, all)));
     expect_agreement(&both, &light);
-    assert_eq!(variants(&plan(&both, &light)), [Variant::FrontOnly; 2]);
+    assert_eq!(variants(&plan(&both, &light)), [CasterFaces::Front; 2]);
     for (p, all, front) in rows {
         assert_eq!(winding(&both, &light, CasterFaces::Front, p), Some(front), "{p:?}");
         assert!(all > 0 && front > 0, "in or out is the same");

@@ -58,7 +58,7 @@ fn hard_16_many_vertices_beyond_what_f32_counts_exactly() {
     let mesh = cube_at_the_end((1 << 24) + 64);
     let least = mesh.triangles().iter().flatten().min().copied().unwrap();
     assert!(least > 1 << 24 && mesh.triangles().iter().flatten().all(|v| v % 2 == 1));
-    let build = |mesh: &Mesh| Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+    let build = |mesh: &Mesh| Topology::of(&mesh);
     let topology = build(&mesh);
     let c = CrackReport::of(&mesh, &topology).counts;
     assert_eq!((c.edges, c.euler_characteristic, c.sound()), (18, 2, true));
@@ -88,7 +88,7 @@ fn hard_16_many_vertices_and_faces_in_one_sheet() {
     };
     let sheet = shapes::sheet(n as u32);
     assert!(n < 4096 || sheet.vertex_count() > 1 << 24);
-    let topology = Topology::build(sheet.vertex_count(), sheet.triangles().to_vec());
+    let topology = Topology::of(&sheet);
     assert_eq!(topology.edge_count(), 3 * n * n + 2 * n);
     let found = topology.edge_counts();
     assert_eq!((found.boundary, found.non_manifold, found.misoriented, found.max_faces), (4 * n, 0, 0, 2));

@@ -9,7 +9,8 @@ use umbrage::glam::Vec3;
 use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
 use umbrage::shadow::stencil::{Asked, Caster, Counting, ShadowMask};
-use umbrage::shadow::volume::{Faces, ShadowVolume, Variant};
+use umbrage::shadow::volume::{ShadowVolume};
+use umbrage::facing::CasterFaces;
 use umbrage::testing::shapes;
 use umbrage::verify::pixels::PixelVerdict;
 
@@ -27,23 +28,23 @@ fn covering(n: u32, x: f32, y: f32) -> i32 {
 fn hard_13_wrap_of_the_stencil_is_foreseen_and_counted_beyond() {
     let light = sun(0.0, 0.0, -1.0);
     for (shells, faces, counting) in [
-        (60, Faces::All, Counting::Stencil),
-        (128, Faces::All, Counting::Integer),
-        (60, Faces::Auto, Counting::Stencil),
-        (256, Faces::Auto, Counting::Integer),
-        (300, Faces::Auto, Counting::Integer),
-        (300, Faces::All, Counting::Integer),
+        (60, Some(CasterFaces::All), Counting::Stencil),
+        (128, Some(CasterFaces::All), Counting::Integer),
+        (60, None, Counting::Stencil),
+        (256, None, Counting::Integer),
+        (300, None, Counting::Integer),
+        (300, Some(CasterFaces::All), Counting::Integer),
     ] {
         let scene = walled(&[placed(&shapes::nested_cubes(shells), 0.5, [0.25, 0.125, 256.0])]);
         let caster = Caster::new(&scene, faces);
-        let each = if faces == Faces::All { 2 } else { 1 };
+        let each = if faces == Some(CasterFaces::All) { 2 } else { 1 };
         let must = |x: f32, y: f32| Pixel::Count(each * covering(shells, x, y));
-        let Some(shot) = shoot_as(&caster, &light, &plain(), Asked::ZFail, None) else { return };
+        let Some(shot) = shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), None) else { return };
         assert_eq!(shot.casting.counting(), counting, "{shells} {faces:?}: {}", shot.casting.layers);
         assert_eq!(shot.wrong(8.0, must), [], "{shells} {faces:?}");
         assert!(shot.comparison.agrees(), "{:?}", shot.comparison.mismatches);
         // The sabotage: to trust eight bits. The first count that they take for another is 256, all shells in a pixel.
-        let eight = shoot_as(&caster, &light, &plain(), Asked::ZFail, Some(Counting::Stencil)).unwrap();
+        let eight = shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), Some(Counting::Stencil)).unwrap();
         let wraps = |x: f32, y: f32| Pixel::Count((each * covering(shells, x, y)) & 255);
         assert_eq!(eight.wrong(8.0, wraps), [], "{shells} {faces:?}");
         let overflown = eight.comparison.count(PixelVerdict::Overflow);
@@ -121,7 +122,7 @@ fn hard_14_coincident_edges_through_pixel_middles_leave_no_crack() {
     });
     triangles.remove(middle.unwrap());
     let scene = walled(&[Mesh::new(positions, triangles).unwrap()]);
-    let shot = shoot(&scene, &sun(0.0, 0.0, -1.0), &plain(), Asked::ZFail);
+    let shot = shoot(&scene, &sun(0.0, 0.0, -1.0), &plain(), Some(StencilMethod::ZFail));
     assert!(shot.is_none_or(|shot| !shot.wrong(8.0, must).is_empty()));
 }
 
@@ -145,7 +146,7 @@ fn hard_08_t_junction_throws_a_shadow_without_a_crack() {
     };
     expect_pixels("a T-junction, slanting", &tilted, &sun(0.0, -1.0, -1.0), (0.5, 8.0), must);
     let open = walled(&[placed(&shapes::open_cube(), 4.0, [0.0, 20.5, 20.0])]);
-    let shot = shoot(&open, &sun(0.0, -1.0, -1.0), &plain(), Asked::ZFail);
+    let shot = shoot(&open, &sun(0.0, -1.0, -1.0), &plain(), Some(StencilMethod::ZFail));
     assert!(shot.is_none_or(|shot| !shot.wrong(8.0, must).is_empty()), "the sabotage: no lid");
 }
 
@@ -167,14 +168,14 @@ fn hard_21_winding_of_lobes_adds_up_in_the_stencil() {
         Pixel::Count(2 * (i32::from(inside([a, b, c])) + i32::from(inside([a, c, d]))))
     };
     expect_pixels("a figure-eight prism", &scene, &light, (0.5, 8.0), must);
-    let caster = Caster::new(&scene, Faces::Auto);
-    let Some(shot) = shoot_as(&caster, &light, &plain(), Asked::ZFail, None) else { return };
-    assert_eq!(shot.casting.faces.choices[1].variant, Variant::General);
+    let caster = Caster::new(&scene, None);
+    let Some(shot) = shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), None) else { return };
+    assert_eq!(shot.casting.faces.choices[1].what, CasterFaces::All);
     assert_eq!(shot.wrong(8.0, must), []);
     assert!([2, 4].iter().all(|count| shot.mask.raw().contains(count)));
     // The sabotage: front faces alone count half.
-    let front = Caster::new(&scene, Faces::Front);
-    let shot = shoot_as(&front, &light, &plain(), Asked::ZFail, None).unwrap();
+    let front = Caster::new(&scene, Some(CasterFaces::Front));
+    let shot = shoot_as(&front, &light, &plain(), Some(StencilMethod::ZFail), None).unwrap();
     assert!(!shot.wrong(8.0, must).is_empty());
 }
 
@@ -190,7 +191,7 @@ fn round_is_lit(p: [f32; 3], light: &Light) -> bool {
 fn hard_24_terminator_follows_the_facets() {
     let ball = placed(&shapes::icosphere(2), 4.0, [0.0, 0.0, 0.0]);
     let light = point(30.0, 9.0, 2.0);
-    let Some(shot) = shoot(&ball, &light, &plain(), Asked::ZFail) else { return };
+    let Some(shot) = shoot(&ball, &light, &plain(), Some(StencilMethod::ZFail)) else { return };
     let oracle = Oracle::build(&ball);
     let (mut lit, mut dark, mut smooth_differs) = (0, 0, 0);
     for y in 0..16_u8 {

@@ -11,7 +11,6 @@ use umbrage::oracle::Oracle;
 use umbrage::shadow::stencil::{
     Asked, Caster, Counting, Depth, Receivers, ShadowMask, StencilMethod, StencilPass, StencilVolumes,
 };
-use umbrage::shadow::volume::Faces;
 use umbrage::testing::shapes;
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
 use umbrage::view::Projection;
@@ -102,7 +101,7 @@ pub(super) fn shoot_as(
     caster: &Caster<'_>,
     light: &Light,
     projection: &Projection,
-    asked: Asked,
+    asked: Option<StencilMethod>,
     counting: Option<Counting>,
 ) -> Option<Shot> {
     let (pass, mesh) = (pass()?, caster.mesh());
@@ -130,8 +129,8 @@ pub(super) fn judge(
 }
 
 /// Draws `mesh` with all its faces casting.
-pub(super) fn shoot(mesh: &Mesh, light: &Light, projection: &Projection, asked: Asked) -> Option<Shot> {
-    shoot_as(&Caster::new(mesh, Faces::All), light, projection, asked, None)
+pub(super) fn shoot(mesh: &Mesh, light: &Light, projection: &Projection, asked: Option<StencilMethod>) -> Option<Shot> {
+    shoot_as(&Caster::new(mesh, Some(CasterFaces::All)), light, projection, asked, None)
 }
 
 /// Asserts every pixel, by z-fail and by the method that is chosen, and that the comparison agrees with both. Gives how
@@ -144,7 +143,7 @@ pub(super) fn expect_pixels(
     must: impl Fn(f32, f32) -> Pixel,
 ) -> Option<usize> {
     let mut by_zpass = 0;
-    for asked in [Asked::ZFail, Asked::Auto] {
+    for asked in [Some(StencilMethod::ZFail), None] {
         let shot = shoot(mesh, light, &view(near, reach), asked)?;
         let wrong = shot.wrong(reach, &must);
         assert!(

@@ -57,7 +57,7 @@ impl Subject {
     }
 
     fn by_stencil(&self, gpu: &Gpu, depth: Depth, counting: Counting, samples: u32, fault: Fault) -> Picture {
-        let topology = Topology::build(self.mesh.vertex_count(), self.mesh.triangles().to_vec());
+        let topology = Topology::of(&self.mesh);
         let caps = if fault == Fault::Caps { Caps::None } else { Caps::Both };
         let volume = |lamp: &ShadedLight| {
             let signs = CasterFaces::All.signs(&classify(&self.mesh, &lamp.light));

@@ -16,10 +16,10 @@ pub(crate) use pipelines::SOURCE;
 pub(crate) use uniforms::Frame;
 
 use super::{Counting, ShadowMask};
-use crate::facing::FacePlanes;
+use crate::caster::Caster;
 use crate::gpu::raster::Target;
 use crate::gpu::{Gpu, GpuError, wgpu};
-use crate::mesh::{FaceId, Mesh};
+use crate::mesh::FaceId;
 use crate::shadow::volume::{GpuVolume, Part};
 use crate::view::Projection;
 use crate::view::Size;
@@ -51,33 +51,20 @@ pub struct Receivers {
 }
 
 impl Receivers {
-    /// Receivers that are on the device already: `vertices` (three `f32` a vertex), `triangles` (three `u32` a face) and
-    /// `normals` (the unit normal of each face, three `f32`; read only with [`Depth::Plane`]), all of usage `STORAGE`,
-    /// triangles of usage `INDEX` too. No coordinate is much larger than `largest`.
-    #[must_use]
-    pub fn in_buffers(
-        vertices: wgpu::Buffer,
-        triangles: wgpu::Buffer,
-        normals: wgpu::Buffer,
-        face_count: u32,
-        largest: f32,
-    ) -> Self {
-        Self { vertices, triangles, normals, corners: 3 * face_count, largest }
-    }
-
-    /// Copies the faces of a mesh, with their unit normals, to the device.
+    /// Copies the faces of a caster, with their unit normals, to the device.
     ///
     /// # Errors
     ///
     /// [`GpuError::TooLarge`] if they do not fit the device's limits, [`GpuError::OutOfMemory`].
-    pub fn upload(gpu: &Gpu, mesh: &Mesh) -> Result<Self, GpuError> {
+    pub fn upload(gpu: &Gpu, caster: &Caster) -> Result<Self, GpuError> {
         // Numbers below 2⁻¹²⁶ may be flushed; of a mesh this large they are its last few bits.
         const SMALLEST: f32 = f32::MIN_POSITIVE * (1 << 24) as f32;
+        let mesh = caster.mesh();
         let largest = mesh.largest_coordinate();
         if largest > 0.0 && largest < SMALLEST {
             return Err(GpuError::Subnormal(largest));
         }
-        let planes = FacePlanes::new(mesh);
+        let planes = caster.planes();
         let normals: Vec<[f32; 3]> =
             (0..mesh.face_count()).map(|face| planes.normal(FaceId::new(face))).collect();
         Ok(Self {
@@ -328,7 +315,7 @@ mod tests {
         let Some(gpu) = limited else { return };
         let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
         let mesh = shapes::cube();
-        let receivers = Receivers::upload(&gpu, &mesh).unwrap();
+        let receivers = Receivers::upload(&gpu, &Caster::new(mesh)).unwrap();
         let camera = Camera::look_at([3.0, 4.0, 5.0], [0.0; 3], 1.0, Up::Y).unwrap();
         let mask = |width, height, counting| {
             let size = Size::new(width, height).unwrap();

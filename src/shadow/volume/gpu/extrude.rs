@@ -358,7 +358,7 @@ mod tests {
     fn volume_that_does_not_fit_draws_nothing_and_says_so() {
         let Some(gpu) = gpu() else { return };
         let mesh = shapes::icosphere(2);
-        let topology = Topology::build(mesh.vertex_count(), mesh.triangles().to_vec());
+        let topology = Topology::of(&mesh);
         let topology = GpuTopology::upload(&gpu, &topology).unwrap();
         let caster = GpuCaster::new(&SilhouetteShaders::new(&gpu).unwrap(), &mesh, topology).unwrap();
         let silhouette = GpuSilhouette::new(&caster).unwrap();

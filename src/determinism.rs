@@ -4,7 +4,7 @@
 //! change of any output changes a constant, on purpose or not. The meshes are made without sines and cosines, which
 //! may differ between platforms in the last bit.
 
-use crate::caster::ShellProof;
+use crate::caster::{ShellBoxes, ShellProof};
 use crate::check::{CrackReport, DefectKind};
 use crate::facing::{CasterFaces, FacePlanes, classify};
 use crate::geom::Light;
@@ -78,7 +78,8 @@ fn geometry(mesh: &Mesh) -> u64 {
         let facing = planes.classify(&mesh, &light);
         assert_eq!(facing, classify(&mesh, &light));
         digest.add(&facing.iter().map(|facing| facing.sign() as u8).collect::<Vec<_>>());
-        let plan = ShellFaces::choose(&mesh, &shells, &proofs, &light, None);
+        let boxes = ShellBoxes::new(&mesh, &shells);
+        let plan = ShellFaces::choose(&mesh, &boxes, &proofs, &light, None);
         for signs in [CasterFaces::All.signs(&facing), plan.signs(&shells, &facing)] {
             let silhouette = Silhouette::extract(&topology, &signs);
             digest.add(format!("{silhouette:?} {:?}", silhouette.loops(&topology)).as_bytes());

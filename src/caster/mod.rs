@@ -1,20 +1,22 @@
 //! A mesh and all that is known of it before any light.
 
 mod proofs;
+mod rule;
 mod shell_boxes;
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 pub use proofs::ShellProof;
+pub use rule::CasterRule;
+pub(crate) use rule::KeptRule;
 pub use shell_boxes::ShellBoxes;
 pub(crate) use shell_boxes::ShellBox;
 
 use crate::check::CrackReport;
-use crate::facing::{CasterFaces, FacePlanes};
+use crate::facing::FacePlanes;
 use crate::geom::{Facing, Light};
 use crate::mesh::{Mesh, MeshError, Weld, weld_in_place};
 use crate::oracle::Oracle;
-use crate::silhouette::Silhouette;
 use crate::topology::{Shells, Topology};
 
 /// A mesh in world space and everything that is known of it before any light: topology, crack report, shells, planes,
@@ -52,7 +54,7 @@ pub struct Caster {
 #[derive(Clone, Debug, Default)]
 struct Parts {
     report: OnceLock<CrackReport>,
-    planes: OnceLock<FacePlanes>,
+    planes: OnceLock<Arc<FacePlanes>>,
     proofs: OnceLock<Vec<ShellProof>>,
     boxes: OnceLock<ShellBoxes>,
     oracle: OnceLock<Oracle>,
@@ -106,7 +108,13 @@ impl Caster {
     /// A plane per face, for the exact sides of many lights: some 25 ns per face when first asked for.
     #[must_use]
     pub fn planes(&self) -> &FacePlanes {
-        self.parts.planes.get_or_init(|| FacePlanes::new(&self.mesh))
+        self.shared_planes()
+    }
+
+    /// The same planes, to be shared with a [`SilhouetteTree`](crate::silhouette::SilhouetteTree).
+    #[must_use]
+    pub fn shared_planes(&self) -> &Arc<FacePlanes> {
+        self.parts.planes.get_or_init(|| Arc::new(FacePlanes::new(&self.mesh)))
     }
 
     /// What is proven of each shell: whether half its faces cast the same shadow. Looks for self-intersections, which
@@ -146,13 +154,6 @@ impl Caster {
     #[must_use]
     pub fn facing(&self, light: &Light) -> Vec<Facing> {
         self.planes().classify(&self.mesh, light)
-    }
-
-    /// The silhouette edges for the faces that cast. For light after light, a
-    /// [`SilhouetteFinder`](crate::silhouette::SilhouetteFinder) is faster.
-    #[must_use]
-    pub fn silhouette(&self, light: &Light, faces: CasterFaces) -> Silhouette {
-        Silhouette::extract(self.topology(), &faces.signs(&self.facing(light)))
     }
 
     /// Moves the vertices. Topology and shells stay; whatever depends on positions is made again when it is next asked

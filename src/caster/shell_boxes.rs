@@ -5,8 +5,8 @@ use crate::geom::Aabb;
 use crate::mesh::{FaceId, Mesh};
 use crate::topology::{FacesByShell, Shells};
 
-/// The faces of every shell in blocks with boxes around them, so that a shell far from the light's way to the camera
-/// costs one test. Made once for a mesh that rests; 4 bytes a face and 32 a block.
+/// Boxes around every shell and around blocks of 32 of its faces, so that a shell far from a light or from a segment
+/// costs one test. Made once for a mesh at rest. Holds 4 bytes per face, 28 per block and 28 per shell.
 #[derive(Clone, Debug)]
 pub struct ShellBoxes {
     /// Faces by shell, ascending within each.
@@ -15,33 +15,33 @@ pub struct ShellBoxes {
     pub(crate) shells: Vec<ShellBox>,
 }
 
-/// Some faces of one shell: those before `end` that the block before it does not hold.
+/// A block: faces of one shell, from the end of the block before it to `end`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Block {
     pub(crate) bounds: Aabb,
     pub(crate) end: u32,
 }
 
-/// All blocks of one shell: those before `end` that the shell before it does not hold.
+/// The blocks of one shell, from the end of the shell before it to `end`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShellBox {
     pub(crate) bounds: Aabb,
     pub(crate) end: u32,
 }
 
-/// Faces a block: neighbors in most files, so that their box is small.
+/// Faces per block. They are neighbors in most files, so that their box is small.
 const BLOCK: usize = 32;
 
 impl ShellBoxes {
-    /// Sorts the faces by shell and puts boxes around them. Linear time. Memory: 6 bytes a face at its peak, and 150 a
-    /// shell.
+    /// Sorts the faces by shell and puts boxes around them. Linear time. Memory: 6 bytes per face at its peak, and 150
+    /// per shell.
     ///
     /// # Panics
     ///
     /// Panics if `shells` belongs to another mesh.
     #[must_use]
     pub fn new(mesh: &Mesh, shells: &Shells) -> Self {
-        assert_eq!(shells.of_face.len(), mesh.face_count(), "one shell a face");
+        assert_eq!(shells.of_face.len(), mesh.face_count(), "one shell per face");
         built::note(Part::ShellBoxes, mesh);
         let FacesByShell { faces, ends } = shells.faces_by_shell();
         let mut boxes = Self { faces: Vec::new(), blocks: Vec::new(), shells: Vec::new() };
@@ -57,5 +57,36 @@ impl ShellBoxes {
             boxes.shells.push(ShellBox { bounds, end: boxes.blocks.len() as u32 });
         }
         Self { faces, ..boxes }
+    }
+
+    /// How many shells there are.
+    #[must_use]
+    pub fn shell_count(&self) -> usize {
+        self.shells.len()
+    }
+
+    /// The blocks of a shell, each with its faces.
+    pub(crate) fn blocks_of(&self, shell: usize) -> impl Iterator<Item = (&Aabb, &[FaceId])> {
+        let first = self.first_block(shell);
+        let mut start = self.first_face(first);
+        self.blocks[first..self.shells[shell].end as usize].iter().map(move |block| {
+            let faces = &self.faces[start..block.end as usize];
+            start = block.end as usize;
+            (&block.bounds, faces)
+        })
+    }
+
+    /// The faces of a shell, ascending.
+    pub(crate) fn faces_of(&self, shell: usize) -> &[FaceId] {
+        let ends = [self.first_block(shell), self.shells[shell].end as usize].map(|b| self.first_face(b));
+        &self.faces[ends[0]..ends[1]]
+    }
+
+    fn first_block(&self, shell: usize) -> usize {
+        shell.checked_sub(1).map_or(0, |before| self.shells[before].end as usize)
+    }
+
+    fn first_face(&self, block: usize) -> usize {
+        block.checked_sub(1).map_or(0, |before| self.blocks[before].end as usize)
     }
 }

@@ -8,6 +8,7 @@ pub(crate) mod plane_tree;
 pub(crate) mod planes;
 pub(crate) mod quantized;
 
+pub(crate) use clusters::OPEN_SHARE;
 pub use clusters::{FaceClusters, FacingRanges};
 pub use planes::FacePlanes;
 

@@ -8,7 +8,7 @@ use super::quantized;
 use super::quantized::{Quantized, QuantizedPlanes};
 use crate::built::{self, Part};
 use crate::geom::Facing;
-use crate::geom::{Aabb, Light};
+use crate::geom::{Aabb, Light, predicate};
 use crate::mesh::{FaceId, Mesh};
 use crate::parallel;
 
@@ -301,7 +301,26 @@ impl FacePlanes {
         LocalLight { light: *light, quantized, direction, l, w, scale, evaluation, underflow }
     }
 
-    /// The side of one face that whole numbers leave open, and whether the predicate was asked for it.
+    /// The side of one face, and whether the predicate was asked for it.
+    #[inline]
+    pub(crate) fn side_of(&self, mesh: &Mesh, face: usize, local: &LocalLight) -> (Facing, bool) {
+        match quantized::height(self.quantized.get(face), &local.quantized) {
+            quantized::FRONT.. => (Facing::Front, false),
+            ..=quantized::BACK => (Facing::Back, false),
+            _ => self.side(mesh, face, local),
+        }
+    }
+
+    /// Whether no light casts a shadow by this face: its corners are collinear.
+    pub(crate) fn is_flat(&self, mesh: &Mesh, face: FaceId) -> bool {
+        // Where corners are collinear, no plane is known well enough for integers.
+        self.quantized.get(face.index()) == [0; 4] && {
+            let [a, b, c] = mesh.corners(face);
+            predicate::collinear(a, b, c)
+        }
+    }
+
+    /// The side of one face that the integers leave open, and whether the predicate was asked for it.
     #[inline]
     pub(crate) fn side(&self, mesh: &Mesh, face: usize, local: &LocalLight) -> (Facing, bool) {
         let [x, y, z] = &self.normal;

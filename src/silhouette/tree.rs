@@ -1,49 +1,50 @@
-//! The silhouette by a tree of edges that leaves out, many at once, those whose two faces are surely on one side.
+//! Silhouettes by a tree over the edges: whole subtrees of edges whose two faces are surely on one side are skipped.
 //!
-//! Each edge with two faces in opposite directions is a segment between their planes, points of a space of four
-//! dimensions (normal and offset), and a light is a plane of that space: the edge is silhouette when its segment crosses
-//! it (Aaron Hertzmann, Denis Zorin, *Illustrating Smooth Surfaces*, 2000, section 4.2, for the dual space; Matt Olson,
-//! Hao Zhang, *Silhouette Extraction in Hough Space*, 2006, for a tree in it). A tree of boxes over such segments needs
-//! no halo, since every edge brings both its planes, and no geometry but theirs.
+//! Each edge with two faces in opposite directions is a segment between their planes, which are points of a space of
+//! four dimensions (normal and offset). A light is a plane of that space, and the edge is silhouette when its segment
+//! crosses it (Aaron Hertzmann, Denis Zorin, *Illustrating Smooth Surfaces*, 2000, section 4.2, for the dual space; Matt
+//! Olson, Hao Zhang, *Silhouette Extraction in Hough Space*, 2006, for a tree in it). A tree of boxes over such segments
+//! needs no halo, since every edge brings both its planes, and no geometry but theirs.
 //!
-//! Departures from the papers: boxes are of the whole numbers of `quantized.rs`; edges lie in leaves of 32 whose two planes
-//! stand side by side, in numbers about a middle of their own, so that a leaf is evaluated by vector instructions without
-//! a single gather; nodes have eight children; and what the numbers leave open is decided exactly.
+//! Departures from the papers: boxes are of the integers of `quantized.rs`; edges lie in leaves of 32 whose two planes
+//! are stored side by side, in integers about a center of their own, so that a leaf is evaluated by vector instructions
+//! without a gather; nodes have eight children; and what the integers leave open is decided exactly.
 
 mod build;
 mod leaf;
+
+use std::sync::Arc;
 
 use multiversion::multiversion;
 
 use super::edge_set::{Bits, SignedEdges};
 use super::{Silhouette, SilhouetteEdge};
+use crate::caster::CasterRule;
 use crate::facing::plane_tree::{Heights, LEAF, Node, WIDE, undecided_child};
 use crate::facing::planes::LocalLight;
-use crate::facing::quantized;
-use crate::facing::quantized::{BACK, FRONT};
 use crate::facing::{CasterFaces, FacePlanes, facing_of};
 use crate::geom::{Facing, Light};
 use crate::mesh::{EdgeId, FaceId, Mesh};
 use crate::topology::Topology;
 use leaf::{Codes, Leaf};
 
-/// One edge in so many may be left open, or lie outside the tree, before a scan of everything is cheaper.
+/// Scan instead when more than 1/64 of the edges are undecided or outside the tree.
 const OPEN_SHARE: usize = 64;
-/// One leaf in so many may have to be looked at,
+/// Scan instead when more than 1/4 of the leaves have to be visited.
 const CROWDED_LEAVES: usize = 4;
-/// and one edge in so many may be found, before a scan is cheaper.
+/// Scan instead when more than 1/40 of the edges are silhouette.
 const CROWDED_EDGES: usize = 40;
-/// Leaves that are looked at before what was found in them is collected.
+/// Leaves that are evaluated before the edges found in them are collected.
 const BATCH: usize = 64;
-/// Faces that the exact predicate has decided and that are remembered for their next edge.
+/// Entries of the cache of faces that the exact predicate has decided: each is asked for by several edges.
 const KNOWN: usize = 256;
-/// After searches that were given up, so many lights at most are scanned for before the tree is tried again: trying costs
-/// up to a fifth of a scan.
+/// After searches that were given up: the most lights that are scanned for before the tree is tried again. A try costs up
+/// to a fifth of a scan.
 const PATIENCE: u32 = 8;
 
 /// A tree over the edges of a mesh, for many lights while the mesh rests.
 ///
-/// Holds the [`FacePlanes`] of the mesh, and for each edge 22 bytes and a share of the nodes.
+/// Shares the [`FacePlanes`] of the mesh, and holds 22 bytes per edge and a share of the nodes.
 ///
 /// ```
 /// use umbrage::geom::Light;
@@ -61,11 +62,11 @@ const PATIENCE: u32 = 8;
 /// ```
 #[derive(Clone, Debug)]
 pub struct SilhouetteTree {
-    planes: FacePlanes,
+    planes: Arc<FacePlanes>,
     edge_count: usize,
     store: Store,
-    /// Edges with other faces than two in opposite directions, or with a face whose plane is not known well: looked at
-    /// one by one for every light.
+    /// Edges with other faces than two in opposite directions, or with a face whose plane is not known well: decided one
+    /// by one for every light.
     apart: Vec<u32>,
     limits: Limits,
     waiting: Waiting,
@@ -78,23 +79,23 @@ struct Store {
     leaves: Vec<Leaf>,
     /// The edges of the leaves, 32 each but for the last.
     edges: Vec<u32>,
-    /// Nodes over leaves, over those nodes, and so on to one that stands over all.
+    /// The nodes over the leaves, then the nodes over those, and so on up to the root.
     levels: Vec<Vec<Node>>,
 }
 
-/// More than this, and a scan is cheaper.
+/// Limits of a search: beyond them a scan is cheaper.
 #[derive(Clone, Copy, Debug)]
 struct Limits {
-    /// Edges that are left open or lie apart.
+    /// Edges that are left open or lie outside the tree.
     open: usize,
-    /// Leaves that are looked at.
+    /// Leaves that are evaluated.
     leaves: usize,
-    /// Edges that are found in them.
+    /// Silhouette edges that are found in them.
     found: usize,
 }
 
 impl Limits {
-    /// Of so many edges, and so many in the tree.
+    /// For a mesh of `edges` edges, `in_tree` of them in the tree.
     fn new(edges: usize, in_tree: usize) -> Self {
         Self {
             open: edges / OPEN_SHARE,
@@ -104,15 +105,17 @@ impl Limits {
     }
 }
 
-/// How many lights are still to be scanned for before the tree is tried again, how many that were at first, and why.
+/// The number of lights still to be scanned for before the tree is tried again, that number at first, and the reason.
 #[derive(Clone, Copy, Debug, Default)]
 struct Waiting(u32, u32, Option<TreeSearch>);
 
-/// What a search leaves behind, kept for its memory.
+/// Buffers of a search, kept for their memory.
 #[derive(Clone, Debug)]
 struct Work {
     found: SignedEdges,
     open: Vec<u32>,
+    /// The silhouette edges that were decided one by one.
+    singles: Vec<SilhouetteEdge>,
     nodes: Vec<u32>,
     next: Vec<u32>,
     heights: Vec<Heights>,
@@ -124,37 +127,67 @@ impl Work {
     fn new(edges: usize) -> Self {
         let found = SignedEdges::new(edges);
         let (heights, facing, signs) = (vec![], vec![], vec![]);
-        Self { found, open: vec![], nodes: vec![], next: vec![], heights, facing, signs }
+        let (nodes, next) = (vec![], vec![]);
+        Self { found, open: vec![], singles: vec![], nodes, next, heights, facing, signs }
     }
 }
 
-/// How a search went.
+/// How a search was done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum TreeSearch {
     /// By the tree.
+    #[non_exhaustive]
     Searched {
-        /// Nodes whose boxes were looked at.
+        /// Nodes whose boxes were evaluated.
         nodes: usize,
-        /// Leaves whose edges were looked at.
+        /// Leaves whose edges were evaluated.
         leaves: usize,
-        /// Faces that the filters left to the exact predicate; one counts for each of its edges.
+        /// Faces that the filters left to the exact predicate; a face counts once per edge.
         exact: usize,
     },
-    /// By a scan, since too many edges were left open or lie outside the tree, or were for a light shortly before.
+    /// By a scan: too many edges were left open or lie outside the tree, or were for a light shortly before.
     Scanned,
-    /// By a scan, since the silhouette runs through too many leaves, or did for a light shortly before.
+    /// By a scan: the silhouette runs through too many leaves, or did for a light shortly before.
     Crowded,
 }
 
 impl SilhouetteTree {
-    /// Builds the tree. Takes the time of some hundred looks at all edges: worth it for many lights.
+    /// Builds the tree, and the planes. About 200 ns per face: worth it for hundreds of lights.
     ///
     /// # Panics
     ///
     /// Panics if `topology` has another number of faces than `mesh`.
     #[must_use]
     pub fn new(mesh: &Mesh, topology: &Topology) -> Self {
-        build::build(mesh, topology)
+        Self::with_planes(mesh, topology, FacePlanes::new(mesh))
+    }
+
+    /// As [`SilhouetteTree::new`], with planes that are there already: those of a
+    /// [`Caster`](crate::caster::Caster::shared_planes), say.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `topology` or `planes` have another number of faces than `mesh`.
+    ///
+    /// ```
+    /// use umbrage::caster::Caster;
+    /// use umbrage::silhouette::SilhouetteTree;
+    /// use umbrage::testing::shapes;
+    /// let caster = Caster::new(shapes::icosphere(3));
+    /// let planes = caster.shared_planes().clone();
+    /// let tree = SilhouetteTree::with_planes(caster.mesh(), caster.topology(), planes);
+    /// assert!(!tree.is_idle());
+    /// ```
+    #[must_use]
+    pub fn with_planes(mesh: &Mesh, topology: &Topology, planes: impl Into<Arc<FacePlanes>>) -> Self {
+        build::build(mesh, topology, planes.into())
+    }
+
+    /// The same, searched whatever is left open.
+    #[cfg(test)]
+    pub(crate) fn unlimited(self) -> Self {
+        Self { limits: tests::NONE, ..self }
     }
 
     /// The planes of the mesh's faces.
@@ -163,12 +196,7 @@ impl SilhouetteTree {
         &self.planes
     }
 
-    /// The planes alone.
-    pub(super) fn into_planes(self) -> FacePlanes {
-        self.planes
-    }
-
-    /// All faces, those whose planes are near each other together.
+    /// All faces, ordered so that faces of similar planes are near each other.
     pub(super) fn face_order(&self, topology: &Topology) -> Vec<FaceId> {
         let mut placed = vec![false; topology.face_count()];
         let mut order = Vec::with_capacity(topology.face_count());
@@ -182,7 +210,7 @@ impl SilhouetteTree {
         order
     }
 
-    /// Whether so many edges lie outside the tree that it never searches.
+    /// Whether the tree is never searched, since too many edges lie outside it.
     #[must_use]
     pub fn is_idle(&self) -> bool {
         self.apart.len() > self.limits.open
@@ -190,34 +218,37 @@ impl SilhouetteTree {
 
     /// The silhouette for a light: what [`Silhouette::extract`] finds for the signs of the exact sides.
     ///
-    /// On surfaces the time grows with the edges near the silhouette. Where many faces lie exactly in a plane with the
-    /// light it scans instead.
+    /// `casters` is a [`CasterFaces`], or what [`Caster::rule`](crate::caster::Caster::rule) gives.
+    ///
+    /// On surfaces the time grows with the number of edges near the silhouette. Where many faces lie exactly in a plane
+    /// with the light, all faces and edges are scanned instead.
     ///
     /// # Panics
     ///
-    /// Panics if `mesh` or `topology` has another number of faces or edges than those that the tree was built of.
+    /// Panics if `mesh`, `topology` or `casters` have another number of faces or edges than those that the tree was built
+    /// of.
     #[must_use]
-    pub fn silhouette(
+    pub fn silhouette<'a>(
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
         light: &Light,
-        casters: CasterFaces,
+        casters: impl Into<CasterRule<'a>>,
     ) -> Silhouette {
         self.search(mesh, topology, light, casters).0
     }
 
-    /// As [`SilhouetteTree::silhouette`], and how it went.
+    /// As [`SilhouetteTree::silhouette`], and how it was found.
     ///
     /// # Panics
     ///
     /// As [`SilhouetteTree::silhouette`].
-    pub fn search(
+    pub fn search<'a>(
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
         light: &Light,
-        casters: CasterFaces,
+        casters: impl Into<CasterRule<'a>>,
     ) -> (Silhouette, TreeSearch) {
         let mut silhouette = Silhouette::default();
         let search = self.search_into(mesh, topology, light, casters, &mut silhouette);
@@ -225,14 +256,19 @@ impl SilhouetteTree {
     }
 
     /// As [`SilhouetteTree::search`], in place of what was found before, whose memory is kept.
-    pub(super) fn search_into(
+    ///
+    /// # Panics
+    ///
+    /// As [`SilhouetteTree::silhouette`].
+    pub fn search_into<'a>(
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
         light: &Light,
-        casters: CasterFaces,
+        casters: impl Into<CasterRule<'a>>,
         silhouette: &mut Silhouette,
     ) -> TreeSearch {
+        let casters = &casters.into();
         assert_eq!(mesh.face_count(), self.planes.offset.len(), "the tree is of another mesh");
         assert_eq!(topology.edge_count(), self.edge_count, "the tree is of another topology");
         if let Waiting(left @ 1.., _, Some(why)) = &mut self.waiting {
@@ -251,13 +287,13 @@ impl SilhouetteTree {
         match walk {
             Ok([nodes, leaves]) => {
                 self.waiting = Waiting::default();
-                let (singles, exact) = self.settle(mesh, topology, &local, casters);
-                self.gather(&singles, casters, silhouette);
+                let exact = self.settle(mesh, topology, &local, casters);
+                self.gather(topology, casters, silhouette);
                 TreeSearch::Searched { nodes, leaves, exact }
             }
             Err(mut why) => {
                 self.work.found.drain(|_, _, _| ());
-                self.work.open = Vec::new();
+                self.work.open.clear();
                 let ties = self.scan(mesh, topology, light, casters, silhouette);
                 if ties > self.limits.open {
                     why = TreeSearch::Scanned;
@@ -275,7 +311,7 @@ impl SilhouetteTree {
         mesh: &Mesh,
         topology: &Topology,
         light: &Light,
-        casters: CasterFaces,
+        casters: &CasterRule<'_>,
         silhouette: &mut Silhouette,
     ) -> usize {
         let Work { facing, signs, .. } = &mut self.work;
@@ -285,19 +321,21 @@ impl SilhouetteTree {
         exact
     }
 
-    /// The edges that are decided one by one and are silhouette, ascending; how often the exact predicate was asked.
+    /// Collects the silhouette edges that are decided one by one, ascending. Returns how often the exact predicate was
+    /// asked.
     fn settle(
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
         light: &LocalLight,
-        casters: CasterFaces,
-    ) -> (Vec<SilhouetteEdge>, usize) {
-        let (mut singles, mut exact) = (Vec::new(), 0);
+        casters: &CasterRule<'_>,
+    ) -> usize {
+        let (mut singles, mut exact) = (std::mem::take(&mut self.work.singles), 0);
+        singles.clear();
         let mut settle = |edge: u32, side: &mut dyn FnMut(FaceId) -> Facing| {
             let edge = EdgeId(edge);
-            let sides = topology.uses(edge).map(|(face, direction)| (direction, side(face)));
-            let multiplicity = sides.map(|(direction, side)| direction * i32::from(casters.sign(side))).sum();
+            let cast = |(face, direction)| direction * i32::from(casters.of(face).sign(side(face)));
+            let multiplicity = topology.uses(edge).map(cast).sum();
             if multiplicity != 0 {
                 singles.push(SilhouetteEdge { edge, multiplicity });
             }
@@ -316,47 +354,51 @@ impl SilhouetteTree {
         }
         for &edge in &self.apart {
             settle(edge, &mut |face| {
-                let (facing, asked) = self.side(mesh, face, light);
+                let (facing, asked) = self.planes.side_of(mesh, face.index(), light);
                 exact += usize::from(asked);
                 facing
             });
         }
         self.work.open.clear();
         singles.sort_unstable_by_key(|single| single.edge);
-        (singles, exact)
+        self.work.singles = singles;
+        exact
     }
 
-    fn side(&self, mesh: &Mesh, face: FaceId, light: &LocalLight) -> (Facing, bool) {
-        match quantized::height(self.planes.quantized.get(face.index()), &light.quantized) {
-            FRONT.. => (Facing::Front, false),
-            ..=BACK => (Facing::Back, false),
-            _ => self.planes.side(mesh, face.index(), light),
-        }
-    }
-
-    /// What was found and the single edges, in order.
-    fn gather(&mut self, singles: &[SilhouetteEdge], casters: CasterFaces, silhouette: &mut Silhouette) {
+    /// What was found in leaves and what was decided one by one, in order.
+    fn gather(&mut self, topology: &Topology, casters: &CasterRule<'_>, silhouette: &mut Silhouette) {
         // One face in front and one behind.
-        let magnitude = if casters == CasterFaces::All { 2 } else { 1 };
+        let magnitude = |faces| if faces == CasterFaces::All { 2 } else { 1 };
+        let same = casters.same().map(magnitude);
+        // Both faces of an edge are of one shell.
+        let of_edge = |edge| topology.uses(edge).next().map_or(0, |(face, _)| magnitude(casters.of(face)));
+        let Work { found, singles, .. } = &mut self.work;
         let edges = &mut silhouette.edges;
         edges.clear();
-        edges.reserve(self.work.found.len() + singles.len());
-        self.work.found.drain(|first, present, negative| {
+        edges.reserve(found.len() + singles.len());
+        found.drain(|first, present, negative| {
             for bit in Bits(present) {
+                let edge = EdgeId(first + bit);
+                let magnitude = same.unwrap_or_else(|| of_edge(edge));
                 let multiplicity = magnitude - 2 * magnitude * (negative >> bit & 1) as i32;
-                edges.push(SilhouetteEdge { edge: EdgeId(first + bit), multiplicity });
+                edges.push(SilhouetteEdge { edge, multiplicity });
             }
         });
         merge(edges, singles);
     }
+
+    /// The signs of the last scan, one per face.
+    pub(super) fn scanned_signs(&self) -> &[i8] {
+        &self.work.signs
+    }
 }
 
-/// Puts edges into a list without them, both ascending.
+/// Merges edges into a list that holds none of them, both ascending.
 fn merge(edges: &mut Vec<SilhouetteEdge>, singles: &[SilhouetteEdge]) {
     let mut from = edges.len();
     edges.extend(singles);
     let mut to = edges.len();
-    // From the end, so that nothing is overwritten that is still to be moved.
+    // From the end, so that no edge is overwritten before it is moved.
     for single in singles.iter().rev() {
         while from > 0 && edges[from - 1].edge > single.edge {
             from -= 1;
@@ -368,8 +410,8 @@ fn merge(edges: &mut Vec<SilhouetteEdge>, singles: &[SilhouetteEdge]) {
     }
 }
 
-/// Collects the edges that are surely silhouette and those left open. How many nodes and leaves it looked at; or why
-/// it gave up, since they are too many.
+/// Collects the edges that are surely silhouette and those left open. Returns the number of nodes and leaves that were
+/// evaluated, or why the search was given up.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt+popcnt"))]
 fn walk(
     Store { leaves, edges, levels }: &Store,
@@ -384,7 +426,7 @@ fn walk(
     for level in (0..levels.len()).rev() {
         let children = if level == 0 { leaves.len() } else { levels[level - 1].len() };
         looked += nodes.len();
-        // By themselves, since they become vector instructions where they are written to memory.
+        // In a loop of its own, which is compiled to vector instructions.
         heights.resize(nodes.len(), Heights::default());
         for (&node, heights) in nodes.iter().zip(&mut *heights) {
             levels[level][node as usize].heights(&light.quantized, heights);
@@ -415,7 +457,7 @@ fn walk(
             let first = leaf as usize * LEAF;
             let edges = &edges[first..edges.len().min(first + LEAF)];
             for bit in Bits(codes.changes()) {
-                // Beyond the last edge of the last leaf nothing is found.
+                // The last leaf may have fewer than 32 edges: slots past them repeat the first edge.
                 let Some(&edge) = edges.get(bit as usize / 2) else { break };
                 found.insert(edge, codes.against(bit));
             }
@@ -427,7 +469,7 @@ fn walk(
         if open.len() > limits.open {
             return Err(TreeSearch::Scanned);
         }
-        // As it goes on like this.
+        // Extrapolated to all leaves.
         let in_all = found.len().saturating_mul(nodes.len()) / (batches * BATCH);
         if batches >= 4 && in_all > limits.found {
             return Err(TreeSearch::Crowded);
@@ -445,13 +487,12 @@ mod tests {
     use crate::silhouette::test_support::{crumpled, light, scan};
     use crate::testing::shapes;
 
-    const NONE: Limits = Limits { open: usize::MAX, leaves: usize::MAX, found: usize::MAX };
+    pub(super) const NONE: Limits = Limits { open: usize::MAX, leaves: usize::MAX, found: usize::MAX };
 
     /// A tree that searches whatever is left open.
     fn built(mesh: &Mesh) -> (Topology, SilhouetteTree) {
         let topology = Topology::of(&mesh);
-        let mut tree = SilhouetteTree::new(mesh, &topology);
-        tree.limits = NONE;
+        let tree = SilhouetteTree::new(mesh, &topology).unlimited();
         (topology, tree)
     }
 

@@ -9,7 +9,7 @@ use super::{Caps, ShadowVolume};
 use crate::geom::Light;
 use crate::mesh::{Mesh, VertexId};
 use crate::parallel;
-use crate::silhouette::Silhouette;
+use crate::silhouette::{Silhouette, SilhouetteEdge};
 use crate::topology::{Topology, has_collapsed};
 
 /// What a volume is extruded from.
@@ -266,7 +266,7 @@ impl Extruder {
         let (light_cap, rest) = triangles.split_at_mut(parts.light_cap.len());
         let (side, dark_cap) = rest.split_at_mut(parts.sides.len());
         if parts.light_cap.is_empty() {
-            return sides(cast, number, count, side);
+            return write_sides(Sides::of(cast), number, count, side);
         }
         let faces = CapFaces {
             triangles: cast.mesh.triangles(),
@@ -276,16 +276,16 @@ impl Extruder {
         };
         let mut caps = || cap::fill(faces, number, count, light_cap, dark_cap);
         if faces.are_many() {
-            parallel::join(caps, || sides(cast, number, count, side));
+            parallel::join(caps, || write_sides(Sides::of(cast), number, count, side));
         } else {
             caps();
-            sides(cast, number, count, side);
+            write_sides(Sides::of(cast), number, count, side);
         }
     }
 }
 
 /// The number of the first vertex at infinity, behind all others.
-fn first_at_infinity(vertices: usize, directional: bool) -> u32 {
+pub(super) fn first_at_infinity(vertices: usize, directional: bool) -> u32 {
     let at_infinity = if directional { 1 } else { vertices };
     assert!(
         vertices as u64 + at_infinity as u64 <= 1 << 32,
@@ -294,16 +294,36 @@ fn first_at_infinity(vertices: usize, directional: bool) -> u32 {
     vertices as u32 // a mesh has fewer than 2³² − 1
 }
 
-/// |m| copies of the quad of each silhouette edge. Its diagonal goes by the positions of its ends, so that coincident
-/// quads of two meshes agree.
-fn sides(cast: &ExtrudeInput<'_>, number: impl Fn(u32) -> u32, count: u32, triangles: &mut [[u32; 3]]) {
-    let directional = cast.light.is_directional();
+/// What the sides of a volume are made of.
+pub(super) struct Sides<'a, I> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) topology: &'a Topology,
+    pub(super) directional: bool,
+    /// The silhouette, ascending.
+    pub(super) edges: I,
+}
+
+impl<'a> Sides<'a, std::iter::Copied<std::slice::Iter<'a, SilhouetteEdge>>> {
+    fn of(cast: &ExtrudeInput<'a>) -> Self {
+        let ExtrudeInput { mesh, topology, light, silhouette, .. } = *cast;
+        Self { mesh, topology, directional: light.is_directional(), edges: silhouette.edges.iter().copied() }
+    }
+}
+
+/// Writes |m| copies of the quad of each silhouette edge. The diagonal of a quad depends on the positions of its ends
+/// only, so that coincident quads of two meshes agree.
+pub(super) fn write_sides(
+    Sides { mesh, topology, directional, edges }: Sides<'_, impl Iterator<Item = SilhouetteEdge>>,
+    number: impl Fn(u32) -> u32,
+    count: u32,
+    triangles: &mut [[u32; 3]],
+) {
     let far = |near: u32| if directional { count } else { count + near };
-    let mut places = triangles.iter_mut();
-    let mut put = |triangle| *places.next().expect("they were counted") = triangle;
-    for edge in &cast.silhouette.edges {
-        let ([a, b], m) = (cast.topology.vertices(edge.edge), edge.multiplicity);
-        let positions = cast.mesh.positions();
+    let mut slots = triangles.iter_mut();
+    let mut put = |triangle| *slots.next().expect("they were counted") = triangle;
+    let positions = mesh.positions();
+    for SilhouetteEdge { edge, multiplicity: m } in edges {
+        let [a, b] = topology.vertices(edge);
         let swap = lexicographically_less(positions[b.index()], positions[a.index()]);
         let (a, b, m) = if swap { (b, a, -m) } else { (a, b, m) };
         let (a, b) = (number(a.0), number(b.0));

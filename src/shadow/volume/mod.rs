@@ -11,9 +11,11 @@
 //! The winding number of the volume at a point counts the casting faces between that point and the light.
 
 mod cap;
+mod cap_clusters;
 mod caster_faces;
 mod closed;
 mod extrude;
+mod frame;
 #[cfg(feature = "gpu")]
 mod gpu;
 #[cfg(feature = "verify")]
@@ -27,6 +29,7 @@ use std::ops::Range;
 pub use caster_faces::ShellFaces;
 pub use closed::BoundarySum;
 pub use extrude::{BufferTooSmall, ExtrudeInput, Extruder, VolumeParts};
+pub use frame::{FrameExtruder, FrameVolume};
 #[cfg(feature = "gpu")]
 pub use gpu::{Demand, GpuExtrusion, GpuVolume, Part, VolumeShaders};
 #[cfg(feature = "verify")]

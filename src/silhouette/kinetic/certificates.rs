@@ -1,4 +1,4 @@
-//! How far a light may travel before faces may be on another side of it.
+//! Certificates: how far a light may travel before faces may change sides.
 
 use crate::facing::FacePlanes;
 use crate::facing::planes::LocalLight;
@@ -7,17 +7,17 @@ use crate::mesh::{FaceId, Mesh};
 
 /// Faces that share a certificate.
 const RUN: usize = 32;
-/// Runs whose earliest certificate is looked up together.
+/// Runs per group: a step compares one number per group.
 const GROUP: usize = 16;
 
-/// The sides of faces at some light, and for runs of 32 of them how far it may travel until one may change.
+/// The sides of all faces for some light, and how far it may travel until a run of 32 faces may change.
 #[derive(Clone, Debug)]
 pub(super) struct Certificates {
     /// Faces in the order in which they share certificates; in that order their planes and sides.
     faces: Vec<FaceId>,
     planes: Vec<Planes>,
     facing: Vec<Facing>,
-    /// Where the odometer will stand when the certificate of a run has run out; of a group the earliest.
+    /// The reading of the odometer at which the certificate of a run expires; for a group, the earliest.
     pub(super) run_ends: Vec<f64>,
     pub(super) group_ends: Vec<f64>,
     odometer: f64,
@@ -29,7 +29,7 @@ pub(super) struct Certificates {
 struct Planes([[f32; RUN]; 5]);
 
 impl Certificates {
-    /// Of faces in the order in which they will share certificates. All have run out.
+    /// For faces in the order in which they will share certificates. All certificates are expired.
     pub(super) fn new(planes: &FacePlanes, faces: Vec<FaceId>) -> Self {
         let runs = faces.len().div_ceil(RUN);
         Self {
@@ -49,13 +49,18 @@ impl Certificates {
 
     /// The light travels.
     pub(super) fn advance(&mut self, length: f64) {
-        // Rounded up, so that the odometer never shows less than the way since any earlier reading.
+        // Rounded up, so that a difference of readings is never less than the distance travelled between them.
         self.odometer = (self.odometer + length).next_up();
     }
 
-    /// The runs whose certificates have run out, ascending, unless they are more than `most`.
-    pub(super) fn expired(&self, most: usize) -> Option<Vec<usize>> {
-        let mut expired = Vec::new();
+    /// The side of the face at a slot, for the last light that was looked at.
+    pub(super) fn side(&self, slot: usize) -> Facing {
+        self.facing[slot]
+    }
+
+    /// Lists the runs whose certificates have expired, ascending; `false` as soon as they are more than `most`.
+    pub(super) fn expired(&self, most: usize, expired: &mut Vec<usize>) -> bool {
+        expired.clear();
         for (group, end) in self.group_ends.iter().enumerate() {
             if *end <= self.odometer {
                 let first = group * GROUP;
@@ -64,22 +69,22 @@ impl Certificates {
                     (first..).zip(runs).filter(|(_, end)| **end <= self.odometer).map(|(run, _)| run),
                 );
                 if expired.len() > most {
-                    return None;
+                    return false;
                 }
             }
         }
-        Some(expired)
+        true
     }
 
-    /// Looks at runs again, ascending, and certifies them anew; calls `turned` with the slot of each face whose side has
-    /// changed, its side before and its side now.
+    /// Evaluates runs again, ascending, and certifies them. Calls `turned` for each face that has changed sides, with its
+    /// slot, the face, its side before and its side now.
     pub(super) fn look_again(
         &mut self,
         runs: &[usize],
         mesh: &Mesh,
         planes: &FacePlanes,
         light: &LocalLight,
-        mut turned: impl FnMut(usize, Facing, Facing),
+        mut turned: impl FnMut(usize, FaceId, Facing, Facing),
     ) {
         for &run in runs {
             let mut sides = [Facing::EdgeOn; RUN];
@@ -92,7 +97,7 @@ impl Certificates {
             for (slot, side) in slots.zip(sides) {
                 let before = std::mem::replace(&mut self.facing[slot], side);
                 if before != side {
-                    turned(slot, before, side);
+                    turned(slot, self.faces[slot], before, side);
                 }
             }
         }
@@ -105,7 +110,7 @@ impl Certificates {
         }
     }
 
-    /// Finds all sides and makes all certificates anew.
+    /// Computes all sides and all certificates again.
     pub(super) fn renew(&mut self, mesh: &Mesh, planes: &FacePlanes, light: &LocalLight) {
         self.odometer = 0.0;
         for run in 0..self.run_ends.len() {
@@ -120,11 +125,12 @@ impl Certificates {
         }
     }
 
-    /// The sides of a run of faces, and where the odometer stands when their certificate has run out.
+    /// The sides of a run of faces, and the reading of the odometer at which their certificate expires.
     ///
     /// With `s` and `E` of [`FacePlanes`], `|s| − E` is at most the height of the light over the face's plane (for a
-    /// directional light: of the tip of its direction), which the way of the light bounds the change of. The difference
-    /// and its sum with the odometer are rounded down. A face that only the predicate can decide has no certificate.
+    /// directional light: of the tip of its direction). That height changes by at most the distance that the light
+    /// travels. The difference and its sum with the odometer are rounded down. A face that only the predicate can decide
+    /// has no certificate.
     #[inline]
     fn certify(
         &self,
@@ -166,15 +172,15 @@ impl Certificates {
 }
 
 impl Planes {
-    /// Of fewer faces than a run has, the first one fills what is left.
+    /// If there are fewer faces than a run has slots, the first face fills the rest.
     fn of(planes: &FacePlanes, faces: &[FaceId]) -> Self {
         let mut all = [[0.0; RUN]; 5];
-        for place in 0..RUN {
-            let face = faces.get(place).unwrap_or(&faces[0]).index();
+        for slot in 0..RUN {
+            let face = faces.get(slot).unwrap_or(&faces[0]).index();
             let [x, y, z] = &planes.normal;
             let plane = [x[face], y[face], z[face], planes.offset[face], planes.error[face]];
             for (row, number) in all.iter_mut().zip(plane) {
-                row[place] = number;
+                row[slot] = number;
             }
         }
         Self(all)

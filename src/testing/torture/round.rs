@@ -1,7 +1,7 @@
 //! Everything that judges the points of one mesh under one light.
 
 use super::naive_f32::Plain;
-use crate::caster::ShellProof;
+use crate::caster::{ShellBoxes, ShellProof};
 use crate::facing::{CasterFaces, FacePlanes, classify};
 use crate::geom::Facing;
 use crate::geom::{Aabb, Light};
@@ -112,7 +112,8 @@ impl<'a> Prepared<'a> {
         let (chosen, half) = if half {
             let shells = topology.shells();
             let proofs = ShellProof::of(mesh, &topology, &shells);
-            let plan = ShellFaces::choose(mesh, &shells, &proofs, light, None);
+            let boxes = ShellBoxes::new(mesh, &shells);
+            let plan = ShellFaces::choose(mesh, &boxes, &proofs, light, None);
             let mut chosen = plan.signs(&shells, &facing);
             (seam.signs)(&mut chosen);
             let (_, half) = extrude(&chosen);

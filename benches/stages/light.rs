@@ -1,5 +1,6 @@
 //! The silhouettes of many lights on one mesh: lights anywhere, and a light that moves.
 
+use umbrage::caster::Caster;
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::Facing;
 use umbrage::geom::{Aabb, Light};
@@ -77,7 +78,7 @@ fn lights(mesh: &Mesh) -> [Light; 8] {
 }
 
 fn any_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let lights = lights(mesh);
     let expected: Vec<Silhouette> = lights
         .iter()
@@ -114,7 +115,7 @@ fn any_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
 /// There and back in steps of a ten-thousandth of the diagonal.
 fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
     const STEPS: usize = 32;
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let at = |i: usize| {
         let way = 1e-4 * i as f32;
         place(mesh, [0.5 + 0.6 * way, 0.8 - 0.64 * way, 0.3 + 0.48 * way])
@@ -129,7 +130,8 @@ fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
     let mut searched = SilhouetteTree::new(mesh, &topology);
     let mut tree = searched.clone();
     let mut moving = KineticSilhouette::new(mesh, &topology, &mut tree, &at(0), CasterFaces::All);
-    let mut finder = SilhouetteFinder::new(mesh, &topology, CasterFaces::All, usize::MAX);
+    let caster = Caster::new(mesh.clone());
+    let mut finder = SilhouetteFinder::new(&caster, usize::MAX);
     let count = |silhouette: Silhouette, (sum, _)| (sum + silhouette.edges.len(), silhouette);
     let start = || (0, Silhouette::default());
     let contenders = vec![
@@ -146,7 +148,7 @@ fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
             let mut sum = 0;
             let work = || {
                 for light in &walk {
-                    moving.step(mesh, &topology, &mut tree, light);
+                    moving.step(mesh, &topology, &mut tree, light, CasterFaces::All);
                     sum += moving.len();
                 }
                 sum
@@ -159,7 +161,7 @@ fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
         Contender::new("SilhouetteFinder::find", || {
             let work = || {
                 for light in &walk {
-                    finder.find(mesh, &topology, light);
+                    finder.find(&caster, light, CasterFaces::All);
                 }
             };
             let sample = timed(work, |()| String::new());
@@ -175,8 +177,9 @@ fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
 /// certificates run twice, each pair of their own: where even those differ, memory decides and not the way.
 fn choice(bench: &mut Bench<'_>, mesh: &Mesh) {
     const STEPS: u8 = 16;
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let tree = SilhouetteTree::new(mesh, &topology);
+    let caster = Caster::new(mesh.clone());
     let mut scatter = Scatter(1);
     for (how, step) in [("rests", 0.0), ("1e-4", 1e-4), ("1e-2", 1e-2), ("anywhere", f32::INFINITY)] {
         let mut at = |i: u8| {
@@ -204,10 +207,10 @@ fn choice(bench: &mut Bench<'_>, mesh: &Mesh) {
             let moving = KineticSilhouette::new(mesh, &topology, &mut tree, &there[0], CasterFaces::All);
             (tree, moving)
         });
-        let mut finder = SilhouetteFinder::new(mesh, &topology, CasterFaces::All, usize::MAX);
+        let mut finder = SilhouetteFinder::new(&caster, usize::MAX);
         // What it makes for a light that moves is made here, as that of the others.
         for light in &there[..2] {
-            finder.find(mesh, &topology, light);
+            finder.find(&caster, light, CasterFaces::All);
         }
         let search = |tree: &mut SilhouetteTree| {
             let mut find = |light| tree.silhouette(mesh, &topology, light, CasterFaces::All).edges.len();
@@ -215,7 +218,7 @@ fn choice(bench: &mut Bench<'_>, mesh: &Mesh) {
         };
         let follow = |(tree, moving): &mut (SilhouetteTree, KineticSilhouette)| {
             let mut find = |light| {
-                moving.step(mesh, &topology, tree, light);
+                moving.step(mesh, &topology, tree, light, CasterFaces::All);
                 moving.len()
             };
             timed(|| walk.iter().map(&mut find).collect(), right)
@@ -233,7 +236,7 @@ fn choice(bench: &mut Bench<'_>, mesh: &Mesh) {
                 .repeats("KineticSilhouette::step"),
             Contender::new("SilhouetteFinder::find", || {
                 let mut find = |light| {
-                    finder.find(mesh, &topology, light);
+                    finder.find(&caster, light, CasterFaces::All);
                     finder.edge_count()
                 };
                 timed(|| walk.iter().map(&mut find).collect(), right)

@@ -4,6 +4,7 @@
 //! A binary of its own, since there is one allocator a program. `--nocapture` prints the figures.
 
 mod files;
+mod frames;
 mod large;
 mod inputs;
 mod stack;

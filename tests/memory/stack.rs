@@ -4,7 +4,7 @@
 
 use std::thread;
 
-use umbrage::caster::ShellProof;
+use umbrage::caster::{ShellBoxes, ShellProof};
 use umbrage::check::{CrackReport, DefectKind};
 use umbrage::facing::FacePlanes;
 use umbrage::geom::{Aabb, Light, Segment, bvh::Bvh};
@@ -12,8 +12,8 @@ use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::Oracle;
 use umbrage::read::read_bytes;
 use umbrage::scene::Scope;
-use umbrage::shadow::stencil::{ShellBoxes, max_depth_complexity};
-use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex};
+use umbrage::shadow::stencil::max_depth_complexity;
+use umbrage::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex};
 use umbrage::silhouette::Silhouette;
 use umbrage::topology::Topology;
 
@@ -38,12 +38,12 @@ fn on_a_stack<T: Send + 'static>(kib: usize, work: impl FnOnce() -> T + Send + '
 fn all_stages(mesh: &Mesh) {
     let light = Light::point([3.1, 7.3, 11.7]).unwrap();
     let _ = (weld(mesh, Weld::Exact), weld(mesh, Weld::Within(1e-4)));
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let shells = topology.shells();
     let report = CrackReport::of(mesh, &topology);
     let _ = DefectKind::ALL.map(|kind| report.items(kind, mesh, &topology, 2));
     let proofs = ShellProof::of(mesh, &topology, &shells);
-    let plan = ShellFaces::choose(mesh, &shells, &proofs, &light, None);
+    let plan = ShellFaces::choose(mesh, &ShellBoxes::new(mesh, &shells), &proofs, &light, None);
     let signs = plan.signs(&shells, &FacePlanes::new(mesh).classify(mesh, &light));
     let silhouette = Silhouette::extract(&topology, &signs);
     let _ = silhouette.loops(&topology);

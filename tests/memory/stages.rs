@@ -1,20 +1,20 @@
 //! Peak bytes a face of each stage, in memory that the caller does not hold already.
 
-use umbrage::caster::ShellProof;
+use umbrage::caster::{Caster, ShellBoxes, ShellProof};
 use umbrage::check::{CrackReport, DefectKind};
-use umbrage::facing::{FacePlanes, classify};
+use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::{Light, bvh::Bvh};
 use umbrage::mesh::{Weld, weld, weld_in_place};
 use umbrage::oracle::Oracle;
-use umbrage::shadow::stencil::{ShellBoxes, max_depth_complexity};
-use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex};
+use umbrage::shadow::stencil::max_depth_complexity;
+use umbrage::shadow::volume::{Caps, FrameExtruder, ShadowVolume, ShellFaces, WindingIndex};
 use umbrage::silhouette::Silhouette;
 use umbrage::topology::Topology;
 
 use super::{alone, inputs, peak};
 
 /// What the documentation of each stage allows: bytes a face (of the caster; of the volume for what reads one).
-const BOUNDS: [(&str, usize); 20] = [
+const BOUNDS: [(&str, usize); 21] = [
     ("weld", 150),
     ("weld in place", 140),
     ("weld within", 400),
@@ -27,7 +27,8 @@ const BOUNDS: [(&str, usize); 20] = [
     ("proofs", 700),
     ("planes", 28),
     ("classify", 1),
-    ("plan", 20),
+    ("plan", 24),
+    ("frame", 230),
     ("silhouette", 72),
     ("volume", 60),
     ("certificate", 48),
@@ -55,6 +56,17 @@ const ORDINARY: [(&str, usize); 8] = [
     ("proofs", 129),
     ("layers", 125),
 ];
+
+/// An extruder that has followed a light, and so has made all that it makes.
+fn frame(caster: &Caster, light: &Light) -> FrameExtruder {
+    let mut extruder = FrameExtruder::new(caster, Some(CasterFaces::All));
+    let [x, y, z] = light.xyz();
+    for step in 0..3_u8 {
+        let light = Light::point([x, y, z + f32::from(step) * 1e-5]).unwrap();
+        let _ = extruder.write(caster, &light, Caps::Both, &mut []);
+    }
+    extruder
+}
 
 #[test]
 fn memory_of_every_stage_is_what_its_documentation_says() {
@@ -99,7 +111,9 @@ fn memory_of_every_stage_is_what_its_documentation_says() {
         drop(planes);
         let (facing, bytes) = peak(|| classify(&mesh, &light));
         note("classify", faces, bytes);
-        let (plan, bytes) = peak(|| ShellFaces::choose(&mesh, &shells, &proofs, &light, None));
+        let (boxes, bytes) = peak(|| ShellBoxes::new(&mesh, &shells));
+        note("shell boxes", faces, bytes);
+        let (plan, bytes) = peak(|| ShellFaces::choose(&mesh, &boxes, &proofs, &light, None));
         note("plan", faces, bytes);
         let signs = plan.signs(&shells, &facing);
         let (silhouette, bytes) = peak(|| Silhouette::extract(&topology, &signs));
@@ -109,7 +123,9 @@ fn memory_of_every_stage_is_what_its_documentation_says() {
         note("volume", faces + volume.triangles().len(), bytes);
         note("certificate", volume.triangles().len().max(1), peak(|| volume.boundary_sum()).1);
         note("layers", faces, peak(|| max_depth_complexity(&mesh, &signs, &light, 256)).1);
-        note("shell boxes", faces, peak(|| ShellBoxes::new(&mesh, &shells)).1);
+        let caster = Caster::new(mesh.clone());
+        let _ = (caster.planes(), caster.topology(), caster.shell_boxes());
+        note("frame", faces, peak(|| frame(&caster, &light)).1);
         let (oracle, bytes) = peak(|| Oracle::build(&mesh));
         note("oracle", faces, bytes);
         let index = peak(|| WindingIndex::build(&volume, oracle.bounds())).1;

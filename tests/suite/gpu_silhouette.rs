@@ -1,13 +1,13 @@
 //! Silhouettes and volumes that the device finds, against the processor's: the same lists, closed all the same.
 
-use umbrage::caster::ShellProof;
+use umbrage::caster::{ShellBoxes, ShellProof};
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::Facing;
 use umbrage::geom::{Aabb, Light};
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::{FaceId, Mesh, Weld, weld};
 use umbrage::scene::Scope;
-use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, ShellFaces, ShadowVolume, VolumeShaders};
+use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, ShadowVolume, ShellFaces, VolumeShaders};
 use umbrage::silhouette::{GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders};
 use umbrage::testing::shapes;
 use umbrage::topology::{GpuTopology, Topology};
@@ -39,7 +39,7 @@ struct Case<'a> {
 impl<'a> Case<'a> {
     fn new(device: &'a Device, mesh: &'a Mesh) -> Self {
         let planes = FacePlanes::new(mesh);
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         let uploaded = GpuTopology::upload(&device.gpu, &topology).unwrap();
         let caster = GpuCaster::with_planes(&device.silhouettes, mesh, uploaded, &planes).unwrap();
         let silhouette = GpuSilhouette::new(&caster).unwrap();
@@ -186,7 +186,7 @@ fn gpu_silhouette_of_a_plan_casts_shell_by_shell() {
     let proofs = ShellProof::of(&mesh, &case.topology, &shells);
     for light in ["point:3,14,5", "point:0.1,0.2,0.3", "directional:-1,-2,0.5"] {
         let light: Light = light.parse().unwrap();
-        let plan = ShellFaces::choose(&mesh, &shells, &proofs, &light, None);
+        let plan = ShellFaces::choose(&mesh, &ShellBoxes::new(&mesh, &shells), &proofs, &light, None);
         case.silhouette.set_masks(&plan.masks(&shells)).unwrap();
         let found = case.silhouette.find(&mesh, &light).unwrap();
         let signs = plan.signs(&shells, &classify(&mesh, &light));

@@ -5,21 +5,20 @@ use std::cell::Cell;
 use proptest::prelude::*;
 use proptest::sample::Index;
 use proptest::test_runner::{Config, TestRunner};
-use umbrage::caster::ShellProof;
+use umbrage::caster::{ShellBoxes, ShellProof};
 use umbrage::check::CrackReport;
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::{Aabb, Light};
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::Oracle;
-use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex, winding_number};
-use umbrage::facing::CasterFaces;
+use umbrage::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex, winding_number};
 use umbrage::silhouette::Silhouette;
 use umbrage::testing::shapes;
 use umbrage::testing::strategy::{light, place, soup};
 use umbrage::topology::Topology;
 
 fn topology(mesh: &Mesh) -> Topology {
-    Topology::of(&mesh)
+    Topology::of(mesh)
 }
 
 fn volume(mesh: &Mesh, light: &Light, signs: &[i8]) -> ShadowVolume {
@@ -209,7 +208,7 @@ fn plan_halves_only_what_is_proven() {
         let topology = topology(&mesh);
         let shells = topology.shells();
         let proofs = ShellProof::of(&mesh, &topology, &shells);
-        let plan = ShellFaces::choose(&mesh, &shells, &proofs, &light, None);
+        let plan = ShellFaces::choose(&mesh, &ShellBoxes::new(&mesh, &shells), &proofs, &light, None);
         assert!(plan.choices.iter().all(|choice| choice.what == expected), "{name}: {:?}", plan.choices);
 
         // Whatever was chosen, the volume is closed and says in or out as the ray cast does.

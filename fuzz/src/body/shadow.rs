@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use umbrage::caster::ShellProof;
+use umbrage::caster::{ShellBoxes, ShellProof};
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::Facing;
 use umbrage::geom::{Aabb, Light};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::{Intersection, Oracle};
-use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex, winding_number};
+use umbrage::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex, winding_number};
 use umbrage::silhouette::Silhouette;
 use umbrage::topology::Topology;
 
@@ -49,7 +49,7 @@ pub(crate) fn judge(mesh: &Mesh, light: &Light, points: &[[f32; 3]], facing: &[F
     // What is in shadow is inside the volume of the chosen faces too.
     let shells = scene.topology.shells();
     let proofs = ShellProof::of(mesh, &scene.topology, &shells);
-    let plan = ShellFaces::choose(mesh, &shells, &proofs, light, None);
+    let plan = ShellFaces::choose(mesh, &ShellBoxes::new(mesh, &shells), &proofs, light, None);
     let chosen = scene.judge_volume(&plan.signs(&shells, facing), facing);
     for (p, winding) in points.iter().zip(chosen) {
         let crossings = scene.oracle.crossings(*p, light);
@@ -74,7 +74,7 @@ struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     fn new(mesh: &'a Mesh, light: &'a Light, points: &'a [[f32; 3]]) -> Self {
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         Self { mesh, light, points, topology, oracle: Oracle::build(mesh) }
     }
 

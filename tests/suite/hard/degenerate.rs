@@ -1,9 +1,9 @@
 //! Faces without area or nearly so.
 
-use umbrage::caster::ShellProof;
+use umbrage::caster::{ShellBoxes, ShellProof};
 use umbrage::facing::CasterFaces;
 use umbrage::mesh::{Mesh, Weld, weld};
-use umbrage::shadow::volume::{ShellFaces};
+use umbrage::shadow::volume::ShellFaces;
 use umbrage::testing::shapes;
 
 use super::figures::*;
@@ -28,7 +28,7 @@ fn hard_06_degenerate_collinear_face_carries_the_edges_beside_it() {
     let (topology, shells) = (topology(&mesh), topology(&mesh).shells());
     let proofs = ShellProof::of(&mesh, &topology, &shells);
     assert_eq!(proofs, [ShellProof::ZeroAreaFace]);
-    let plan = ShellFaces::choose(&mesh, &shells, &proofs, &light, None);
+    let plan = ShellFaces::choose(&mesh, &ShellBoxes::new(&mesh, &shells), &proofs, &light, None);
     assert_eq!(plan.choices[0].to_string(), "a face of the shell has no area");
     // The sabotage: a cube without it has the hexagon alone.
     assert_ne!(figures(&shapes::cube(), &light), figures(&mesh, &light));

@@ -61,45 +61,48 @@
 //! # Ok::<(), umbrage::geom::LightError>(())
 //! ```
 //!
-//! # From your own arrays to buffers you can draw
+//! # A frame loop: from your own arrays to buffers you can draw
 //!
-//! Weld, build and prove once for a mesh; then each light costs one classification, one scan and one extrusion.
+//! Weld, build and prove once; then each frame chooses the casting faces, finds the silhouette and writes indices into
+//! your buffer, without an allocation and without a pass over all faces.
 //!
 //! ```
+//! use umbrage::caster::Caster;
 //! use umbrage::geom::Light;
-//! use umbrage::mesh::{Mesh, Weld, weld};
-//! use umbrage::facing::FacePlanes;
-//! use umbrage::silhouette::Silhouette;
-//! use umbrage::topology::Topology;
-//! use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume};
-//! use umbrage::caster::ShellProof;
+//! use umbrage::shadow::volume::{Caps, FrameExtruder};
 //!
 //! # let (positions, indices): (Vec<[f32; 3]>, Vec<u32>) = {
-//! #     let (positions, triangles, ..) = umbrage::testing::shapes::cube().into_parts();
+//! #     let (positions, triangles, ..) = umbrage::testing::shapes::icosphere(5).into_parts();
 //! #     (positions, triangles.concat())
 //! # };
 //! // `positions: Vec<[f32; 3]>` and `indices: Vec<u32>` are yours. Vertices that are split for normals or texture
 //! // coordinates are joined by position.
-//! let triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-//! let mesh = weld(&Mesh::new(positions, triangles)?, Weld::Exact).mesh;
-//! let topology = Topology::of(&mesh);
-//! let (planes, shells) = (FacePlanes::new(&mesh), topology.shells());
-//! let proofs = ShellProof::of(&mesh, &topology, &shells);
+//! let caster = Caster::from_indexed(&positions, &indices)?;
+//! let mut extruder = FrameExtruder::new(&caster, None);
 //!
-//! // For each light: half the faces cast wherever that is proven to be enough.
-//! let light = Light::point([2.0, 5.0, 3.0])?;
-//! let plan = ShellFaces::choose(&mesh, &shells, &proofs, &light, None);
-//! let signs = plan.signs(&shells, &planes.classify(&mesh, &light));
-//! let silhouette = Silhouette::extract(&topology, &signs);
-//! let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
+//! // Uploaded once: the positions, and an index buffer that parts of the caps are ranges of.
+//! let vertex_count = caster.mesh().vertex_count() as u32;
+//! let static_indices: &[u32] = extruder.static_triangles().as_flattened();
+//! assert_eq!(static_indices.len(), 2 * indices.len());
 //!
-//! // Buffers: homogeneous vertices (w = 0 lies at infinity: draw with an infinite far plane) and indices.
-//! let vertex_buffer: Vec<[f32; 4]> = volume.to_f32();
-//! let index_buffer: &[u32] = volume.triangles().as_flattened();
-//! assert_eq!(index_buffer.len() / 3, volume.light_cap().len() + volume.sides().len() + volume.dark_cap().len());
-//! assert!(index_buffer.iter().all(|&index| (index as usize) < vertex_buffer.len()));
+//! // For each frame: half the faces cast wherever that is proven to be enough.
+//! let mut index_buffer = vec![[0; 3]; 4 * caster.mesh().face_count()]; // mapped memory, say
+//! for frame in 0..3_u8 {
+//!     let light = Light::point([2.0, 5.0, 3.0 + 0.01 * f32::from(frame)])?;
+//!     let volume = extruder.write(&caster, &light, Caps::Both, &mut index_buffer)?;
+//!     // Draw `index_buffer[..written]`. Vertex `v` is a position; vertex `vertex_count + v` is the same position `p`
+//!     // pushed to infinity, `(p − light, 0)`: draw with an infinite far plane.
+//!     let written = volume.written.triangle_count();
+//!     let drawn = index_buffer[..written].as_flattened();
+//!     assert!(drawn.iter().all(|&index| index < 2 * vertex_count));
+//!     // Draw these ranges of the static index buffer; those of the dark cap with `vertex_count` as base vertex.
+//!     let (light_cap, dark_cap) = (volume.light_cap.len(), volume.dark_cap().count());
+//!     assert_eq!(light_cap, dark_cap);
+//! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! One volume alone is [`Caster::volume`](caster::Caster::volume).
 //!
 //! # Features
 //!

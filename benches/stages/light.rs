@@ -173,8 +173,9 @@ fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
     bench.run(Group { stage, mesh, units: walk.len(), unit: "step", contenders });
 }
 
-/// What is chosen for lights that rest, move slowly, move fast or stand anywhere, over the best of what there is. Trees and
-/// certificates run twice, each pair of their own: where even those differ, memory decides and not the way.
+/// What is chosen for lights that rest, move slowly, move fast or stand anywhere, over the best of what there
+/// is. Trees and certificates run twice, each pair of their own: where even those differ, memory decides and
+/// not the way.
 fn choice(bench: &mut Bench<'_>, mesh: &Mesh) {
     const STEPS: u8 = 16;
     let topology = Topology::of(mesh);

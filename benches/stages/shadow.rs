@@ -1,11 +1,15 @@
-//! The silhouette and the volume.
+//! The silhouette and the volume, of one light and of a frame loop.
 
+use umbrage::caster::Caster;
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::Light;
 use umbrage::mesh::{EdgeId, Mesh};
 use umbrage::oracle::Oracle;
-use umbrage::shadow::volume::{Caps, ExtrudeInput, Extruder, ShadowVolume, WindingIndex};
+use umbrage::shadow::volume::{
+    Caps, ExtrudeInput, Extruder, FrameExtruder, ShadowVolume, ShellFaces, WindingIndex,
+};
 use umbrage::silhouette::Silhouette;
+use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 
 use crate::measure::{Bench, Contender, Group, Scatter, Target, timed};
@@ -19,6 +23,165 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
     if bench.wants("winding") {
         winding(bench);
     }
+    let (boxes, torus) = (Caster::new(boxes()), Caster::new(torus(bench.quick)));
+    if bench.wants("casting faces") {
+        casting_faces(bench, &boxes, [20.0, 90.0, 30.0], "far light", 5_000.0);
+        casting_faces(bench, &boxes, [21.0, 0.0, 21.0], "light among them", 5_000.0);
+        casting_faces(bench, &torus, [9.0, 4.0, 5.0], "far light", 5_000.0);
+        casting_faces(bench, &torus, [0.1, 0.2, 0.1], "light in the hole", 50_000.0);
+    }
+    if bench.wants("frame of a moving light") {
+        for (step, what) in [(1e-4, "1e-4 a step"), (1e-2, "1e-2 a step")] {
+            frames(bench, &boxes, step, what, 60_000.0);
+            frames(bench, &torus, step, what, 500_000.0);
+        }
+    }
+}
+
+/// 400 boxes of several sizes, turned in several ways, on a grid.
+fn boxes() -> Mesh {
+    let mut scatter = Scatter(7);
+    let parts: Vec<Mesh> = (0..400_u16)
+        .map(|i| {
+            let half = scatter.point(0.4).map(|x| 0.5 + x);
+            let (sin, cos) = scatter.next().sin_cos();
+            let at = [2.0 * f32::from(i % 20), scatter.next(), 2.0 * f32::from(i / 20)];
+            let cuboid = shapes::cuboid(half.map(|x| -x), half);
+            let turned =
+                |&[x, y, z]: &[f32; 3]| [at[0] + cos * x + sin * z, at[1] + y, at[2] + cos * z - sin * x];
+            Mesh::new(cuboid.positions().iter().map(turned).collect(), cuboid.triangles().to_vec())
+                .expect("finite")
+        })
+        .collect();
+    Mesh::concat(&parts).expect("few").with_name("400 boxes")
+}
+
+/// 100,352 triangles in one shell.
+fn torus(quick: bool) -> Mesh {
+    let n = if quick { 40 } else { 224 };
+    shapes::torus(n, n, 2.0, 0.75).with_name(format!("torus {n}"))
+}
+
+/// Which faces cast: per light, whatever the number of faces.
+fn casting_faces(bench: &mut Bench<'_>, caster: &Caster, at: [f32; 3], what: &str, target: f64) {
+    const LIGHTS: u16 = 16;
+    let lights: Vec<Light> = (0..LIGHTS)
+        .map(|i| Light::point([at[0] + 0.001 * f32::from(i), at[1], at[2]]).expect("finite"))
+        .collect();
+    let count =
+        |faces: &ShellFaces| faces.choices.iter().filter(|choice| choice.what == CasterFaces::Front).count();
+    // All shells are closed and sound, and no light is inside one.
+    let expected = format!("front={}", usize::from(LIGHTS) * caster.shells().count);
+    let mut kept = ShellFaces::default();
+    let _ = caster.proofs(); // once for a mesh
+    let contenders = vec![
+        Contender::new("Caster::shell_faces", || {
+            let work = || lights.iter().map(|light| count(&caster.shell_faces(light, None))).sum::<usize>();
+            timed(work, |front| format!("front={front}"))
+        })
+        .expects(&*expected),
+        Contender::new("Caster::shell_faces_into", || {
+            let mut choose = |light| {
+                caster.shell_faces_into(light, None, &mut kept);
+                count(&kept)
+            };
+            timed(|| lights.iter().map(&mut choose).sum::<usize>(), |front| format!("front={front}"))
+        })
+        .expects(&*expected)
+        .aims_at(Target::Time(target)),
+    ];
+    let mesh = format!("{} · {what}", caster.mesh().name);
+    bench.run(Group { stage: "casting faces", mesh, units: lights.len(), unit: "light", contenders });
+}
+
+/// A whole frame: casting faces, silhouette, both caps and sides into a buffer, while a light moves there and
+/// back.
+fn frames(bench: &mut Bench<'_>, caster: &Caster, step: f32, what: &str, target: f64) {
+    const STEPS: u8 = 32;
+    let (mesh, topology) = (caster.mesh(), caster.topology());
+    let [low, high] = mesh.bounds().expect("it has faces");
+    let bounds = umbrage::geom::Aabb { low, high };
+    let (center, diagonal) = (bounds.center(), bounds.diagonal() as f32);
+    let at = |i: u8| {
+        let way = step * f32::from(i);
+        let to = [0.5 + 0.6 * way, 0.8 - 0.64 * way, 0.3 + 0.48 * way];
+        Light::point([0, 1, 2].map(|i| center[i] + diagonal * to[i])).expect("finite")
+    };
+    let walk: Vec<Light> = (1..=STEPS).chain((0..STEPS).rev()).map(at).collect();
+
+    let mut faces = ShellFaces::default();
+    let (mut facing, mut signs, mut silhouette) = (Vec::new(), Vec::new(), Silhouette::default());
+    let (mut whole, mut buffer) = (Extruder::new(topology), vec![[0; 3]; 4 * mesh.face_count()]);
+    let mut every_face = |light: &Light, buffer: &mut [[u32; 3]]| {
+        caster.shell_faces_into(light, None, &mut faces);
+        caster.planes().classify_into(mesh, light, &mut facing);
+        faces.signs_into(caster.shells(), &facing, &mut signs);
+        silhouette.extract_into(topology, &signs);
+        let (silhouette, caps) = (&silhouette, Caps::Both);
+        let input = ExtrudeInput { mesh, topology, light, signs: &signs, silhouette, caps };
+        whole.write_indices(&input, buffer).expect("it fits").triangle_count()
+    };
+    let expected: usize = walk.iter().map(|light| every_face(light, &mut buffer)).sum();
+    let count = every_face(&walk[walk.len() - 1], &mut buffer);
+    let mut last = buffer[..count].to_vec();
+    last.sort_unstable();
+    let per_frame = expected as f64 / walk.len() as f64;
+
+    let mut ranges = FrameExtruder::new(caster, None);
+    let mut written = FrameExtruder::new(caster, None).with_shortest_range(u32::MAX);
+    let mut bytes = 0.0;
+    for light in walk.iter().chain(&walk[..1]) {
+        let frame = ranges.write(caster, light, Caps::Both, &mut buffer).expect("it fits");
+        bytes += 12.0 * frame.written.triangle_count() as f64 / (walk.len() + 1) as f64;
+    }
+    let (mut first_buffer, mut second_buffer) = (buffer.clone(), buffer.clone());
+    let answer = |sum: &usize| format!("triangles={sum}");
+    let run = |extruder: &mut FrameExtruder, buffer: &mut Vec<[u32; 3]>| {
+        let mut frame =
+            |light| extruder.write(caster, light, Caps::Both, buffer).expect("it fits").triangle_count();
+        let sample = timed(|| walk.iter().map(&mut frame).sum::<usize>(), answer);
+        let light = &walk[walk.len() - 1];
+        assert!(drawn(extruder, caster, light, buffer) == last, "another volume");
+        sample
+    };
+    let contenders = vec![
+        Contender::new("every face and edge", || {
+            timed(|| walk.iter().map(|light| every_face(light, &mut buffer)).sum::<usize>(), answer)
+        })
+        .expects(format!("triangles={expected}"))
+        .moves(12.0 * per_frame),
+        Contender::new("FrameExtruder::write, all in one buffer", || run(&mut written, &mut first_buffer))
+            .expects(format!("triangles={expected}"))
+            .moves(12.0 * per_frame),
+        Contender::new("FrameExtruder::write", || run(&mut ranges, &mut second_buffer))
+            .expects(format!("triangles={expected}"))
+            .moves(bytes)
+            .aims_at(Target::Time(target)),
+    ];
+    let name = format!("{} · {what}", mesh.name);
+    let units = walk.len();
+    bench.run(Group { stage: "frame of a moving light", mesh: name, units, unit: "frame", contenders });
+}
+
+/// The triangles of a frame as a renderer would draw them, sorted.
+fn drawn(
+    extruder: &mut FrameExtruder,
+    caster: &Caster,
+    light: &Light,
+    buffer: &mut [[u32; 3]],
+) -> Vec<[u32; 3]> {
+    let frame = extruder.write(caster, light, Caps::Both, buffer).expect("it fits");
+    let mut all = buffer[..frame.written.triangle_count()].to_vec();
+    let (near, dark): (Vec<_>, Vec<_>) = (frame.light_cap.to_vec(), frame.dark_cap().collect());
+    let list = extruder.static_triangles();
+    for (ranges, base) in [(near, 0), (dark, caster.mesh().vertex_count() as u32)] {
+        for range in ranges {
+            let triangles = &list[range.start as usize..range.end as usize];
+            all.extend(triangles.iter().map(|corners| corners.map(|v| v + base)));
+        }
+    }
+    all.sort_unstable();
+    all
 }
 
 fn light() -> Light {
@@ -101,7 +264,8 @@ fn volume(bench: &mut Bench<'_>, name: String, cast: &ExtrudeInput<'_>) {
     let mut writer = extruder.clone();
     let (mut warm, mut buffer) = (volume.clone(), vec![[0; 3]; triangles]);
     let mut copy = buffer.clone();
-    // Three indices of 4 are written, and as many read for every second triangle, with a sign; vertices are not counted.
+    // Three indices of 4 are written, and as many read for every second triangle, with a sign; vertices are
+    // not counted.
     let faces = signs.len() as f64 / triangles as f64;
     let bytes = 12.0 + 13.0 * faces;
     let contenders = vec![
@@ -150,9 +314,10 @@ fn changes(pairs: &[[u32; 2]], signs: &[i8]) -> Vec<u32> {
     (0..).zip(pairs).filter(changes).map(|(edge, _)| edge).collect()
 }
 
-/// The winding number of the emitted volume at scattered points, which is the number of faces towards the light.
+/// The winding number of the emitted volume at scattered points, which is the number of faces towards the
+/// light.
 fn winding(bench: &mut Bench<'_>) {
-    let mesh = umbrage::testing::shapes::icosphere(if bench.quick { 3 } else { 6 });
+    let mesh = shapes::icosphere(if bench.quick { 3 } else { 6 });
     let light = light();
     let topology = Topology::of(&mesh);
     let signs = CasterFaces::All.signs(&classify(&mesh, &light));

@@ -1,4 +1,4 @@
-//! Which shells are proven to cast the same shadow with half their faces, whatever the light.
+//! Proofs per shell: whether half its faces cast the same shadow, whatever the light.
 
 use std::ops::ControlFlow;
 
@@ -9,10 +9,17 @@ use crate::mesh::{FaceId, Mesh};
 use crate::topology::{Shells, Topology};
 
 /// What is known of a shell, whatever the light.
+///
+/// ```
+/// use umbrage::caster::{Caster, ShellProof};
+/// use umbrage::testing::shapes;
+/// assert_eq!(Caster::new(shapes::cube()).proofs(), [ShellProof::Outward]);
+/// assert_eq!(Caster::new(shapes::open_cube()).proofs(), [ShellProof::NotWatertight]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ShellProof {
-    /// Winding numbers are 0 and +1: watertight, does not meet itself, positive volume.
+    /// Winding numbers are 0 and +1: watertight, no self-intersection, positive volume.
     Outward,
     /// Winding numbers are 0 and −1: the same with a negative volume.
     Inward,
@@ -20,26 +27,27 @@ pub enum ShellProof {
     NotWatertight,
     /// A face has no area.
     ZeroAreaFace,
-    /// Two faces meet where they should not.
+    /// Two faces intersect.
     MeetsItself,
-    /// So many faces reach into one place that whether two of them meet was not found out.
+    /// The search for self-intersections gave up: too many faces overlap the same region.
     Unsettled,
     /// The volume is zero.
     NoVolume,
 }
 
 impl ShellProof {
-    /// Looks at every shell: one proof a shell, in their order. Searches for self-intersections, which costs some
-    /// microseconds a face, unless no shell gets that far. Where the faces of shells nearly all reach into one place
-    /// the search gives up after some seconds for all shells together: [`ShellProof::Unsettled`].
+    /// One proof per shell, in the order of the shells. Searches for self-intersections, which costs some
+    /// microseconds per face, unless no shell gets that far. Where nearly all faces of shells overlap the
+    /// same region, the search gives up after some seconds for all shells together:
+    /// [`ShellProof::Unsettled`].
     ///
-    /// Memory: at its peak 129 bytes a face, or what [`CrackReport::of`] takes.
+    /// Memory: at its peak 129 bytes per face, or what [`CrackReport::of`] takes.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology, shells: &Shells) -> Vec<Self> {
         Self::within(mesh, topology, shells, &CrackReport::of(mesh, topology), MOST_TESTS)
     }
 
-    /// The same with the crack report of the mesh, which is there already.
+    /// As [`ShellProof::of`], with the crack report of the mesh.
     pub(crate) fn with_report(
         mesh: &Mesh,
         topology: &Topology,
@@ -49,7 +57,7 @@ impl ShellProof {
         Self::within(mesh, topology, shells, report, MOST_TESTS)
     }
 
-    /// The same with `spare` tests for all shells together, beside those that go with the faces.
+    /// As [`ShellProof::of`], with `spare` tests for all shells together besides 256 per face.
     pub(crate) fn within(
         mesh: &Mesh,
         topology: &Topology,
@@ -78,7 +86,7 @@ impl ShellProof {
                 proofs[shell] = Self::ZeroAreaFace;
             }
         }
-        // Shell by shell: two of them may well meet each other, for each keeps its own count.
+        // Shell by shell: two shells may intersect each other, for each has winding numbers of its own.
         for faces in shells.faces_by_shell().iter() {
             let Some(shell) = faces.first().and_then(|&face| of_face(face)) else { continue };
             if proofs[shell].is_sound() {
@@ -89,7 +97,7 @@ impl ShellProof {
                     meets = true;
                     stop
                 });
-                spare = spare.min(tests); // its own go first
+                spare = spare.min(tests); // its own are used up first
                 if end == stop {
                     proofs[shell] = if meets { Self::MeetsItself } else { Self::Unsettled };
                 }
@@ -103,6 +111,6 @@ impl ShellProof {
     }
 }
 
-/// After so many tests of two faces of one shell, in all shells together, and 256 more a face, proofs are given up:
-/// some seconds.
+/// Tests of two faces of one shell, in all shells together and besides 256 per face, after which proofs are
+/// given up: some seconds.
 const MOST_TESTS: u64 = 1 << 24;

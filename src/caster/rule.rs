@@ -149,8 +149,8 @@ impl KeptRule {
         }
     }
 
-    /// Calls `visit` with every face of which a comparable rule says something else, with what held before and what
-    /// holds now. Takes time for the shells, and for the faces that are visited.
+    /// Calls `visit` with every face of which a comparable rule says something else, with what held before
+    /// and what holds now. Takes time for the shells, and for the faces that are visited.
     pub(crate) fn for_each_change(
         &self,
         rule: &CasterRule<'_>,

@@ -5,8 +5,9 @@ use crate::geom::Aabb;
 use crate::mesh::{FaceId, Mesh};
 use crate::topology::{FacesByShell, Shells};
 
-/// Boxes around every shell and around blocks of 32 of its faces, so that a shell far from a light or from a segment
-/// costs one test. Made once for a mesh at rest. Holds 4 bytes per face, 28 per block and 28 per shell.
+/// Boxes around every shell and around blocks of 32 of its faces, so that a shell far from a light or from a
+/// segment costs one test. Made once for a mesh at rest. Holds 4 bytes per face, 28 per block and 28 per
+/// shell.
 #[derive(Clone, Debug)]
 pub struct ShellBoxes {
     /// Faces by shell, ascending within each.
@@ -33,8 +34,8 @@ pub(crate) struct ShellBox {
 const BLOCK: usize = 32;
 
 impl ShellBoxes {
-    /// Sorts the faces by shell and puts boxes around them. Linear time. Memory: 6 bytes per face at its peak, and 150
-    /// per shell.
+    /// Sorts the faces by shell and puts boxes around them. Linear time. Memory: 6 bytes per face at its
+    /// peak, and 150 per shell.
     ///
     /// # Panics
     ///

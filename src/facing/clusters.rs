@@ -1,31 +1,31 @@
-//! Front- and back-facing faces as index ranges: faces are ordered in clusters of similar planes, and a bounding
-//! hierarchy over the planes classifies whole clusters at once.
+//! Front- and back-facing faces as index ranges: faces are ordered in clusters of similar planes, and a
+//! bounding hierarchy over the planes classifies whole clusters at once.
 //!
-//! A cluster has 32 faces. The hierarchy is that of the silhouette tree: boxes over planes, eight children per node. Only
-//! clusters that no box decides are evaluated face by face. (Cf. the clusters that Matt Olson and Hao Zhang, *Silhouette
-//! Extraction in Hough Space*, 2006, leave out; here what is left out is drawn.)
+//! A cluster has 32 faces. The hierarchy is that of the silhouette tree: boxes over planes, eight children
+//! per node. Only clusters that no box decides are evaluated face by face. (Cf. the clusters that Matt Olson
+//! and Hao Zhang, *Silhouette Extraction in Hough Space*, 2006, leave out; here what is left out is drawn.)
 
 use std::ops::Range;
 
 use super::FacePlanes;
-use super::planes::LocalLight;
 use super::plane_tree::{self, Bound, LEAF, Node, WIDE};
+use super::planes::LocalLight;
 use super::quantized;
 use super::quantized::{BACK, FRONT, Quantized};
 use crate::geom::Facing;
 use crate::geom::Light;
 use crate::mesh::{FaceId, Mesh};
 
-/// Classify all faces one by one when more than 1/64 of them are left open by the integers: an open face costs about as
-/// much as some tens of others.
+/// Classify all faces one by one when more than 1/64 of them are left open by the integers: an open face
+/// costs about as much as some tens of others.
 pub(crate) const OPEN_SHARE: usize = 64;
 
 /// An order of the faces of a mesh in which most front-facing faces of a light are consecutive.
 ///
-/// Made for drawing: with the triangles in this order in an index buffer, and once more each reversed, both caps of a
-/// shadow volume are draws of a few ranges of that buffer, the dark cap with an offset of the vertices. Single faces and
-/// the sides go into a small buffer that is written for each light; no step then takes time for every face.
-/// [`FrameExtruder`](crate::shadow::volume::FrameExtruder) does all of this.
+/// Made for drawing: with the triangles in this order in an index buffer, and once more each reversed, both
+/// caps of a shadow volume are draws of a few ranges of that buffer, the dark cap with an offset of the
+/// vertices. Single faces and the sides go into a small buffer that is written for each light; no step then
+/// takes time for every face. [`FrameExtruder`](crate::shadow::volume::FrameExtruder) does all of this.
 ///
 /// Holds 12 bytes per face and a share of the nodes.
 ///
@@ -58,8 +58,8 @@ struct Cluster([[i16; LEAF]; 4]);
 /// The faces that a light is in front of, and those that it is behind.
 #[derive(Clone, Debug, Default)]
 pub struct FacingRanges {
-    /// Ranges of [`FaceClusters::order`] with the light in front of every face: ascending, none empty, none starting where
-    /// another ends.
+    /// Ranges of [`FaceClusters::order`] with the light in front of every face: ascending, none empty, none
+    /// starting where another ends.
     pub front: Vec<Range<u32>>,
     /// The same with the light behind every face.
     pub back: Vec<Range<u32>>,
@@ -139,12 +139,12 @@ impl FaceClusters {
         self.order.iter().map(|face| mesh.triangles()[face.index()]).collect()
     }
 
-    /// Divides the faces by the side that the light is on, exactly as [`classify`](super::classify) does. What `ranges`
-    /// held is replaced, and its memory kept.
+    /// Divides the faces by the side that the light is on, exactly as [`classify`](super::classify) does.
+    /// What `ranges` held is replaced, and its memory kept.
     ///
-    /// Cost: an evaluation of each cluster that has faces of both sides, or nearly, and of the nodes over it; some 5 µs for
-    /// a torus of 100,000 triangles. Where many faces lie in a plane with the light, it costs what
-    /// [`FacePlanes::classify_into`] does, and a visit to each face.
+    /// Cost: an evaluation of each cluster that has faces of both sides, or nearly, and of the nodes over it;
+    /// some 5 µs for a torus of 100,000 triangles. Where many faces lie in a plane with the light, it costs
+    /// what [`FacePlanes::classify_into`] does, and a visit to each face.
     ///
     /// # Panics
     ///
@@ -158,8 +158,8 @@ impl FaceClusters {
         }
     }
 
-    /// By the hierarchy. Takes the number of faces that were left open and decided one by one from `spare`; `false`, and
-    /// `ranges` are of no use, if they are more than that.
+    /// By the hierarchy. Takes the number of faces that were left open and decided one by one from `spare`;
+    /// `false`, and `ranges` are of no use, if they are more than that.
     pub(crate) fn search(
         &self,
         mesh: &Mesh,
@@ -223,7 +223,8 @@ impl FaceClusters {
         true
     }
 
-    /// By the sides of all faces, in the order of the mesh, where many are open: memory is then read in order.
+    /// By the sides of all faces, in the order of the mesh, where many are open: memory is then read in
+    /// order.
     fn scan(&self, mesh: &Mesh, planes: &FacePlanes, light: &Light, ranges: &mut FacingRanges) {
         let FacingRanges { front, back, single, facing, .. } = ranges;
         front.clear();

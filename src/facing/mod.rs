@@ -1,7 +1,7 @@
-//! The side of every face that a light is on, exactly.
+//! Exact sides: whether a light is in front of each face, behind it, or in its plane.
 //!
-//! [`classify`] is the reference; [`FacePlanes`] answers the same many times as fast for many lights, and
-//! [`FaceClusters`] for whole clusters of faces at once.
+//! [`classify`] is the reference. [`FacePlanes`] gives the same answers many times as fast for many lights,
+//! and [`FaceClusters`] for whole clusters of faces at once.
 
 mod clusters;
 pub(crate) mod plane_tree;
@@ -27,19 +27,36 @@ pub fn facing_of(mesh: &Mesh, face: FaceId, light: &Light) -> Facing {
     Facing::of(predicate::side_of_light(mesh.corners(face), light))
 }
 
-/// The side of every face that `light` is on, exactly; one entry a face.
+/// The side of every face that `light` is on, exactly; one entry per face.
 ///
-/// Costs one filtered predicate a face. Memory: 1 byte a face. For many lights on one mesh, [`FacePlanes`] is many times
-/// faster.
+/// Costs one filtered predicate per face, some 15 ns. Memory: 1 byte per face. For many lights on one mesh,
+/// [`FacePlanes`] is many times as fast.
+///
+/// ```
+/// use umbrage::facing::classify;
+/// use umbrage::geom::Facing;
+/// use umbrage::testing::shapes;
+/// let facing = classify(&shapes::cube(), &"point:3,0.1,0.2".parse()?);
+/// assert_eq!(facing.iter().filter(|&&side| side == Facing::Front).count(), 2);
+/// # Ok::<(), umbrage::geom::LightError>(())
+/// ```
 #[must_use]
 pub fn classify(mesh: &Mesh, light: &Light) -> Vec<Facing> {
     (0..mesh.face_count()).map(|face| facing_of(mesh, FaceId::new(face), light)).collect()
 }
 
 /// Which faces cast the shadow, and with which sign.
+///
+/// ```
+/// use umbrage::facing::CasterFaces;
+/// use umbrage::geom::Facing;
+/// let facing = [Facing::Front, Facing::Back, Facing::EdgeOn];
+/// assert_eq!(CasterFaces::All.signs(&facing), [1, -1, 0]);
+/// assert_eq!(CasterFaces::Front.signs(&facing), [1, 0, 0]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum CasterFaces {
-    /// Every face that is not edge-on, with its sign. Right for any mesh.
+    /// Every face that is not edge-on, with its sign. Right for every mesh.
     #[default]
     All,
     /// Front faces only: the textbook outline, "one face in front, the other not".
@@ -96,7 +113,7 @@ impl CasterFaces {
     }
 }
 
-/// In a face's mask: it casts if the light is in front of it.
+/// Bit of a mask: the face casts if the light is in front of it.
 pub const CASTS_IN_FRONT: u8 = 1;
-/// In a face's mask: it casts if the light is behind it.
+/// Bit of a mask: the face casts if the light is behind it.
 pub const CASTS_BEHIND: u8 = 2;

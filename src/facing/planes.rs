@@ -1,4 +1,5 @@
-//! The side of every face for many lights: precomputed planes, a filter with a proven bound, exact ties.
+//! Exact sides for many lights: precomputed planes, a filter with a proven bound, the exact predicate for the
+//! rest.
 
 use glam::DVec3;
 use multiversion::multiversion;
@@ -12,32 +13,47 @@ use crate::geom::{Aabb, Light, predicate};
 use crate::mesh::{FaceId, Mesh};
 use crate::parallel;
 
-/// The planes of a mesh's faces, laid out for a loop over all of them: 8 bytes a face in whole numbers, which tell
-/// nearly every side, and 20 bytes in `f32` for what they leave open.
+/// The planes of the faces of a mesh, laid out for a loop over all of them: 8 bytes per face in integers,
+/// which decide nearly every side, and 20 bytes in `f32` for what they leave open.
+///
+/// ```
+/// use umbrage::facing::{FacePlanes, classify};
+/// use umbrage::geom::Light;
+/// use umbrage::testing::shapes;
+/// let mesh = shapes::icosphere(3);
+/// let planes = FacePlanes::new(&mesh);
+/// let mut facing = Vec::new(); // kept for its memory
+/// for x in [1.0, 2.0, 3.0] {
+///     let light = Light::point([x, 4.0, 5.0])?;
+///     planes.classify_into(&mesh, &light, &mut facing);
+///     assert_eq!(facing, classify(&mesh, &light));
+/// }
+/// # Ok::<(), umbrage::geom::LightError>(())
+/// ```
 ///
 /// Unit normals `n` and offsets `d` in `f32`, at a local origin `o` near the middle of the mesh, so that the
 /// plane of a face is `n·(x − o) + d = 0`.
 ///
 /// # The bound
 ///
-/// With `l = L − o` rounded to `f32` (or `l` the direction, and `w = 0`), the side is the sign of `s = n·l + w·d`
-/// wherever `|s| > E`, where, with `u = 2⁻²⁴`,
+/// With `l = L − o` rounded to `f32` (or `l` the direction, and `w = 0`), the side is the sign of `s = n·l +
+/// w·d` wherever `|s| > E`, where, with `u = 2⁻²⁴`,
 ///
 /// `E = 8u·(|nx·lx| + |ny·ly| + |nz·lz| + |w·d|) + e·(|lx| + |ly| + |lz| + w·r) + 2⁻¹⁴⁵`.
 ///
-/// Why: each product carries three roundings (of `n`, of `l`, of itself) and two additions follow, so `s` errs by
-/// less than `5u·(1 + 5u)` times the sum of magnitudes, itself computed within the same factor; three more units
-/// cover computing `E`. Each of `n`, `l`, `d` and the products may instead be subnormal, with an absolute error
-/// of 2⁻¹⁵⁰; of these, what is not multiplied by anything is covered by the last term, and those that are, by
-/// `e`, which is at least 2⁻⁴⁸.
+/// Why: each product carries three roundings (of `n`, of `l`, of itself) and two additions follow, so `s`
+/// errs by less than `5u·(1 + 5u)` times the sum of magnitudes, itself computed within the same factor; three
+/// more units cover computing `E`. Each of `n`, `l`, `d` and the products may instead be subnormal, with an
+/// absolute error of 2⁻¹⁵⁰; of these, what is not multiplied by anything is covered by the last term, and
+/// those that are, by `e`, which is at least 2⁻⁴⁸.
 ///
-/// `e` bounds the error of the plane itself, from its construction in `f64` with `ε = 2⁻⁵³`. The cross product
-/// errs by at most `4ε` times its products' magnitudes. Two vectors that differ by Δ differ in direction by at most
-/// `2‖Δ‖ / (‖x‖ + ‖y‖)`, which is `1.5‖Δ‖ / ‖x‖` while `‖Δ‖` is below two thirds of the length: `6ε` times the
-/// magnitudes over the length, which for a sliver is large, and `4ε` more for normalizing. The offset errs by that
-/// times `r`, the largest `|x| + |y| + |z|` of a vertex from `o`, and `6ε·r`. Where no normal can be formed `e` is
-/// infinite and the face is always decided exactly. A light so far away that a product leaves `f32` makes `E`
-/// infinite or NaN, and again the exact predicate decides.
+/// `e` bounds the error of the plane itself, from its construction in `f64` with `ε = 2⁻⁵³`. The cross
+/// product errs by at most `4ε` times its products' magnitudes. Two vectors that differ by Δ differ in
+/// direction by at most `2‖Δ‖ / (‖x‖ + ‖y‖)`, which is `1.5‖Δ‖ / ‖x‖` while `‖Δ‖` is below two thirds of the
+/// length: `6ε` times the magnitudes over the length, which for a sliver is large, and `4ε` more for
+/// normalizing. The offset errs by that times `r`, the largest `|x| + |y| + |z|` of a vertex from `o`, and
+/// `6ε·r`. Where no normal can be formed `e` is infinite and the face is always decided exactly. A light so
+/// far away that a product leaves `f32` makes `E` infinite or NaN, and again the exact predicate decides.
 #[derive(Clone, Debug)]
 pub struct FacePlanes {
     pub(crate) normal: [Vec<f32>; 3],
@@ -49,12 +65,12 @@ pub struct FacePlanes {
     reach: f32,
 }
 
-/// A light as the planes see it.
+/// A light relative to the local origin of planes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalLight {
     light: Light,
     pub(crate) quantized: Quantized,
-    /// What `quantized` is rounded from.
+    /// The same before it is rounded.
     pub(crate) direction: [f64; 4],
     l: [f32; 3],
     w: f32,
@@ -80,10 +96,12 @@ impl LocalLight {
         (s, magnitudes * self.evaluation + (e * self.scale + self.underflow))
     }
 
-    /// `|s| − E` with the sign of `s`, or 0 where that is not positive, of planes given component by component: normals,
-    /// offsets, errors. The least magnitude of them. Each may be above the truth by half a unit in its last place.
+    /// `|s| − E` with the sign of `s`, or 0 where that is not positive, of planes given component by
+    /// component: normals, offsets, errors. Returns the least magnitude of them. Each may be above the truth
+    /// by half an ulp.
     ///
-    /// A call of its own, with lengths that the compiler does not know, so that it runs in vector registers.
+    /// Not inlined, and with lengths that the compiler does not know: then it is compiled to vector
+    /// instructions.
     #[inline(never)]
     pub(crate) fn heights(&self, [x, y, z, d, e]: [&[f32]; 5], heights: &mut [f32]) -> f32 {
         for (((((height, x), y), z), d), e) in heights.iter_mut().zip(x).zip(y).zip(z).zip(d).zip(e) {
@@ -92,7 +110,7 @@ impl LocalLight {
             let above = s.abs() - bound;
             *height = if above > 0.0 { above.copysign(s) } else { 0.0 };
         }
-        // Eight at once; what is left over comes one by one.
+        // Eight at once, then the remainder.
         let mut least = [f32::INFINITY; 8];
         let (eights, rest) = heights.as_chunks::<8>();
         for eight in eights {
@@ -104,7 +122,7 @@ impl LocalLight {
     }
 }
 
-/// Faces that are looked at together: they stay in the first-level cache.
+/// Faces per block: they stay in the first-level cache.
 const RUN: usize = 256;
 /// 8u with u = 2⁻²⁴. (On near ties 1u is caught, 2u was not.)
 pub(crate) const EVALUATION: f32 = 4.0 * f32::EPSILON;
@@ -112,14 +130,16 @@ pub(crate) const EVALUATION: f32 = 4.0 * f32::EPSILON;
 pub(crate) const UNDERFLOW: f32 = f32::from_bits(1 << 4);
 
 impl FacePlanes {
-    /// Computes the planes of all faces. Linear time, about 15 ns a face, on several threads with the feature `parallel`.
-    /// Memory: 28 bytes a face.
+    /// Computes the planes of all faces. Linear time, about 15 ns per face, on several threads with the
+    /// feature `parallel`. Memory: 28 bytes per face.
     #[must_use]
     pub fn new(mesh: &Mesh) -> Self {
-        // (Spelt out, here and below: `map` and `fold` of arrays are not always inlined, which doubled the time.)
+        // (For performance, here and below: closures on arrays are not always inlined, which doubled the
+        // time.)
         let at = |v: u32| mesh.positions()[v as usize];
         built::note(Part::Planes, mesh);
-        // Each face by itself first: a sum of all in a row would wait for every comparison.
+        // The box of each face first: one chain of comparisons over all vertices would be bound by their
+        // latency.
         let around = |faces: &[[u32; 3]]| {
             let point = |v: u32| Aabb { low: at(v), high: at(v) };
             faces
@@ -186,13 +206,13 @@ impl FacePlanes {
         self.reach
     }
 
-    /// Unit normals and offsets: those of a face together, since they are picked in no order.
+    /// Unit normals and offsets, those of a face together, for random access.
     pub(crate) fn together(&self) -> Vec<[f32; 4]> {
         let [x, y, z] = &self.normal;
         (0..self.offset.len()).map(|face| [x[face], y[face], z[face], self.offset[face]]).collect()
     }
 
-    /// Without the error of the planes: what a test must notice.
+    /// Injects a fault: planes without their errors.
     #[cfg(all(test, feature = "gpu"))]
     pub(crate) fn forget_errors(&mut self) {
         self.error.fill(0.0);
@@ -210,8 +230,8 @@ impl FacePlanes {
         facing
     }
 
-    /// As [`FacePlanes::classify`], into a buffer that keeps its memory. Returns how many faces the filter left
-    /// to the exact predicate.
+    /// As [`FacePlanes::classify`], into a buffer that keeps its memory. Returns how many faces the filter
+    /// left to the exact predicate.
     ///
     /// # Panics
     ///
@@ -247,7 +267,8 @@ impl FacePlanes {
         runs.map(|(first, facing)| self.settle_all(mesh, &local, first, facing)).sum()
     }
 
-    /// The sides that whole numbers leave open in a run of faces; how many the predicate was asked for.
+    /// Decides the sides that the integers leave open in a run of faces. Returns how often the predicate was
+    /// asked.
     #[inline(never)]
     fn settle_each(&self, mesh: &Mesh, local: &LocalLight, first: usize, facing: &mut [Facing]) -> usize {
         let mut exact = 0;
@@ -259,7 +280,7 @@ impl FacePlanes {
         exact
     }
 
-    /// As [`FacePlanes::settle_each`], for a run of which many are open: many planes in few vector registers.
+    /// As [`FacePlanes::settle_each`], for a run with many open sides: all planes by vector instructions.
     #[inline(never)]
     fn settle_all(&self, mesh: &Mesh, local: &LocalLight, first: usize, facing: &mut [Facing]) -> usize {
         let range = first..first + facing.len();
@@ -286,7 +307,7 @@ impl FacePlanes {
         exact
     }
 
-    /// A light from the local origin.
+    /// A light relative to the local origin.
     pub(crate) fn local(&self, light: &Light) -> LocalLight {
         let xyz = light.xyz();
         let (l, w) = if light.is_directional() {
@@ -335,7 +356,7 @@ impl FacePlanes {
     }
 }
 
-/// Where the planes of some faces belong: normals, offsets and errors; whole numbers.
+/// Buffers for the planes of some faces: normals, offsets and errors; integers.
 struct PlanesMut<'a> {
     numbers: [&'a mut [f32]; 5],
     quantized: [&'a mut [i16]; 4],
@@ -370,7 +391,8 @@ fn make(positions: &[[f32; 3]], triangles: &[[u32; 3]], origin: [f32; 3], reach:
     );
 }
 
-/// Corners are fetched for some faces at once, and their planes made in vector registers: no branches between.
+/// Corners are fetched for some faces at once, and their planes made in vector registers: no branches
+/// between.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
 fn make_in_order(
     positions: &[[f32; 3]],
@@ -490,8 +512,9 @@ mod tests {
 
     #[test]
     fn facing_a_plane_without_its_error_term_is_caught() {
-        // Planes exactly through the local origin, and the light there: every face is a tie. Corners on a grid, so
-        // that sums are exact, and each face mirrored at the origin, so that the box is centered there.
+        // Planes exactly through the local origin, and the light there: every face is a tie. Corners on a
+        // grid, so that sums are exact, and each face mirrored at the origin, so that the box is centered
+        // there.
         let mut positions: Vec<[f32; 3]> = Vec::new();
         for i in 0..150_u16 {
             let grid = |k: u16| f32::from((i * k) % 251) / 256.0;
@@ -507,7 +530,7 @@ mod tests {
         assert_eq!(planes.origin, [0.0; 3]);
         let facing = planes.classify(&mesh, &light);
         assert!(facing.iter().all(|&facing| facing == Facing::EdgeOn));
-        planes.error.fill(0.0); // the sabotage
+        planes.error.fill(0.0); // the fault injected
         assert_ne!(planes.classify(&mesh, &light), facing);
     }
 }

@@ -1,15 +1,16 @@
-//! A set of edges that knows its order: one bit an edge, and one bit for every 64 of those.
+//! A sorted set of edges: a bitmap with one bit per edge, and a summary with one bit per 64 edges.
 
-/// Insertion in any order and constant time; a walk in ascending order that skips what is empty 4096 edges at a time.
+/// Insertion and removal in constant time; iteration in ascending order, which skips 4096 absent edges at a
+/// time.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EdgeSet {
     words: Vec<u64>,
-    /// A bit for each word that is not zero.
+    /// One bit per word: whether it is not zero.
     summary: Vec<u64>,
 }
 
 impl EdgeSet {
-    /// The empty set, for so many edges.
+    /// The empty set, for edges below `edges`.
     pub(super) fn new(edges: usize) -> Self {
         let words = edges.div_ceil(64);
         Self { words: vec![0; words], summary: vec![0; words.div_ceil(64)] }
@@ -38,23 +39,23 @@ impl EdgeSet {
             .iter()
             .enumerate()
             .flat_map(|(high, &bits)| Bits(bits).map(move |low| high * 64 + low as usize));
-        // Fewer than 2^32 edges, so that their numbers fit.
+        // Edge ids are 32 bits.
         words.flat_map(|word| Bits(self.words[word]).map(move |low| word as u32 * 64 + low))
     }
 }
 
-/// A set of edges with a sign each, for one collection after another.
+/// A sorted set of edges with a sign each, filled and drained again and again.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SignedEdges {
-    /// Of 64 edges which are in the set, and which of those are negative.
+    /// For 64 edges: which are in the set, and which of those are negative.
     words: Vec<[u64; 2]>,
-    /// A bit for each pair of words that is not zero.
+    /// One bit per pair of words: whether it is not zero.
     summary: Vec<u64>,
     len: usize,
 }
 
 impl SignedEdges {
-    /// The empty set, for so many edges.
+    /// The empty set, for edges below `edges`.
     pub(super) fn new(edges: usize) -> Self {
         let words = edges.div_ceil(64);
         Self { words: vec![[0; 2]; words], summary: vec![0; words.div_ceil(64)], len: 0 }
@@ -75,8 +76,8 @@ impl SignedEdges {
         self.len += 1;
     }
 
-    /// Calls `visit` with every 64 edges of which some are in the set: the first one's number, a bit for each, and a bit
-    /// for each that is negative. The set is empty afterwards.
+    /// Calls `visit` for every block of 64 edges that holds some: with the id of its first edge, a word of
+    /// the edges in the set, and a word of those that are negative. The set is empty afterwards.
     #[inline(always)]
     pub(super) fn drain(&mut self, mut visit: impl FnMut(u32, u64, u64)) {
         self.len = 0;
@@ -90,7 +91,7 @@ impl SignedEdges {
     }
 }
 
-/// The places of the bits that are set, ascending.
+/// The indices of the bits that are set, ascending.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bits(pub(super) u64);
 
@@ -100,9 +101,9 @@ impl Iterator for Bits {
     #[inline]
     fn next(&mut self) -> Option<u32> {
         (self.0 != 0).then(|| {
-            let place = self.0.trailing_zeros();
+            let index = self.0.trailing_zeros();
             self.0 &= self.0 - 1;
-            place
+            index
         })
     }
 }

@@ -48,7 +48,8 @@ impl fmt::Display for SilhouetteMethod {
 }
 
 impl SilhouetteMethod {
-    /// The method to begin with, scan or tree, for a mesh of `faces` faces and `lights` lights that are still to come.
+    /// The method to begin with, scan or tree, for a mesh of `faces` faces and `lights` lights that are still
+    /// to come.
     #[must_use]
     pub fn choose(faces: usize, lights: usize) -> Choice<Self> {
         if faces < FEW_FACES {
@@ -63,7 +64,8 @@ impl SilhouetteMethod {
 
 /// The silhouettes of a caster at rest for one light after another, each found by the cheapest method.
 ///
-/// Allocates nothing once its buffers have grown: those of a light that moves are made when it first moves a little.
+/// Allocates nothing once its buffers have grown: those of a light that moves are made when it first moves a
+/// little.
 ///
 /// ```
 /// use umbrage::caster::Caster;
@@ -106,7 +108,8 @@ enum Search {
 }
 
 impl SilhouetteFinder {
-    /// Prepares for about `lights` lights; `usize::MAX` if there is no end of them. A tree costs about 200 ns per face.
+    /// Prepares for about `lights` lights; `usize::MAX` if there is no end of them. A tree costs about 200 ns
+    /// per face.
     #[must_use]
     pub fn new(caster: &Caster, lights: usize) -> Self {
         let planes = caster.shared_planes().clone();
@@ -123,7 +126,8 @@ impl SilhouetteFinder {
                 }
             }
         };
-        let found = Choice::new(SilhouetteMethod::Scan, Reason::FewLights { lights }); // until there is a light
+        // Until there is a light.
+        let found = Choice::new(SilhouetteMethod::Scan, Reason::FewLights { lights });
         let (casters, list) = (KeptRule::default(), Silhouette::default());
         Self { lights, planes, casters, last: None, found, list, edge_count: 0, copies: 0, search }
     }
@@ -140,9 +144,9 @@ impl SilhouetteFinder {
 
     /// Finds the silhouette for a light. Returns the method, and why it was chosen.
     ///
-    /// `casters` is a [`CasterFaces`](crate::facing::CasterFaces), or what [`Caster::rule`] gives; it may differ from
-    /// light to light. For the same light and casters as the last time nothing is done. After [`Caster::repose`], and
-    /// for another caster, the finder is first built again.
+    /// `casters` is a [`CasterFaces`](crate::facing::CasterFaces), or what [`Caster::rule`] gives; it may
+    /// differ from light to light. For the same light and casters as the last time nothing is done. After
+    /// [`Caster::repose`], and for another caster, the finder is first built again.
     ///
     /// # Panics
     ///

@@ -1,12 +1,13 @@
-//! Kinetic silhouettes, for a light that moves while the mesh rests: certificates bound how far the light may travel
-//! before a face changes sides.
+//! Kinetic silhouettes, for a light that moves while the mesh rests: certificates bound how far the light may
+//! travel before a face changes sides.
 //!
-//! A face at height `|N·(L − o) + w·D|` over its plane keeps its side until the light has travelled that far, since `N`
-//! has length 1. So runs of 32 faces carry the least height among them, less its error, as a certificate. It is compared
-//! with the distance that the light has travelled so far (the odometer), and only runs whose certificate has expired are
-//! evaluated again. A face that changes sides changes the multiplicities of its three edges, on any mesh. (Certificates
-//! that fail in time: Julien Basch, Leonidas J. Guibas, John Hershberger, *Data Structures for Mobile Data*, 1999. Here
-//! they are compared at each step instead of being queued, and several faces share one.)
+//! A face at height `|N·(L − o) + w·D|` over its plane keeps its side until the light has travelled that far,
+//! since `N` has length 1. So runs of 32 faces carry the least height among them, less its error, as a
+//! certificate. It is compared with the distance that the light has travelled so far (the odometer), and only
+//! runs whose certificate has expired are evaluated again. A face that changes sides changes the
+//! multiplicities of its three edges, on any mesh. (Certificates that fail in time: Julien Basch, Leonidas J.
+//! Guibas, John Hershberger, *Data Structures for Mobile Data*, 1999. Here they are compared at each step
+//! instead of being queued, and several faces share one.)
 
 mod certificates;
 
@@ -58,8 +59,8 @@ pub enum KineticStep {
 
 /// The silhouette of a mesh at rest for a light that moves, always up to date and sorted.
 ///
-/// Equal to [`Silhouette::extract`] after every step, whatever the step. Holds 41 bytes per face and 4 per edge besides
-/// the tree.
+/// Equal to [`Silhouette::extract`] after every step, whatever the step. Holds 41 bytes per face and 4 per
+/// edge besides the tree.
 ///
 /// ```
 /// use umbrage::geom::Light;
@@ -183,15 +184,17 @@ impl KineticSilhouette {
 
     /// Moves the light, and brings the silhouette up to date.
     ///
-    /// `casters` may differ from those of the step before: then the faces of the shells that cast otherwise are visited.
+    /// `casters` may differ from those of the step before: then the faces of the shells that cast otherwise
+    /// are visited.
     ///
-    /// A step costs one comparison per 512 faces, an evaluation of the runs whose certificates expire, and what changes.
-    /// When so many expire that the last search of the tree was cheaper, it costs another search.
+    /// A step costs one comparison per 512 faces, an evaluation of the runs whose certificates expire, and
+    /// what changes. When so many expire that the last search of the tree was cheaper, it costs another
+    /// search.
     ///
     /// # Panics
     ///
-    /// Panics if mesh, topology, tree or casters have other numbers of faces or edges than those it was made with, and
-    /// the light has moved.
+    /// Panics if mesh, topology, tree or casters have other numbers of faces or edges than those it was made
+    /// with, and the light has moved.
     #[inline]
     pub fn step<'a>(
         &mut self,
@@ -312,8 +315,8 @@ impl KineticSilhouette {
         Silhouette { edges }
     }
 
-    /// Evaluates the runs whose certificates have expired, and returns their number; `None`, and nothing is done, if they
-    /// are too many.
+    /// Evaluates the runs whose certificates have expired, and returns their number; `None`, and nothing is
+    /// done, if they are too many.
     fn follow(
         &mut self,
         mesh: &Mesh,

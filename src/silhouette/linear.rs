@@ -1,8 +1,8 @@
-//! The silhouette by looking at every edge.
+//! Silhouettes by a linear scan of all edges.
 //!
-//! Nearly all edges of nearly all meshes have two faces in opposite directions. Where 64 edges in a row do, their sides
-//! are compared without a branch, into a word of 64 bits, and only the edges whose bits are set are looked at again; the
-//! other edges are summed up one by one.
+//! Nearly all edges of nearly all meshes have two faces in opposite directions. Where 64 consecutive edges
+//! do, the signs of their faces are compared without branches, into a word of 64 bits, and only edges whose
+//! bits are set are visited; the multiplicities of other edges are summed up one by one.
 
 use multiversion::multiversion;
 
@@ -11,18 +11,19 @@ use super::{Silhouette, SilhouetteEdge};
 use crate::mesh::EdgeId;
 use crate::topology::{Entry, Topology};
 
-/// Edges that are looked at together.
+/// Edges per block.
 const BLOCK: usize = 64;
 
 pub(super) fn extract_into(topology: &Topology, signs: &[i8], silhouette: &mut Silhouette) {
-    assert_eq!(signs.len(), topology.face_count(), "one sign a face");
+    assert_eq!(signs.len(), topology.face_count(), "one sign per face");
     silhouette.edges.clear();
     let table = topology.table();
     let all_pairs = topology.edge_counts().watertight();
     fill(table, all_pairs, signs, &mut silhouette.edges);
 }
 
-/// The silhouette edges of a table whose edges are known to be pairs, or not.
+/// The silhouette edges of a table. `all_pairs`: all edges are known to have two faces in opposite
+/// directions.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt+popcnt"))]
 fn fill(
     (offsets, entries): (&[u32], &[Entry]),
@@ -36,10 +37,10 @@ fn fill(
         let block = entries[offsets[0] as usize..].first_chunk::<{ 2 * BLOCK }>();
         match (block, <&[u32; BLOCK + 1]>::try_from(offsets)) {
             (Some(block), Ok(offsets)) if all_pairs || are_pairs(offsets, block) => {
-                for place in Bits(changes(block, signs)) {
-                    let [a, b] = [block[2 * place as usize], block[2 * place as usize + 1]];
+                for slot in Bits(changes(block, signs)) {
+                    let [a, b] = [block[2 * slot as usize], block[2 * slot as usize + 1]];
                     let along = i32::from(signs[a.face()]) - i32::from(signs[b.face()]);
-                    let edge = EdgeId(first as u32 + place); // edges are fewer than 2^32
+                    let edge = EdgeId(first as u32 + slot); // edge ids are 32 bits
                     edges.push(SilhouetteEdge { edge, multiplicity: a.direction() * along });
                 }
             }
@@ -70,10 +71,10 @@ fn are_pairs(offsets: &[u32; BLOCK + 1], entries: &[Entry; 2 * BLOCK]) -> bool {
     others == 0
 }
 
-/// A bit for each pair of faces whose signs differ.
+/// One bit per edge: whether the signs of its two faces differ.
 #[inline(always)]
 fn changes(entries: &[Entry; 2 * BLOCK], signs: &[i8]) -> u64 {
-    // The faces first, so that they are found by vector instructions.
+    // Face ids in a loop of their own, which is compiled to vector instructions.
     let mut faces = [0; 2 * BLOCK];
     for (face, entry) in faces.iter_mut().zip(entries) {
         *face = entry.face() as u32;
@@ -102,7 +103,7 @@ mod tests {
         Silhouette::extract(topology, signs)
     }
 
-    /// For each pair of vertices, every directed use of it, found in no particular way.
+    /// The signed sum over all directed uses of each pair of vertices, from the triangles alone.
     fn naive(triangles: &[[u32; 3]], signs: &[i8]) -> BTreeMap<[VertexId; 2], i32> {
         let mut sums = BTreeMap::new();
         for (corners, &sign) in triangles.iter().zip(signs) {
@@ -130,7 +131,7 @@ mod tests {
         prop::collection::vec(([0_u32..8, 0_u32..8, 0_u32..8], -1_i8..=1), 0..60)
     }
 
-    /// The same from the table, an edge at a time, without the faults that blocks may have.
+    /// The same from the table, edge by edge: the reference for blocks.
     fn one_by_one(topology: &Topology, signs: &[i8]) -> Vec<SilhouetteEdge> {
         let multiplicity = |edge| {
             topology.uses(edge).map(|(face, along)| along * i32::from(signs[face.index()])).sum::<i32>()
@@ -140,7 +141,7 @@ mod tests {
     }
 
     proptest! {
-        /// Surfaces of several blocks: whole, with a hole, with faces turned over, with faces twice.
+        /// Surfaces of several blocks: closed, with a hole, with faces turned, with faces twice.
         #[test]
         fn silhouette_scan_by_blocks_equals_the_scan_edge_by_edge(
             size in (3_u32..24, 3_u32..12),

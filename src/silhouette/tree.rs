@@ -1,14 +1,17 @@
-//! Silhouettes by a tree over the edges: whole subtrees of edges whose two faces are surely on one side are skipped.
+//! Silhouettes by a tree over the edges: whole subtrees of edges whose two faces are surely on one side are
+//! skipped.
 //!
-//! Each edge with two faces in opposite directions is a segment between their planes, which are points of a space of
-//! four dimensions (normal and offset). A light is a plane of that space, and the edge is silhouette when its segment
-//! crosses it (Aaron Hertzmann, Denis Zorin, *Illustrating Smooth Surfaces*, 2000, section 4.2, for the dual space; Matt
-//! Olson, Hao Zhang, *Silhouette Extraction in Hough Space*, 2006, for a tree in it). A tree of boxes over such segments
-//! needs no halo, since every edge brings both its planes, and no geometry but theirs.
+//! Each edge with two faces in opposite directions is a segment between their planes, which are points of a
+//! space of four dimensions (normal and offset). A light is a plane of that space, and the edge is silhouette
+//! when its segment crosses it (Aaron Hertzmann, Denis Zorin, *Illustrating Smooth Surfaces*, 2000, section
+//! 4.2, for the dual space; Matt Olson, Hao Zhang, *Silhouette Extraction in Hough Space*, 2006, for a tree
+//! in it). A tree of boxes over such segments needs no halo, since every edge brings both its planes, and no
+//! geometry but theirs.
 //!
-//! Departures from the papers: boxes are of the integers of `quantized.rs`; edges lie in leaves of 32 whose two planes
-//! are stored side by side, in integers about a center of their own, so that a leaf is evaluated by vector instructions
-//! without a gather; nodes have eight children; and what the integers leave open is decided exactly.
+//! Departures from the papers: boxes are of the integers of `quantized.rs`; edges lie in leaves of 32 whose
+//! two planes are stored side by side, in integers about a center of their own, so that a leaf is evaluated
+//! by vector instructions without a gather; nodes have eight children; and what the integers leave open is
+//! decided exactly.
 
 mod build;
 mod leaf;
@@ -38,8 +41,8 @@ const CROWDED_EDGES: usize = 40;
 const BATCH: usize = 64;
 /// Entries of the cache of faces that the exact predicate has decided: each is asked for by several edges.
 const KNOWN: usize = 256;
-/// After searches that were given up: the most lights that are scanned for before the tree is tried again. A try costs up
-/// to a fifth of a scan.
+/// After searches that were given up: the most lights that are scanned for before the tree is tried again. A
+/// try costs up to a fifth of a scan.
 const PATIENCE: u32 = 8;
 
 /// A tree over the edges of a mesh, for many lights while the mesh rests.
@@ -65,8 +68,8 @@ pub struct SilhouetteTree {
     planes: Arc<FacePlanes>,
     edge_count: usize,
     store: Store,
-    /// Edges with other faces than two in opposite directions, or with a face whose plane is not known well: decided one
-    /// by one for every light.
+    /// Edges with other faces than two in opposite directions, or with a face whose plane is not known well:
+    /// decided one by one for every light.
     apart: Vec<u32>,
     limits: Limits,
     waiting: Waiting,
@@ -105,7 +108,8 @@ impl Limits {
     }
 }
 
-/// The number of lights still to be scanned for before the tree is tried again, that number at first, and the reason.
+/// The number of lights still to be scanned for before the tree is tried again, that number at first, and the
+/// reason.
 #[derive(Clone, Copy, Debug, Default)]
 struct Waiting(u32, u32, Option<TreeSearch>);
 
@@ -220,13 +224,13 @@ impl SilhouetteTree {
     ///
     /// `casters` is a [`CasterFaces`], or what [`Caster::rule`](crate::caster::Caster::rule) gives.
     ///
-    /// On surfaces the time grows with the number of edges near the silhouette. Where many faces lie exactly in a plane
-    /// with the light, all faces and edges are scanned instead.
+    /// On surfaces the time grows with the number of edges near the silhouette. Where many faces lie exactly
+    /// in a plane with the light, all faces and edges are scanned instead.
     ///
     /// # Panics
     ///
-    /// Panics if `mesh`, `topology` or `casters` have another number of faces or edges than those that the tree was built
-    /// of.
+    /// Panics if `mesh`, `topology` or `casters` have another number of faces or edges than those that the
+    /// tree was built of.
     #[must_use]
     pub fn silhouette<'a>(
         &mut self,
@@ -321,8 +325,8 @@ impl SilhouetteTree {
         exact
     }
 
-    /// Collects the silhouette edges that are decided one by one, ascending. Returns how often the exact predicate was
-    /// asked.
+    /// Collects the silhouette edges that are decided one by one, ascending. Returns how often the exact
+    /// predicate was asked.
     fn settle(
         &mut self,
         mesh: &Mesh,
@@ -342,7 +346,8 @@ impl SilhouetteTree {
         };
         let mut known = [(FaceId(u32::MAX), Facing::EdgeOn); KNOWN];
         for &edge in &self.work.open {
-            // The numbers of the leaf are about as fine as those of the planes. A face with one edge here has more.
+            // The numbers of the leaf are about as fine as those of the planes. A face with one edge here has
+            // more.
             settle(edge, &mut |face| {
                 let known = &mut known[face.index() % KNOWN];
                 if known.0 != face {
@@ -410,8 +415,8 @@ fn merge(edges: &mut Vec<SilhouetteEdge>, singles: &[SilhouetteEdge]) {
     }
 }
 
-/// Collects the edges that are surely silhouette and those left open. Returns the number of nodes and leaves that were
-/// evaluated, or why the search was given up.
+/// Collects the edges that are surely silhouette and those left open. Returns the number of nodes and leaves
+/// that were evaluated, or why the search was given up.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt+popcnt"))]
 fn walk(
     Store { leaves, edges, levels }: &Store,
@@ -586,8 +591,8 @@ mod tests {
 
     #[test]
     fn silhouette_tree_with_planes_beyond_their_bound_is_caught() {
-        // For lights one unit in the last place off a plane: 16 of an offset make up to 8 of a height, more than the
-        // bound forgives.
+        // For lights one unit in the last place off a plane: 16 of an offset make up to 8 of a height, more
+        // than the bound forgives.
         assert!(caught(&shapes::icosphere(3), |tree| {
             for offsets in tree.store.leaves.iter_mut().map(|leaf| &mut leaf.numbers[3]) {
                 offsets.iter_mut().for_each(|offset| *offset += 16);

@@ -16,9 +16,7 @@ const WARM: usize = 4;
 /// Small steps through the middle of a mesh, a jump, small steps again, a directional light.
 fn lap(mesh: &Mesh) -> Vec<Light> {
     let [low, high] = mesh.bounds().unwrap();
-    let at = |part: [f32; 3]| {
-        Light::point([0, 1, 2].map(|i| low[i] + part[i] * (high[i] - low[i]))).unwrap()
-    };
+    let at = |part: [f32; 3]| Light::point([0, 1, 2].map(|i| low[i] + part[i] * (high[i] - low[i]))).unwrap();
     let through = (0..40).map(|i| at([0.3 + 0.01 * i as f32, 0.6, 0.4]));
     let above = (0..40).map(|i| at([0.3 + 1e-4 * i as f32, 3.0, 0.4]));
     let sun = Light::directional([1.0, -2.0, 0.3]).unwrap();
@@ -38,7 +36,8 @@ fn meshes() -> [Mesh; 4] {
     [Mesh::concat(&[torus.clone(), open]).unwrap(), torus, boxes, shapes::soup(&shapes::icosphere(2))]
 }
 
-/// Whether some lap after the first ones takes no memory: other threads of the test harness may take some in one of them.
+/// Whether some lap after the first ones takes no memory: other threads of the test harness may take some in
+/// one of them.
 fn is_free_of_allocations(mut lap: impl FnMut()) -> bool {
     (0..WARM).for_each(|_| lap());
     (0..5).any(|_| {

@@ -1,4 +1,4 @@
-//! A tree of boxes over planes, eight to a node, for faces and for edges between two planes.
+//! A bounding hierarchy over planes, eight children per node: for faces, and for edges between two planes.
 
 mod node;
 
@@ -7,13 +7,13 @@ pub(crate) use node::{Heights, Node, WIDE, undecided_child};
 use crate::facing::quantized::Quantized;
 use crate::parallel;
 
-/// Planes, or pairs of them, in a leaf.
+/// Planes, or pairs of them, per leaf.
 pub(crate) const LEAF: usize = 32;
 
-/// Slots that one thread arranges: some milliseconds.
+/// Keys that one thread sorts: some milliseconds.
 pub(crate) const GRAIN: usize = 1 << 14;
 
-/// A location among planes, and whose it is.
+/// A position among planes, and the face or edge that it belongs to.
 pub(crate) type Slot<const N: usize> = ([i16; N], u32);
 
 /// A box of planes.
@@ -23,7 +23,7 @@ pub(crate) struct Bound {
     pub(crate) high: Quantized,
 }
 
-/// The nodes over leaves with these bounds, over those nodes, and so on.
+/// The levels of nodes over leaves with these bounds, from the lowest to the root.
 pub(crate) fn levels(mut bounds: Vec<Bound>) -> Vec<Vec<Node>> {
     let mut levels = Vec::new();
     while !bounds.is_empty() {
@@ -67,10 +67,11 @@ impl Bound {
     }
 }
 
-/// Orders what has a place so that neighbors in a leaf, in eight leaves, in 64 and so on are near each other: halves at
-/// the middle of the widest component, at a whole number of the largest node that fits more than once.
+/// Orders faces or edges so that those in a leaf, in eight leaves, in 64 and so on are near each other:
+/// splits at the median of the widest component, rounded to a multiple of the largest node that fits more
+/// than once.
 ///
-/// Halves are arranged each by itself, on threads if they are large; which they are does not depend on that.
+/// Halves are sorted separately, on several threads if they are large; the order does not depend on that.
 pub(crate) fn arrange<const N: usize>(mut slots: Vec<Slot<N>>) -> Vec<u32> {
     arrange_part(&mut slots);
     slots.into_iter().map(|slot| slot.1).collect()

@@ -1,21 +1,22 @@
-//! Boxes of planes, eight to a node.
+//! Nodes: the bounds of eight children.
 
 use super::super::quantized::{self, BACK, FRONT, Quantized};
 
 /// Children of a node.
 pub(crate) const WIDE: usize = 8;
 
-/// The bounds of eight children: of each component the lower ones, and then the upper ones.
+/// The bounds of eight children: for each component the lower bounds, then the upper ones.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Node(pub(crate) [[[i16; WIDE]; 2]; 4]);
 
-/// Between which heights the planes of eight children lie: the lower ends, and then the upper ones.
+/// Bounds on the heights of the planes of eight children: the lower ones, then the upper ones.
 pub(crate) type Heights = [[i16; WIDE]; 2];
 
 impl Node {
-    /// The height of a plane never falls when a number of it grows whose counterpart of the light is not negative, and
-    /// never rises otherwise. So one corner of the box is the lowest that any plane within reaches, in the very numbers
-    /// that decide a plane, and another corner the highest: nothing but the bound of [`Quantized`] is needed.
+    /// The height of a plane never falls when a number of it grows whose counterpart of the light is not
+    /// negative, and never rises otherwise. So one corner of the box is the lowest that any plane within
+    /// reaches, in the very numbers that decide a plane, and another corner the highest: nothing but the
+    /// bound of [`Quantized`] is needed.
     #[inline(always)]
     pub(crate) fn heights(&self, light: &Quantized, heights: &mut Heights) {
         for (end, heights) in heights.iter_mut().enumerate() {
@@ -26,8 +27,8 @@ impl Node {
         }
     }
 
-    /// One bit at the foot of a byte for each child that may hold planes of both sides, or one that is left open; and one
-    /// for each child whose planes all have the light in front.
+    /// One byte per child: 1 if it may hold planes of both sides, or one that is left open. And one byte per
+    /// child: 1 if the light is in front of all its planes.
     #[inline(never)]
     pub(crate) fn decided(&self, light: &Quantized) -> [u64; 2] {
         let mut heights = Heights::default();
@@ -41,7 +42,7 @@ impl Node {
     }
 }
 
-/// 1 for a child that may hold planes of both sides, or one that is left open, else 0.
+/// 1 for a child that may hold planes of both sides, or one that is left open; otherwise 0.
 #[inline(always)]
 pub(crate) fn undecided_child([least, most]: &Heights, place: usize) -> usize {
     usize::from((least[place] < FRONT) & (most[place] > BACK))

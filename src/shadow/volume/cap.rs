@@ -1,16 +1,16 @@
-//! Both caps of a volume, written side by side.
+//! Both caps of a volume, written in one pass over all faces.
 //!
-//! Which faces cast is counted first, so that every run of faces knows where its triangles belong: threads write to
-//! parts of the buffers that do not meet, and one thread writes them in order.
+//! Casting faces are counted first, so that the slots of the triangles of every run of faces are known:
+//! threads write to disjoint parts of the buffers, and each thread writes in order.
 
 use crate::parallel;
 use crate::topology::has_collapsed;
 
-/// Faces whose casting ones are counted together.
+/// Faces per count.
 const CHUNK: usize = 1024;
-/// Faces that pass through the first-level cache together.
+/// Faces per block: they stay in the first-level cache.
 const BLOCK: usize = 64;
-/// Chunks that one thread writes: tens of microseconds, some times what it takes to wake it.
+/// Chunks that one thread writes: tens of microseconds, several times what it takes to wake it.
 const GRAIN: usize = 32;
 
 /// Faces that may cast.
@@ -24,7 +24,8 @@ pub(super) struct CapFaces<'a> {
     pub(super) starts: &'a [u32],
 }
 
-/// How many faces cast; into `starts` how many do before each chunk of [`CHUNK`], and that number once more.
+/// Counts the casting faces. `starts` receives the count before each chunk of [`CHUNK`] faces, and at last
+/// the total.
 pub(super) fn count(triangles: &[[u32; 3]], signs: &[i8], collapsed: bool, starts: &mut Vec<u32>) -> usize {
     starts.clear();
     starts.push(0);
@@ -43,7 +44,7 @@ pub(super) fn count(triangles: &[[u32; 3]], signs: &[i8], collapsed: bool, start
 }
 
 impl CapFaces<'_> {
-    /// Whether several threads are worth while.
+    /// Whether several threads pay.
     pub(super) fn are_many(&self) -> bool {
         self.starts.len() > 2 * GRAIN
     }
@@ -57,8 +58,8 @@ impl CapFaces<'_> {
     }
 }
 
-/// Writes the casting faces, turned towards the light, with the numbers of their vertices; and, unless there is no dark
-/// cap, the same reversed, with `shift` added to each number.
+/// Writes the casting faces, turned towards the light, with the numbers of their vertices; and, unless there
+/// is no dark cap, the same reversed, with `shift` added to each number.
 pub(super) fn fill(
     faces: CapFaces<'_>,
     number: impl Fn(u32) -> u32 + Copy + Send + Sync,
@@ -115,10 +116,11 @@ fn fill_in_order(
     }
 }
 
-/// The places of the signs of a block that are not 0, ascending; how many there are. Beyond them anything may stand.
+/// Writes the indices of the non-zero signs of a block, ascending, and returns their number. Entries past it
+/// are unspecified.
 ///
-/// Eight at a time, as words of eight bytes: where faces come in any order, which of them cast is a coin toss, and a
-/// branch on it would cost more than all else.
+/// Eight at a time, as words of eight bytes: in a mesh whose faces are in random order, branches on their
+/// signs would be mispredicted and cost more than the rest.
 #[inline(always)]
 fn pick(signs: &[i8], picks: &mut [u8; BLOCK + 8]) -> usize {
     const ONES: u64 = 0x0101_0101_0101_0101;
@@ -141,7 +143,7 @@ fn pick(signs: &[i8], picks: &mut [u8; BLOCK + 8]) -> usize {
     count
 }
 
-/// For each byte the places of its bits that are set, ascending.
+/// For each byte, the indices of its bits that are set, ascending.
 const PLACES: [[u8; 8]; 256] = {
     let mut table = [[0; 8]; 256];
     let mut byte = 0;
@@ -159,7 +161,8 @@ const PLACES: [[u8; 8]; 256] = {
     table
 };
 
-/// Writes numbered faces into both caps. To turn a face is to exchange its last two corners: half a turn of a word of both.
+/// Writes numbered faces into both caps. A face is reversed by swapping its last two corners: a rotation of
+/// the word of both by half its width.
 #[inline(always)]
 fn emit(
     faces: impl Iterator<Item = ([u32; 3], i8)>,
@@ -178,7 +181,7 @@ fn emit(
             *near = triangle(a, rest);
         }
     } else {
-        // No sum leaves its half: vertices are numbered with 32 bits at infinity as well.
+        // No sum overflows its half: vertices at infinity have 32-bit indices too.
         let shifts = u64::from(shift) << 32 | u64::from(shift);
         for ((near, far), face) in light.iter_mut().zip(dark).zip(faces) {
             let (a, rest) = turned(face);
@@ -188,7 +191,7 @@ fn emit(
     }
 }
 
-/// A triangle, or its other side.
+/// A triangle, or the same triangle reversed.
 #[inline]
 pub(super) fn turned([a, b, c]: [u32; 3], reverse: bool) -> [u32; 3] {
     if reverse { [a, c, b] } else { [a, b, c] }
@@ -211,7 +214,7 @@ mod tests {
             let mut picks = [0xee; BLOCK + 8];
             let count = pick(&signs, &mut picks);
             assert_eq!(&picks[..count], &naive, "{signs:?}");
-            // The sabotage: one sign more or less.
+            // The fault injected: one sign more or less.
             let place = random.below(signs.len());
             signs[place] = i8::from(signs[place] == 0);
             let count = pick(&signs, &mut picks);

@@ -1,9 +1,9 @@
 //! Both caps as ranges of an index buffer that is the same for every light, and a few single triangles.
 //!
-//! Faces are ordered by [`FaceClusters`], group by group: each large shell is a group of its own, and small shells of one
-//! kind of proof share one. In a group that shares one choice of casting faces, ranges of front faces (and of back faces,
-//! where these cast) are drawn as they are. A small shell of which more faces cast than of the others of its group (the
-//! light is inside) is visited face by face for the rest.
+//! Faces are ordered by [`FaceClusters`], group by group: each large shell is a group of its own, and small
+//! shells of one kind of proof share one. In a group that shares one choice of casting faces, ranges of front
+//! faces (and of back faces, where these cast) are drawn as they are. A small shell of which more faces cast
+//! than of the others of its group (the light is inside) is visited face by face for the rest.
 
 use std::ops::Range;
 
@@ -14,7 +14,8 @@ use crate::facing::{CASTS_BEHIND, CASTS_IN_FRONT, CasterFaces, FaceClusters, Fac
 use crate::geom::{Facing, Light};
 use crate::mesh::FaceId;
 
-/// A shell of at least this many faces is a group of its own. Visiting a smaller one face by face takes some 20 µs.
+/// A shell of at least this many faces is a group of its own. Visiting a smaller one face by face takes some
+/// 20 µs.
 const LARGE: usize = 4096;
 
 /// The faces of a mesh that can cast, ordered so that most caps are ranges of them.
@@ -97,8 +98,8 @@ impl CapClusters {
         (self.triangles.len() / 2) as u32 // no more than faces
     }
 
-    /// Finds the light cap. Ranges of fewer than `shortest` triangles are listed as single triangles. `false`, and what
-    /// was found is of no use, if too many faces lie in a plane with the light.
+    /// Finds the light cap. Ranges of fewer than `shortest` triangles are listed as single triangles.
+    /// `false`, and what was found is of no use, if too many faces lie in a plane with the light.
     pub(super) fn find(
         &self,
         caster: &Caster,
@@ -121,7 +122,8 @@ impl CapClusters {
                 return false;
             }
             // What holds for all shells of the group.
-            let common = shells.iter().fold(CasterFaces::All.mask(), |common, &shell| common & mask_of(shell));
+            let common =
+                shells.iter().fold(CasterFaces::All.mask(), |common, &shell| common & mask_of(shell));
             let cast = |side: Facing, mask: u8| match side {
                 Facing::Front => mask & CASTS_IN_FRONT != 0,
                 Facing::Back => mask & CASTS_BEHIND != 0,

@@ -1,10 +1,10 @@
 //! Which faces of which shell cast: half the geometry where that is proven to be enough, all of it elsewhere.
 //!
-//! With front faces only, the volume counts `(crossed + w)/2` at a point of winding number `w`: in or out exactly
-//! if `w` is nowhere negative, the shell is balanced, and the light is in none of its volume and not on it. A
-//! watertight shell that does not intersect itself and whose volume is positive has `w` ∈ {0, 1} everywhere. With a
-//! negative volume the same holds with all signs turned. Anything less is not proof: a figure-eight prism is
-//! watertight and may have a positive volume, and its other lobe would stay lit.
+//! With front faces only, the volume counts `(crossed + w)/2` at a point of winding number `w`: in or out
+//! exactly if `w` is nowhere negative, the shell is balanced, and the light is in none of its volume and not
+//! on it. A watertight shell that does not intersect itself and whose volume is positive has `w` ∈ {0, 1}
+//! everywhere. With a negative volume the same holds with all signs turned. Anything less is not proof: a
+//! figure-eight prism is watertight and may have a positive volume, and its other lobe would stay lit.
 
 use super::winding::{Crossing, TRIES, crossing, scattered};
 use super::{Caps, ShadowVolume};
@@ -40,12 +40,12 @@ pub struct ShellFaces {
 }
 
 impl ShellFaces {
-    /// Chooses for every shell: the faces `asked` for, proven or not; without these, half the faces where that is
-    /// proven to be enough. `proofs` may be empty if faces are asked for.
+    /// Chooses for every shell: the faces `asked` for, proven or not; without these, half the faces where
+    /// that is proven to be enough. `proofs` may be empty if faces are asked for.
     ///
-    /// Cost: about 3 ns per shell whose box does not hold the light. A sound shell whose box holds a point light costs
-    /// an exact ray cast: a box test per 32 of its faces, and some 50 ns per face near the ray. Memory: 24 bytes per
-    /// shell.
+    /// Cost: about 3 ns per shell whose box does not hold the light. A sound shell whose box holds a point
+    /// light costs an exact ray cast: a box test per 32 of its faces, and some 50 ns per face near the ray.
+    /// Memory: 24 bytes per shell.
     ///
     /// # Panics
     ///
@@ -82,9 +82,10 @@ impl ShellFaces {
             return;
         }
         assert_eq!(proofs.len(), boxes.shell_count(), "one proof per shell");
-        let choices = proofs.iter().enumerate().map(|(shell, &proof)| {
-            choose(proof, || winding_around_light(mesh, boxes, shell, light))
-        });
+        let choices = proofs
+            .iter()
+            .enumerate()
+            .map(|(shell, &proof)| choose(proof, || winding_around_light(mesh, boxes, shell, light)));
         self.choices.extend(choices);
     }
 
@@ -108,9 +109,11 @@ impl ShellFaces {
     pub fn signs_into(&self, shells: &Shells, facing: &[Facing], signs: &mut Vec<i8>) {
         assert_eq!(shells.of_face.len(), facing.len(), "one facing per face");
         signs.clear();
-        signs.extend(shells.of_face.iter().zip(facing).map(|(shell, &facing)| {
-            shell.map_or(0, |shell| self.choices[shell as usize].what.sign(facing))
-        }));
+        signs.extend(
+            shells.of_face.iter().zip(facing).map(|(shell, &facing)| {
+                shell.map_or(0, |shell| self.choices[shell as usize].what.sign(facing))
+            }),
+        );
     }
 
     /// The sides on which each face casts, whatever the light: one entry per face, as [`CasterFaces::mask`].
@@ -162,7 +165,8 @@ impl Caster {
         CasterRule::by_shell(&faces.choices, self.shells(), self.shell_boxes())
     }
 
-    /// The shadow volume of `light`: half the faces of a shell where that is proven to be enough, otherwise all.
+    /// The shadow volume of `light`: half the faces of a shell where that is proven to be enough, otherwise
+    /// all.
     ///
     /// For light after light, a [`FrameExtruder`](super::FrameExtruder) does the same in memory that is kept.
     ///
@@ -217,11 +221,11 @@ fn choose(proof: ShellProof, winding: impl FnOnce() -> Option<i32>) -> Choice<Ca
     }
 }
 
-/// How often a sound shell winds around the light, exactly; `None` if the light lies on a face, or if each of sixteen
-/// rays runs exactly through an edge.
+/// How often a sound shell winds around the light, exactly; `None` if the light lies on a face, or if each of
+/// sixteen rays runs exactly through an edge.
 ///
-/// Nothing winds around infinity, nor around a point outside a box that holds the shell. For any other light the
-/// crossings of a ray are summed up. A block of faces whose box the ray misses is not crossed.
+/// Nothing winds around infinity, nor around a point outside a box that holds the shell. For any other light
+/// the crossings of a ray are summed up. A block of faces whose box the ray misses is not crossed.
 #[inline]
 fn winding_around_light(mesh: &Mesh, boxes: &ShellBoxes, shell: usize, light: &Light) -> Option<i32> {
     if light.is_directional() || !boxes.shells[shell].bounds.contains(light.xyz()) {
@@ -238,7 +242,9 @@ fn winding_by_rays(mesh: &Mesh, boxes: &ShellBoxes, shell: usize, light: &Light)
         let (ray, target) = (Segment::to_light(light.xyz(), &target), Homogeneous::light(&target));
         let mut sum = 0;
         let mut tie = false;
-        for face in boxes.blocks_of(shell).filter(|(bounds, _)| ray.may_meet(bounds)).flat_map(|block| block.1) {
+        for face in
+            boxes.blocks_of(shell).filter(|(bounds, _)| ray.may_meet(bounds)).flat_map(|block| block.1)
+        {
             match crossing(mesh.corners(*face).map(Homogeneous::point), start, target) {
                 Crossing::Miss => {}
                 Crossing::Through(sign) => sum += sign,
@@ -357,12 +363,13 @@ mod tests {
         faces.masks_into(caster.shells(), &mut masks);
         assert_eq!(signs, faces.signs(caster.shells(), &facing));
         assert_eq!(masks, faces.masks(caster.shells()));
-        let by_rule = (0..).map(FaceId).zip(&facing).map(|(face, &side)| caster.rule(&faces).of(face).sign(side));
+        let by_rule =
+            (0..).map(FaceId).zip(&facing).map(|(face, &side)| caster.rule(&faces).of(face).sign(side));
         assert!(signs.iter().copied().eq(by_rule));
         assert!(masks.contains(&3) && masks.contains(&1));
     }
 
-    /// Two cones of so many faces each, base to base: all of a cone reach its apex.
+    /// Two cones of `sides` faces each, base to base: all faces of a cone meet at its apex.
     fn double_cone(sides: u32) -> Mesh {
         let rim = (0..sides).map(|i| {
             let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / f64::from(sides)).sin_cos();
@@ -384,8 +391,7 @@ mod tests {
         let topologies = [&one, &two].map(built);
         let shells = [0, 1].map(|i| topologies[i].shells());
         let reports = [(&one, &topologies[0]), (&two, &topologies[1])].map(|(m, t)| CrackReport::of(m, t));
-        let proofs_of_one =
-            |spare| ShellProof::within(&one, &topologies[0], &shells[0], &reports[0], spare);
+        let proofs_of_one = |spare| ShellProof::within(&one, &topologies[0], &shells[0], &reports[0], spare);
         assert_eq!(proofs_of_one(0), [ShellProof::Unsettled]);
         let step = 1 << 20;
         let spare = (1..16).map(|k| k * step).find(|&spare| proofs_of_one(spare) == [ShellProof::Outward]);

@@ -1,4 +1,4 @@
-//! Emits the triangles of a volume.
+//! Extruding a volume: its triangles, in memory that is kept.
 
 use std::fmt;
 use std::ops::Range;
@@ -19,7 +19,7 @@ pub struct ExtrudeInput<'a> {
     pub mesh: &'a Mesh,
     /// Its topology.
     pub topology: &'a Topology,
-    /// Where it is extruded away from.
+    /// The light that it is extruded away from.
     pub light: &'a Light,
     /// The sign that each face casts with: −1, 0 or +1. A face that a point light lies on should have 0.
     pub signs: &'a [i8],
@@ -29,12 +29,12 @@ pub struct ExtrudeInput<'a> {
     pub caps: Caps,
 }
 
-/// Where the parts of a volume stand among its triangles.
+/// The ranges of the parts of a volume among its triangles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VolumeParts {
     /// The casting faces, turned towards the light.
     pub light_cap: Range<usize>,
-    /// What the silhouette edges sweep.
+    /// The quads that the silhouette edges sweep.
     pub sides: Range<usize>,
     /// The light cap at infinity, reversed. Empty for a directional light.
     pub dark_cap: Range<usize>,
@@ -48,12 +48,12 @@ impl VolumeParts {
     }
 }
 
-/// A buffer has room for fewer triangles than a volume has; nothing was written.
+/// The error of a buffer with fewer slots than a volume has triangles; nothing was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BufferTooSmall {
     /// How many triangles the volume has.
     pub needed: usize,
-    /// For how many there is room.
+    /// How many fit into the buffer.
     pub room: usize,
 }
 
@@ -71,10 +71,10 @@ impl std::error::Error for BufferTooSmall {}
 
 /// Extrudes one mesh for light after light, and allocates nothing once its buffers have grown.
 ///
-/// Two ways out: [`Extruder::extrude_into`] makes a whole [`ShadowVolume`] in the memory of an earlier one, and
-/// [`Extruder::write_indices`] writes nothing but indices, over vertices that need not be written again for another
-/// light, which is what a renderer wants. With the feature `parallel` the caps of large meshes are shared by threads;
-/// the bytes are the same.
+/// Two ways out: [`Extruder::extrude_into`] makes a whole [`ShadowVolume`] in the memory of an earlier one,
+/// and [`Extruder::write_indices`] writes nothing but indices, over vertices that need not be written again
+/// for another light, which is what a renderer wants. With the feature `parallel` the caps of large meshes
+/// are shared by threads; the bytes are the same.
 ///
 /// ```
 /// use umbrage::geom::Light;
@@ -94,7 +94,12 @@ impl std::error::Error for BufferTooSmall {}
 ///     CasterFaces::All.signs_into(&facing, &mut signs);
 ///     silhouette.extract_into(&topology, &signs);
 ///     let cast = ExtrudeInput {
-///         mesh: &mesh, topology: &topology, light: &light, signs: &signs, silhouette: &silhouette, caps: Caps::Both,
+///         mesh: &mesh,
+///         topology: &topology,
+///         light: &light,
+///         signs: &signs,
+///         silhouette: &silhouette,
+///         caps: Caps::Both,
 ///     };
 ///     let parts = extruder.write_indices(&cast, &mut buffer)?;
 ///     assert!(parts.triangle_count() > 2 * parts.light_cap.len()); // both caps and the sides
@@ -108,7 +113,7 @@ pub struct Extruder {
     /// Casting faces before each chunk of faces, and of all.
     starts: Vec<u32>,
     used: Vec<bool>,
-    /// The number of each vertex among those that are used.
+    /// The index of each vertex among those that are used.
     numbers: Vec<u32>,
 }
 
@@ -125,7 +130,7 @@ impl Extruder {
         extruder
     }
 
-    /// For one volume alone: what can be known in advance is not worth its time.
+    /// For one volume alone, for which preparations do not pay.
     pub(super) fn unprepared() -> Self {
         Self { whole: false, starts: Vec::new(), used: Vec::new(), numbers: Vec::new() }
     }
@@ -134,8 +139,8 @@ impl Extruder {
     ///
     /// # Panics
     ///
-    /// Panics if signs, mesh and topology have different numbers of faces, or if the silhouette names an edge or a
-    /// vertex that topology and mesh do not have. The volume is then of no use.
+    /// Panics if signs, mesh and topology have different numbers of faces, or if the silhouette names an edge
+    /// or a vertex that topology and mesh do not have. The volume is then of no use.
     pub fn extrude_into(&mut self, cast: &ExtrudeInput<'_>, volume: &mut ShadowVolume) {
         let parts = self.parts(cast);
         let mesh = cast.mesh;
@@ -173,14 +178,14 @@ impl Extruder {
         }
     }
 
-    /// Where the parts of the volume will stand among its triangles, for those who want to make room.
+    /// The ranges of the parts of the volume among its triangles: how large a buffer has to be.
     ///
     /// # Panics
     ///
     /// Panics if signs, mesh and topology have different numbers of faces.
     #[must_use]
     pub fn parts(&mut self, cast: &ExtrudeInput<'_>) -> VolumeParts {
-        assert_eq!(cast.signs.len(), cast.mesh.face_count(), "one sign a face");
+        assert_eq!(cast.signs.len(), cast.mesh.face_count(), "one sign per face");
         assert_eq!(cast.topology.face_count(), cast.mesh.face_count(), "the topology is of another mesh");
         let cap = if cast.caps == Caps::Both {
             cap::count(cast.mesh.triangles(), cast.signs, self.collapsed(cast) > 0, &mut self.starts)
@@ -196,13 +201,14 @@ impl Extruder {
         VolumeParts { light_cap: 0..cap, sides: cap..sides, dark_cap: sides..end }
     }
 
-    /// Writes the triangles of the volume, over vertices that are the same for every light: vertex `v` of the mesh is
-    /// vertex `v`, and at infinity vertex `n + v` of a mesh of `n` vertices, or `n` for all of them where the light is
-    /// directional. Otherwise they are those of [`ShadowVolume::triangles`], in the same order.
+    /// Writes the triangles of the volume, over vertices that are the same for every light: vertex `v` of the
+    /// mesh is vertex `v`, and at infinity vertex `n + v` of a mesh of `n` vertices, or `n` for all of them
+    /// where the light is directional. Otherwise they are those of [`ShadowVolume::triangles`], in the same
+    /// order.
     ///
-    /// Every byte of the volume is written once and none is read, as suits mapped memory; what lies beyond the volume is
-    /// left as it is. A buffer of `2·(faces + Σ|m|)` triangles is always enough, where m are the
-    /// multiplicities of the silhouette.
+    /// Every byte of the volume is written once and none is read, as suits mapped memory; what lies beyond
+    /// the volume is left as it is. A buffer of `2·(faces + Σ|m|)` triangles is always enough, where m are
+    /// the multiplicities of the silhouette.
     ///
     /// # Errors
     ///
@@ -210,9 +216,9 @@ impl Extruder {
     ///
     /// # Panics
     ///
-    /// As [`Extruder::extrude_into`], and if the mesh has more than 2³¹ vertices and the light is a point: then
-    /// `n + v` has no place in 32 bits, while [`Extruder::extrude_into`] numbers only vertices that are used. What the
-    /// buffer then holds is not told.
+    /// As [`Extruder::extrude_into`], and if the mesh has more than 2³¹ vertices and the light is a point:
+    /// then `n + v` does not fit in 32 bits, while [`Extruder::extrude_into`] numbers only vertices that are
+    /// used. The contents of the buffer are then unspecified.
     pub fn write_indices(
         &mut self,
         cast: &ExtrudeInput<'_>,
@@ -230,7 +236,7 @@ impl Extruder {
         if cast.caps == Caps::Both { cast.topology.collapsed_face_count() } else { 0 }
     }
 
-    /// Numbers the vertices that are used, in the caster's order; how many there are.
+    /// Numbers the vertices that are used, in the order of the caster. Returns how many there are.
     fn number(&mut self, cast: &ExtrudeInput<'_>) -> usize {
         let Self { used, numbers, .. } = self;
         used.clear();
@@ -284,7 +290,7 @@ impl Extruder {
     }
 }
 
-/// The number of the first vertex at infinity, behind all others.
+/// The index of the first vertex at infinity, after all others.
 pub(super) fn first_at_infinity(vertices: usize, directional: bool) -> u32 {
     let at_infinity = if directional { 1 } else { vertices };
     assert!(
@@ -310,8 +316,8 @@ impl<'a> Sides<'a, std::iter::Copied<std::slice::Iter<'a, SilhouetteEdge>>> {
     }
 }
 
-/// Writes |m| copies of the quad of each silhouette edge. The diagonal of a quad depends on the positions of its ends
-/// only, so that coincident quads of two meshes agree.
+/// Writes |m| copies of the quad of each silhouette edge. The diagonal of a quad depends on the positions of
+/// its ends only, so that coincident quads of two meshes agree.
 pub(super) fn write_sides(
     Sides { mesh, topology, directional, edges }: Sides<'_, impl Iterator<Item = SilhouetteEdge>>,
     number: impl Fn(u32) -> u32,
@@ -350,7 +356,8 @@ mod tests {
     use crate::testing::shapes;
     use crate::testing::strategy;
 
-    /// The volume triangle by triangle over the caster's own vertices, `v` and `n + v`, as the definition has it.
+    /// The volume triangle by triangle over the caster's own vertices, `v` and `n + v`, as the definition has
+    /// it.
     fn naive(cast: &ExtrudeInput<'_>) -> Vec<[u32; 3]> {
         let ExtrudeInput { mesh, topology, light, signs, silhouette, caps } = *cast;
         let n = mesh.vertex_count() as u32;
@@ -406,7 +413,7 @@ mod tests {
         extruder.extrude_into(cast, volume);
         let parts = extruder.parts(cast);
         let expected = naive(cast);
-        // Room to spare stays as it is.
+        // Slots past the end stay as they are.
         let mut buffer = vec![[9; 3]; expected.len() + 1];
         let written = extruder.write_indices(cast, &mut buffer).expect("there is room");
         let (casters, triangles) = compact(cast);
@@ -452,8 +459,8 @@ mod tests {
         }
     }
 
-    /// Whether what is written for so many faces that threads share them is what the definition says for the same
-    /// signs, but for those of one face.
+    /// Whether what is written for enough faces to be shared by threads is what the definition says for the
+    /// same signs, but for those of one face.
     fn large_agrees(changed: Option<usize>) -> [bool; 3] {
         let mesh = shapes::torus(300, 150, 2.0, 0.75);
         let topology = Topology::of(&mesh);
@@ -511,7 +518,7 @@ mod tests {
 
     #[test]
     fn volume_whose_vertices_were_numbered_for_another_light_is_caught() {
-        // The sabotage: a mesh whose vertices are not all used, taken for one that uses them all.
+        // The fault injected: a mesh whose vertices are not all used, taken for one that uses them all.
         let whole = shapes::cube();
         let mut positions = whole.positions().to_vec();
         positions.insert(0, [9.0; 3]);

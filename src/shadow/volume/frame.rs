@@ -14,21 +14,24 @@ use crate::silhouette::{SilhouetteFinder, SilhouetteMethod};
 
 /// The shadow volumes of one caster for light after light, as indices into buffers that a renderer draws.
 ///
-/// Chooses the casting faces per shell ([`ShellFaces`]), finds the silhouette ([`SilhouetteFinder`]), writes the sides and
-/// the single triangles of the caps into the caller's buffer, and gives the rest of the caps as ranges of an index buffer
-/// that never changes ([`FrameExtruder::static_triangles`], from [`FaceClusters`](crate::facing::FaceClusters)). Together
-/// these are exactly the triangles that [`Extruder::write_indices`](super::Extruder::write_indices) writes for the same
-/// light: a closed volume for every mesh.
+/// Chooses the casting faces per shell ([`ShellFaces`]), finds the silhouette ([`SilhouetteFinder`]), writes
+/// the sides and the single triangles of the caps into the caller's buffer, and gives the rest of the caps as
+/// ranges of an index buffer that never changes ([`FrameExtruder::static_triangles`], from
+/// [`FaceClusters`](crate::facing::FaceClusters)). Together these are exactly the triangles that
+/// [`Extruder::write_indices`](super::Extruder::write_indices) writes for the same light: a closed volume for
+/// every mesh.
 ///
-/// The vertices are the same for every light: vertex `v < n` of a mesh of `n` vertices is its position `p`, with `w = 1`.
-/// Vertex `n + v` lies at infinity: `(p − L, 0)` for a point light at `L`. For a directional light there is one, vertex
-/// `n`: the direction in which the light travels, with `w = 0`. A vertex shader computes them from the positions.
+/// The vertices are the same for every light: vertex `v < n` of a mesh of `n` vertices is its position `p`,
+/// with `w = 1`. Vertex `n + v` lies at infinity: `(p − L, 0)` for a point light at `L`. For a directional
+/// light there is one, vertex `n`: the direction in which the light travels, with `w = 0`. A vertex shader
+/// computes them from the positions.
 ///
-/// Cost of a frame: when the light moves a little, one comparison per 512 faces and per shell, and what lies near the
-/// silhouette: 20 µs for a torus of 100,000 triangles. Every face is visited when the mesh has fewer than 256 faces or many
-/// edges without two faces in opposite directions, and when many faces lie in a plane with the light or the silhouette runs
-/// through most of the mesh; [`FrameExtruder::method`] then says [`SilhouetteMethod::Scan`], and why. Nothing is allocated
-/// once all buffers have grown: the second frame builds what follows a moving light.
+/// Cost of a frame: when the light moves a little, one comparison per 512 faces and per shell, and what lies
+/// near the silhouette: 20 µs for a torus of 100,000 triangles. Every face is visited when the mesh has fewer
+/// than 256 faces or many edges without two faces in opposite directions, and when many faces lie in a plane
+/// with the light or the silhouette runs through most of the mesh; [`FrameExtruder::method`] then says
+/// [`SilhouetteMethod::Scan`], and why. Nothing is allocated once all buffers have grown: the second frame
+/// builds what follows a moving light.
 ///
 /// Memory: about 150 bytes per face besides the parts of the [`Caster`].
 ///
@@ -118,8 +121,8 @@ pub struct FrameVolume<'a> {
 }
 
 impl FrameVolume<'_> {
-    /// The rest of the dark cap: ranges of [`FrameExtruder::static_triangles`], to be drawn with the number of vertices
-    /// added to every index. Empty for a directional light.
+    /// The rest of the dark cap: ranges of [`FrameExtruder::static_triangles`], to be drawn with the number
+    /// of vertices added to every index. Empty for a directional light.
     pub fn dark_cap(&self) -> impl Iterator<Item = Range<u32>> + '_ {
         let ranges = if self.directional { &[] } else { self.light_cap };
         // The same triangles in the other half, where they are reversed.
@@ -145,16 +148,19 @@ impl FrameVolume<'_> {
 const SHORTEST_RANGE: u32 = 512;
 
 impl FrameExtruder {
-    /// Prepares for many lights: planes, silhouette tree and clusters, some 0.5 µs per face, and without `asked` the
-    /// proofs of the caster ([`Caster::proofs`]).
+    /// Prepares for many lights: planes, silhouette tree and clusters, some 0.5 µs per face, and without
+    /// `asked` the proofs of the caster ([`Caster::proofs`]).
     ///
-    /// `asked` are the faces that cast, proven or not; without these, half the faces of a shell cast where that is proven
-    /// to be enough.
+    /// `asked` are the faces that cast, proven or not; without these, half the faces of a shell cast where
+    /// that is proven to be enough.
     #[must_use]
     pub fn new(caster: &Caster, asked: Option<CasterFaces>) -> Self {
         let finder = SilhouetteFinder::new(caster, usize::MAX);
-        let clusters =
-            if finder.has_tree() { CapClusters::new(caster, asked.is_none()) } else { CapClusters::default() };
+        let clusters = if finder.has_tree() {
+            CapClusters::new(caster, asked.is_none())
+        } else {
+            CapClusters::default()
+        };
         Self {
             asked,
             shortest_range: SHORTEST_RANGE,
@@ -171,9 +177,9 @@ impl FrameExtruder {
         }
     }
 
-    /// The same, with another least length of the ranges of caps; triangles of shorter ranges are written. 512 unless
-    /// set: a draw costs about as much as writing that many triangles. With `u32::MAX` everything is written, and one
-    /// draw is enough.
+    /// The same, with another least length of the ranges of caps; triangles of shorter ranges are written.
+    /// 512 unless set: a draw costs about as much as writing that many triangles. With `u32::MAX` everything
+    /// is written, and one draw is enough.
     ///
     /// ```
     /// # use umbrage::{caster::Caster, shadow::volume::{Caps, FrameExtruder}, testing::shapes};
@@ -189,8 +195,8 @@ impl FrameExtruder {
         Self { shortest_range: triangles, caps: FoundCaps::Not, ..self }
     }
 
-    /// The index buffer that caps are ranges of: the faces that can cast in the order of their clusters, and once more in
-    /// that order, each reversed. Empty where every frame visits all faces.
+    /// The index buffer that caps are ranges of: the faces that can cast in the order of their clusters, and
+    /// once more in that order, each reversed. Empty where every frame visits all faces.
     #[must_use]
     pub fn static_triangles(&self) -> &[[u32; 3]] {
         self.clusters.triangles()
@@ -208,21 +214,22 @@ impl FrameExtruder {
         self.method
     }
 
-    /// Writes the volume of a light: the light cap, the sides, the dark cap, as far as the caps are not ranges of
-    /// [`FrameExtruder::static_triangles`].
+    /// Writes the volume of a light: the light cap, the sides, the dark cap, as far as the caps are not
+    /// ranges of [`FrameExtruder::static_triangles`].
     ///
-    /// Every byte of what was written is written once, and none is read, as suits mapped memory. For the light of the last
-    /// time nothing is computed again. After [`Caster::repose`], and for another caster, everything is built again first,
-    /// static triangles included.
+    /// Every byte of what was written is written once, and none is read, as suits mapped memory. For the
+    /// light of the last time nothing is computed again. After [`Caster::repose`], and for another caster,
+    /// everything is built again first, static triangles included.
     ///
     /// # Errors
     ///
-    /// If the buffer is too small: then nothing is written. `2·(faces + Σ|m|)` triangles are always enough, where m are the
-    /// multiplicities of the silhouette.
+    /// If the buffer is too small: then nothing is written. `2·(faces + Σ|m|)` triangles are always enough,
+    /// where m are the multiplicities of the silhouette.
     ///
     /// # Panics
     ///
-    /// Panics if the mesh has more than 2³¹ vertices and the light is a point: then `n + v` does not fit in 32 bits.
+    /// Panics if the mesh has more than 2³¹ vertices and the light is a point: then `n + v` does not fit in
+    /// 32 bits.
     pub fn write(
         &mut self,
         caster: &Caster,

@@ -3,10 +3,10 @@
 //! For faces with stored signs `s` ∈ {−1, 0, +1} and edges with multiplicities `m = Σ σ·s`, the volume is the
 //! chain `K − K∞ + Σ m·Q`: every casting face towards the light, the same faces pushed away from it to
 //! infinity and reversed, and `|m|` copies of the quad that each silhouette edge sweeps. Its boundary cancels
-//! edge by edge, whatever the signs are, because `∂K = Σ m·e` by definition. This is the sum of the prisms that
-//! the single faces cast (Graham Aldridge and Eric Woods, *Robust, Geometry-Independent Shadow Volumes*, 2004;
-//! Byungmoon Kim, Kihwan Kim, Greg Turk, *A Shadow-Volume Algorithm for Opaque and Transparent Nonmanifold
-//! Casters*, 2008).
+//! edge by edge, whatever the signs are, because `∂K = Σ m·e` by definition. This is the sum of the prisms
+//! that the single faces cast (Graham Aldridge and Eric Woods, *Robust, Geometry-Independent Shadow Volumes*,
+//! 2004; Byungmoon Kim, Kihwan Kim, Greg Turk, *A Shadow-Volume Algorithm for Opaque and Transparent
+//! Nonmanifold Casters*, 2008).
 //!
 //! The winding number of the volume at a point counts the casting faces between that point and the light.
 
@@ -46,6 +46,7 @@ use crate::topology::Topology;
 
 /// Which caps a volume has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Caps {
     /// Light cap and dark cap: the volume is closed, as depth-fail counting needs.
     #[default]
@@ -56,8 +57,9 @@ pub enum Caps {
 
 /// A shadow volume as one indexed triangle mesh with vertices at infinity.
 ///
-/// Vertices `0 .. finite` are vertices of the caster, `w = 1`; the rest lie at infinity, `w = 0`, and are kept
-/// symbolically as (caster vertex, light), never rounded. Triangles run counter-clockwise seen from outside.
+/// Vertices `0 .. finite` are vertices of the caster, `w = 1`; the rest lie at infinity, `w = 0`, and are
+/// kept symbolically as (caster vertex, light), never rounded. Triangles run counter-clockwise seen from
+/// outside.
 #[derive(Clone, Debug)]
 pub struct ShadowVolume {
     light: Light,
@@ -73,19 +75,20 @@ pub struct ShadowVolume {
 }
 
 impl ShadowVolume {
-    /// Extrudes the faces of `mesh` that cast (`signs`, one entry a face, −1, 0 or +1) away from `light`.
+    /// Extrudes the faces of `mesh` that cast (`signs`, one entry per face, −1, 0 or +1) away from `light`.
     ///
-    /// `silhouette` must be that of the same signs; then the volume is closed, whatever the signs. Its winding
-    /// number counts what they say if faces that a point light lies on have sign 0, as those of
-    /// [`classify`](crate::facing::classify) do: on such a face no way leads away from the light. Linear in faces
-    /// and silhouette edges. For light after light, an [`Extruder`] does the same in memory that is kept.
+    /// `silhouette` must be that of the same signs; then the volume is closed, whatever the signs. Its
+    /// winding number counts what they say if faces that a point light lies on have sign 0, as those of
+    /// [`classify`](crate::facing::classify) do: from a point on such a face no direction leads away from the
+    /// light. Linear in faces and silhouette edges. For light after light, an [`Extruder`] does the same in
+    /// memory that is kept.
     ///
-    /// Memory: at its peak less than 60 bytes for each face of the mesh and each triangle of the volume.
+    /// Memory: at its peak less than 60 bytes per face of the mesh and per triangle of the volume.
     ///
     /// # Panics
     ///
-    /// Panics if `signs` or `topology` has another number of faces than `mesh`, or `silhouette` names an edge that
-    /// `topology` does not have.
+    /// Panics if `signs` or `topology` has another number of faces than `mesh`, or `silhouette` names an edge
+    /// that `topology` does not have.
     ///
     /// ```
     /// use umbrage::geom::Light;
@@ -157,19 +160,19 @@ impl ShadowVolume {
         &self.triangles
     }
 
-    /// Where the light cap stands among the triangles.
+    /// The range of the light cap among the triangles.
     #[must_use]
     pub fn light_cap(&self) -> Range<usize> {
         0..self.light_cap
     }
 
-    /// Where the sides stand among the triangles.
+    /// The range of the sides among the triangles.
     #[must_use]
     pub fn sides(&self) -> Range<usize> {
         self.light_cap..self.light_cap + self.sides
     }
 
-    /// Where the dark cap stands among the triangles. Empty for a directional light, which sends every vertex
+    /// The range of the dark cap among the triangles. Empty for a directional light, which sends every vertex
     /// to one point at infinity.
     #[must_use]
     pub fn dark_cap(&self) -> Range<usize> {
@@ -199,12 +202,12 @@ impl ShadowVolume {
         [self.vertex(triangle[0]), self.vertex(triangle[1]), self.vertex(triangle[2])]
     }
 
-    /// Vertices as `f32` for drawing: `[x, y, z, w]`, `w` 1 or 0, one entry a vertex.
+    /// Vertices as `f32` for drawing: `[x, y, z, w]`, `w` 1 or 0, one entry per vertex.
     ///
-    /// Finite vertices are exact. A vertex at infinity is `v − L` (or the way a directional light travels, which
-    /// is exact) with each coordinate rounded once: off by at most 2⁻²⁴ of itself, or by 2⁻¹⁵⁰ below the normal
-    /// range. All vertices at infinity are halved if one of them would leave `f32`; only their directions count,
-    /// and one of 2⁻¹⁴⁹ then vanishes.
+    /// Finite vertices are exact. A vertex at infinity is `v − L` (or the direction in which a directional
+    /// light travels, which is exact) with each coordinate rounded once: off by at most 2⁻²⁴ of itself, or by
+    /// 2⁻¹⁵⁰ below the normal range. All vertices at infinity are halved if one of them would leave `f32`;
+    /// only their directions count, and one of 2⁻¹⁴⁹ then vanishes.
     #[must_use]
     pub fn to_f32(&self) -> Vec<[f32; 4]> {
         let far = || (self.positions.len()..self.vertex_count()).map(|i| self.vertex(i as u32).to_f64());
@@ -214,8 +217,8 @@ impl ShadowVolume {
         near.chain(far().map(|far| far.map(|x| (x * scale) as f32))).collect()
     }
 
-    /// Vertices as `f32` positions with those at infinity clamped to `far` mesh units from the vertex that they
-    /// were extruded from, for formats that cannot write infinity. One entry a vertex.
+    /// Vertices as `f32` positions with those at infinity clamped to `far` mesh units from the vertex that
+    /// they were extruded from, for formats that cannot write infinity. One entry per vertex.
     #[must_use]
     pub fn clamped(&self, far: f32) -> Vec<[f32; 3]> {
         let mut positions = self.positions.clone();
@@ -236,7 +239,7 @@ impl ShadowVolume {
         Aabb::around(self.positions.iter().copied())
     }
 
-    /// Without its last side triangle, if it has one: what a test must notice.
+    /// Injects a fault: removes the last side triangle, if there is one.
     #[cfg(all(test, feature = "verify"))]
     pub(crate) fn forget_a_side(&mut self) {
         if self.sides > 0 {
@@ -246,7 +249,7 @@ impl ShadowVolume {
     }
 
     /// The certificate: the signed sum over all directed edges of all triangles, from the triangles alone.
-    /// Memory: 48 bytes a triangle.
+    /// Memory: 48 bytes per triangle.
     #[must_use]
     pub fn boundary_sum(&self) -> BoundarySum {
         closed::boundary_sum(&self.triangles)

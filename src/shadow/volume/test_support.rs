@@ -1,4 +1,4 @@
-//! A volume for tests.
+//! Test support: a volume.
 
 use super::{Caps, ShadowVolume};
 use crate::facing::{CasterFaces, classify};

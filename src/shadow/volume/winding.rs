@@ -1,9 +1,10 @@
-//! The winding number of a volume at a point, exactly, from its homogeneous triangles alone.
+//! Exact winding numbers of a volume at points, from its homogeneous triangles alone.
 //!
-//! A path that leaves a closed surface through its outside counts +1, one that enters −1; what is summed on the
-//! way from a point to where nothing is enclosed is the winding number there. Every crossing is decided by
-//! orientation signs of homogeneous points, so triangles with vertices at infinity need no special care: a sign
-//! at infinity is the limit of the signs on the way there (Jorge Stolfi, *Oriented Projective Geometry*, 1991).
+//! A segment counts +1 where it leaves a closed surface, and −1 where it enters. The sum along a segment from
+//! a point to one that nothing encloses is the winding number at the first. Every crossing is decided by
+//! orientation signs of homogeneous points, so triangles with vertices at infinity are no special case: a
+//! sign at infinity is the limit of the signs along a ray (Jorge Stolfi, *Oriented Projective Geometry*,
+//! 1991).
 
 use std::sync::OnceLock;
 
@@ -13,12 +14,12 @@ use crate::geom::predicate::{Homogeneous, Sign, directions_turn, orient3d_homoge
 use crate::geom::{Aabb, Light, Segment};
 use crate::random::SplitMix64;
 
-/// The winding number of `volume` at `p`, by looking at every triangle; `None` if `p` lies on a triangle.
+/// The winding number of `volume` at `p`, from every triangle; `None` if `p` lies on a triangle.
 ///
-/// Obviously right and slow: for many points use a [`WindingIndex`].
+/// The reference, in linear time: for many points use a [`WindingIndex`].
 ///
-/// It may also be `None`, though hardly ever, if each of sixteen scattered directions from `p` runs exactly
-/// through an edge: then it abstains rather than guesses.
+/// Also `None`, though hardly ever, if the rays from `p` in each of sixteen scattered directions run exactly
+/// through an edge.
 #[must_use]
 pub fn winding_number(volume: &ShadowVolume, p: [f32; 3]) -> Option<i32> {
     let triangles = weighted(volume);
@@ -27,31 +28,43 @@ pub fn winding_number(volume: &ShadowVolume, p: [f32; 3]) -> Option<i32> {
 
 /// Winding numbers of a volume at many points of a box.
 ///
-/// A point is joined to an anchor whose winding number is known, and only triangles near that segment are
-/// looked at. Building costs about 1 µs a triangle; a query some tens of predicates.
+/// A segment joins the point to an anchor whose winding number is known, and only triangles near that segment
+/// are tested. Building costs about 1 µs per triangle; a query costs some tens of predicates.
+///
+/// ```
+/// use umbrage::caster::Caster;
+/// use umbrage::geom::Aabb;
+/// use umbrage::shadow::volume::{Caps, WindingIndex};
+/// use umbrage::testing::shapes;
+/// let volume = Caster::new(shapes::cube()).volume(&"point:2,9,3".parse()?, Caps::Both);
+/// let index = WindingIndex::build(&volume, Aabb { low: [-50.0; 3], high: [50.0; 3] });
+/// assert_eq!(index.number([-0.5, -5.0, -0.7]), Some(1)); // below the cube: in shadow
+/// assert_eq!(index.number([9.0, -5.0, 0.3]), Some(0));
+/// # Ok::<(), umbrage::geom::LightError>(())
+/// ```
 #[derive(Debug)]
 pub struct WindingIndex<'volume> {
     volume: &'volume ShadowVolume,
-    /// Triangles that are not flat, each once, with the number of its copies.
+    /// Triangles that are not flat, each once, with its number of copies.
     triangles: Vec<([u32; 3], i32)>,
     tree: Bvh,
-    /// For each box of the tree the triangle that it holds a piece of.
+    /// For each box of the tree, the triangle that it holds a piece of.
     pieces: Vec<u32>,
     within: Aabb,
-    /// Scattered points of the box, and the winding number there once it is asked for.
+    /// Scattered points of the box, and their winding numbers once they are asked for.
     anchors: Vec<([f32; 3], OnceLock<Option<i32>>)>,
 }
 
-/// How many anchors or directions are tried before a point is given up.
+/// Anchors or directions that are tried before a point is given up.
 pub(super) const TRIES: u32 = 16;
 
-/// What a path meets, summed up.
+/// The crossings of a segment with the volume.
 enum Path {
     /// The signed number of crossings.
     Sum(i32),
-    /// The path starts on a triangle.
+    /// The segment starts on a triangle.
     Starts,
-    /// The path runs through an edge or along a triangle; another path may not.
+    /// The segment runs through an edge or along a triangle; another one may not.
     Tie,
 }
 
@@ -69,8 +82,8 @@ impl Path {
 impl<'volume> WindingIndex<'volume> {
     /// Prepares `volume` for queries in the closed box `within`.
     ///
-    /// Memory: at its peak some 90 bytes a triangle of the volume, up to 130 more for each of at most 16 boxes that
-    /// hug a long side: 2300 if all are such.
+    /// Memory: at its peak some 90 bytes per triangle of the volume, up to 130 more for each of at most 16
+    /// boxes that hug a long side: 2300 if all are such.
     #[must_use]
     pub fn build(volume: &'volume ShadowVolume, within: Aabb) -> Self {
         let within = thickened(within);
@@ -91,16 +104,17 @@ impl<'volume> WindingIndex<'volume> {
     /// The winding number at `p`; `None` if `p` lies on a triangle of the volume (or, hardly ever, where
     /// [`winding_number`] abstains).
     ///
-    /// A point outside the box is answered too, slowly, and so is one from which every anchor is hidden behind edges.
+    /// A point outside the box is answered too, slowly, and so is one from which every anchor is hidden
+    /// behind edges.
     #[must_use]
     pub fn number(&self, p: [f32; 3]) -> Option<i32> {
         let settled = if self.within.contains(p) { self.by_anchors(p) } else { None };
         settled.unwrap_or_else(|| winding_number(self.volume, p))
     }
 
-    /// `None` if every anchor is hidden behind edges or stands on the volume.
+    /// `None` if the segment to every anchor runs through an edge, or every anchor lies on the volume.
     fn by_anchors(&self, p: [f32; 3]) -> Option<Option<i32>> {
-        // The nearest anchor first: what lies on a short way is soon looked at.
+        // The nearest anchor first: a short segment has few candidates.
         let distance = |anchor: [f32; 3]| -> f64 {
             (0..3).map(|i| (f64::from(anchor[i]) - f64::from(p[i])).powi(2)).sum()
         };
@@ -127,7 +141,7 @@ impl<'volume> WindingIndex<'volume> {
 pub(super) fn weighted(volume: &ShadowVolume) -> Vec<([u32; 3], i32)> {
     let mut weighted: Vec<([u32; 3], i32)> = Vec::with_capacity(volume.triangles.len());
     for &triangle in &volume.triangles {
-        // Copies stand together, two triangles a quad apart at most.
+        // Copies of a triangle are adjacent, or two apart for the triangles of a quad.
         let last = weighted.len().saturating_sub(2);
         match weighted[last..].iter_mut().find(|(other, _)| *other == triangle) {
             Some((_, copies)) => *copies += 1,
@@ -145,7 +159,7 @@ fn is_flat(corners: [Homogeneous; 3]) -> bool {
     axes().into_iter().all(|axis| orient3d_homogeneous([a, b, c, axis]).is_zero())
 }
 
-/// The sum over `triangles` of the crossings of the way from `p` to `q`.
+/// The sum over `triangles` of their crossings with the segment from `p` to `q`.
 fn walk(
     volume: &ShadowVolume,
     triangles: impl Iterator<Item = ([u32; 3], i32)>,
@@ -157,7 +171,7 @@ fn walk(
     for (triangle, copies) in triangles {
         let corners = volume.corners(triangle);
         if !corners.iter().any(Homogeneous::is_finite) {
-            continue; // at infinity: no finite point of the way lies there
+            continue; // at infinity: no finite point of the segment lies there
         }
         match crossing(corners, p, q) {
             Crossing::Miss => {}
@@ -169,7 +183,7 @@ fn walk(
     if tie { Path::Tie } else { Path::Sum(sum) }
 }
 
-/// How the way from one point to another meets a triangle.
+/// How a segment meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Crossing {
     /// Not at all.
@@ -182,7 +196,8 @@ pub(super) enum Crossing {
     Tie,
 }
 
-/// Decides how the way from `p` to `q` meets a triangle that is not flat. `p` is finite; `q` may lie at infinity.
+/// Decides how the segment from `p` to `q` meets a triangle that is not flat. `p` is finite; `q` may lie at
+/// infinity.
 pub(super) fn crossing(corners: [Homogeneous; 3], p: Homogeneous, q: Homogeneous) -> Crossing {
     crossing_to(corners, p, q, side_of(corners, q))
 }
@@ -200,7 +215,7 @@ pub(super) fn crossing_to([a, b, c]: [Homogeneous; 3], p: Homogeneous, q: Homoge
     if from == to {
         return if from.is_zero() { Crossing::Tie } else { Crossing::Miss };
     }
-    // Most candidates pass two edges on different hands.
+    // The lines of most candidates pass two edges on different sides.
     let first = orient3d_homogeneous([p, q, a, b]);
     let second = orient3d_homogeneous([p, q, b, c]);
     if first == -second && !first.is_zero() {
@@ -243,11 +258,12 @@ fn to_infinity(
         }
         if side.is_zero() || edges.contains(&Sign::Zero) {
             if side.is_zero() && edges.iter().any(|edge| !edge.is_zero()) {
-                continue; // flat, and the direction is beside it
+                continue; // flat, and the direction is not in it
             }
             return Path::Tie;
         }
-        // All edges turn as the triangle does, or all the other way: then the opposite direction hits it.
+        // All edges turn as the triangle does, or all in the opposite sense: then the opposite direction hits
+        // it.
         if edges[0] == side {
             sum += copies * side.value();
         }
@@ -260,9 +276,9 @@ const PIECES: f64 = 16.0;
 
 /// Boxes that together cover the part of a triangle inside `within`.
 ///
-/// An unbounded triangle is `{P + t·D}` between two rays: from two points along one direction, or from one point
-/// along two. A piece lies between two values of `t`, the same numbers for both rays and for the piece that follows,
-/// so the box of its four corners covers it.
+/// An unbounded triangle is `{P + t·D}` between two rays: from two points along one direction, or from one
+/// point along two. A piece lies between two values of `t`, the same numbers for both rays and for the piece
+/// that follows, so the box of its four corners covers it.
 fn for_each_piece(volume: &ShadowVolume, triangle: [u32; 3], within: &Aabb, mut visit: impl FnMut(Aabb)) {
     let corners = volume.corners(triangle).map(Homogeneous::to_f64);
     let finite: Vec<[f64; 4]> = corners.into_iter().filter(|corner| corner[3] != 0.0).collect();
@@ -316,9 +332,9 @@ fn for_each_piece(volume: &ShadowVolume, triangle: [u32; 3], within: &Aabb, mut 
     }
 }
 
-/// A point `p + t·d` errs by three roundings, of `d`, of `t·d` and of the sum: at most `3·2⁻⁵³` of the magnitudes, and
-/// computing the step outwards by another few of the step itself. Without a step coordinates near 0 are lost, where
-/// terms cancel; elsewhere the rounding to `f32`, which goes outwards too, would do.
+/// A point `p + t·d` errs by three roundings, of `d`, of `t·d` and of the sum: at most `3·2⁻⁵³` of the
+/// magnitudes, and computing the step outwards by another few of the step itself. Without a step coordinates
+/// near 0 are lost, where terms cancel; elsewhere the rounding to `f32`, which goes outwards too, would do.
 const SLACK: f64 = 8.0 * f64::EPSILON;
 
 /// A box around `p + t·d`: outwards by `slack` of the magnitudes, and then to `f32`.
@@ -338,10 +354,10 @@ pub(super) fn scattered(i: u32) -> [f32; 3] {
     [(); 3].map(|()| (2.0 * random.unit() - 1.0) as f32)
 }
 
-/// Whether `p` lies on a triangle of the volume that is not flat, its edges and corners included: in the plane of the
-/// triangle, and seen along an axis that leaves the plane on no two different hands of its edges.
+/// Whether `p` lies on a triangle of the volume that is not flat, its edges and corners included: in the
+/// plane of the triangle, and along an axis that leaves the plane not on different sides of its edges.
 ///
-/// The rule by which a judge's "I stand on it" is checked: no way, no anchor, every triangle.
+/// Reference for abstentions: tests every triangle directly.
 #[cfg(feature = "verify")]
 pub(crate) fn stands_on(volume: &ShadowVolume, p: [f32; 3]) -> bool {
     let p = Homogeneous::point(p);
@@ -353,8 +369,8 @@ pub(crate) fn stands_on(volume: &ShadowVolume, p: [f32; 3]) -> bool {
         }
         let leaves = |axis: &Homogeneous| !orient3d_homogeneous([a, b, c, *axis]).is_zero();
         axes().into_iter().find(leaves).is_some_and(|axis| {
-            let hands = [(a, b), (b, c), (c, a)].map(|(a, b)| orient3d_homogeneous([p, axis, a, b]));
-            !(hands.contains(&Sign::Positive) && hands.contains(&Sign::Negative))
+            let sides = [(a, b), (b, c), (c, a)].map(|(a, b)| orient3d_homogeneous([p, axis, a, b]));
+            !(sides.contains(&Sign::Positive) && sides.contains(&Sign::Negative))
         })
     })
 }
@@ -365,8 +381,8 @@ fn axes() -> [Homogeneous; 3] {
         .map(|unit| Homogeneous::light(&Light::directional(unit).expect("a unit vector is a direction")))
 }
 
-/// A flat box gets some thickness: where all points lie in the plane of a cap, anchors in it would be of no use.
-/// A sixteenth of the diagonal on either side, and an ulp at least.
+/// A flat box made thicker: where all points lie in the plane of a cap, anchors in it would be of no use. A
+/// sixteenth of the diagonal on either side, and an ulp at least.
 pub(super) fn thickened(within: Aabb) -> Aabb {
     let least = within.diagonal() / 16.0;
     let mut thick = within;
@@ -396,8 +412,8 @@ mod tests {
 
     #[test]
     fn winding_index_of_a_flat_box_is_settled_by_its_anchors_without_the_fallback() {
-        // The box lies in the plane of the light cap, and all but its rim on it; far from 0 a sixteenth of its diagonal
-        // is less than an ulp.
+        // The box lies in the plane of the light cap, and all but its rim on it; far from 0 a sixteenth of
+        // its diagonal is less than an ulp.
         for away in [0.0, 1e7] {
             let volume = under([0.3, 0.2, away + 5.0], away);
             for p in [[1.000_976_6, 0.5, away], [-0.001, 0.25, away]] {
@@ -415,7 +431,7 @@ mod tests {
 
     #[cfg(feature = "verify")]
     #[test]
-    fn winding_number_abstains_exactly_where_a_triangle_is_stood_on() {
+    fn winding_number_abstains_exactly_at_points_on_a_triangle() {
         let volume = under([0.3, 0.2, 5.0], 0.0);
         let (mut on, mut off) = (0, 0);
         for i in 0..1000 {

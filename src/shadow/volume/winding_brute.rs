@@ -1,4 +1,5 @@
-//! Winding numbers of a small volume at many points: every triangle is looked at, and no tree is built.
+//! Winding numbers of a small volume at many points, by brute force: every triangle is tested, and no tree is
+//! built.
 
 use super::ShadowVolume;
 use super::winding::{
@@ -7,15 +8,15 @@ use super::winding::{
 use crate::geom::Aabb;
 use crate::geom::predicate::{Homogeneous, Sign};
 
-/// What [`WindingIndex`](super::WindingIndex) answers, for volumes so small that a tree over them does not pay: a
-/// way from the point to an anchor whose winding number is known, and on it every triangle.
+/// What [`WindingIndex`](super::WindingIndex) answers, for volumes so small that a tree over them does not
+/// pay: a segment from the point to an anchor whose winding number is known, against every triangle.
 #[derive(Debug)]
 pub(crate) struct WindingTable<'volume> {
     volume: &'volume ShadowVolume,
     /// Triangles that are neither flat nor wholly at infinity, with the number of their copies.
     triangles: Vec<([Homogeneous; 3], i32)>,
     within: Aabb,
-    /// Made as they are asked for; `None` where an anchor stands on the volume.
+    /// Made when they are asked for; `None` where an anchor lies on the volume.
     anchors: Vec<Option<Anchor>>,
 }
 
@@ -42,7 +43,7 @@ impl<'volume> WindingTable<'volume> {
         self.by_anchors(p).unwrap_or_else(|| winding_number(self.volume, p))
     }
 
-    /// `None` if every anchor is hidden behind edges or stands on the volume.
+    /// `None` if the segment to every anchor runs through an edge, or every anchor lies on the volume.
     fn by_anchors(&mut self, p: [f32; 3]) -> Option<Option<i32>> {
         let p = Homogeneous::point(p);
         'anchors: for i in 0..TRIES {
@@ -88,7 +89,7 @@ mod tests {
             for within in [Aabb::around([p]), Aabb::around([p, [0.0; 3]])] {
                 let mut table = WindingTable::new(&volume, within);
                 assert_eq!(table.by_anchors(p), Some(Some(0)), "{p:?}");
-                // Without thickness no anchor is of use, and every triangle is looked at.
+                // Without thickness no anchor is of use, and every triangle is tested.
                 table = WindingTable { within, ..WindingTable::new(&volume, within) };
                 assert_eq!((table.by_anchors(p), table.number(p)), (None, Some(0)), "{p:?}");
             }

@@ -49,7 +49,8 @@ impl Certificates {
 
     /// The light travels.
     pub(super) fn advance(&mut self, length: f64) {
-        // Rounded up, so that a difference of readings is never less than the distance travelled between them.
+        // Rounded up, so that a difference of readings is never less than the distance travelled between
+        // them.
         self.odometer = (self.odometer + length).next_up();
     }
 
@@ -58,7 +59,8 @@ impl Certificates {
         self.facing[slot]
     }
 
-    /// Lists the runs whose certificates have expired, ascending; `false` as soon as they are more than `most`.
+    /// Lists the runs whose certificates have expired, ascending; `false` as soon as they are more than
+    /// `most`.
     pub(super) fn expired(&self, most: usize, expired: &mut Vec<usize>) -> bool {
         expired.clear();
         for (group, end) in self.group_ends.iter().enumerate() {
@@ -76,8 +78,8 @@ impl Certificates {
         true
     }
 
-    /// Evaluates runs again, ascending, and certifies them. Calls `turned` for each face that has changed sides, with its
-    /// slot, the face, its side before and its side now.
+    /// Evaluates runs again, ascending, and certifies them. Calls `turned` for each face that has changed
+    /// sides, with its slot, the face, its side before and its side now.
     pub(super) fn look_again(
         &mut self,
         runs: &[usize],
@@ -127,10 +129,10 @@ impl Certificates {
 
     /// The sides of a run of faces, and the reading of the odometer at which their certificate expires.
     ///
-    /// With `s` and `E` of [`FacePlanes`], `|s| − E` is at most the height of the light over the face's plane (for a
-    /// directional light: of the tip of its direction). That height changes by at most the distance that the light
-    /// travels. The difference and its sum with the odometer are rounded down. A face that only the predicate can decide
-    /// has no certificate.
+    /// With `s` and `E` of [`FacePlanes`], `|s| − E` is at most the height of the light over the face's plane
+    /// (for a directional light: of the tip of its direction). That height changes by at most the distance
+    /// that the light travels. The difference and its sum with the odometer are rounded down. A face that
+    /// only the predicate can decide has no certificate.
     #[inline]
     fn certify(
         &self,

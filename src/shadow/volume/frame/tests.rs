@@ -147,7 +147,8 @@ proptest! {
     }
 }
 
-/// Boxes on a grid, every third one inside out, every fifth one open, one in each corner with a smaller one within.
+/// Boxes on a grid, every third one inside out, every fifth one open, one in each corner with a smaller one
+/// within.
 fn boxes(n: usize) -> Mesh {
     let parts: Vec<Mesh> = (0..n * n)
         .map(|i| {
@@ -171,21 +172,21 @@ fn walk(mesh: &Mesh) -> Vec<Light> {
         let part = [0.1 + t, 0.5 + jump + 0.1 * t, 0.1 + 1.01 * t];
         Light::point([0, 1, 2].map(|i| low[i] + part[i] * (high[i] - low[i]))).unwrap()
     };
-    let steps = (0..60).map(|i| at(0.8 * i as f32 / 60.0, 0.0));
-    let slow = (0..40).map(|i| at(1e-5 * i as f32, if i > 20 { 2.0 } else { 0.0 }));
+    let steps = (0..30).map(|i| at(0.8 * i as f32 / 30.0, 0.0));
+    let slow = (0..20).map(|i| at(1e-5 * i as f32, if i > 10 { 2.0 } else { 0.0 }));
     steps.chain(slow).collect()
 }
 
 fn meshes() -> Vec<Mesh> {
     let sphere = shapes::icosphere(4);
-    let large = shapes::torus(120, 60, 2.0, 0.7);
+    let large = shapes::torus(80, 30, 2.0, 0.7);
     let beside = shapes::translated(&shapes::inside_out(&large), [6.0, 0.0, 0.0]);
     let mut flat = shapes::torus(60, 40, 2.0, 0.7).triangles().to_vec();
     flat.extend([[0, 0, 1], [5, 5, 5], [1, 2, 1]]);
     vec![
         sphere.clone(),
-        boxes(12),
-        Mesh::concat(&[large.clone(), beside, boxes(4)]).unwrap(),
+        boxes(7),
+        Mesh::concat(&[large.clone(), beside, boxes(3)]).unwrap(),
         Mesh::concat(&[sphere.clone(), shapes::scaled(&sphere, 0.5), shapes::scaled(&sphere, 0.3)]).unwrap(),
         Mesh::new(shapes::torus(60, 40, 2.0, 0.7).positions().to_vec(), flat).unwrap(),
         shapes::menger_sponge(2),
@@ -204,26 +205,29 @@ fn frame_equals_the_extruder_on_whole_meshes_while_a_light_moves() {
     for mesh in meshes() {
         let mut all = Vec::new();
         if mesh.face_count() > 0 {
-            all = lights(&mesh);
-            all.extend(walk(&mesh));
+            all = walk(&mesh);
+            all.extend(lights(&mesh).into_iter().step_by(3));
         } else {
             all.push(Light::point([1.0, 2.0, 3.0]).unwrap());
         }
         let caster = Caster::new(mesh);
-        for asked in [None, Some(CasterFaces::All), Some(CasterFaces::Front)] {
-            for shortest in [0, 512] {
-                let mut extruder = FrameExtruder::new(&caster, asked).with_shortest_range(shortest);
-                assert!(agrees(&mut extruder, &caster, &all, &mut taken), "{} {asked:?}", caster.mesh().name);
-            }
+        for (asked, shortest) in [(None, 0), (None, 512), (Some(CasterFaces::All), 64)] {
+            let mut extruder = FrameExtruder::new(&caster, asked).with_shortest_range(shortest);
+            assert!(agrees(&mut extruder, &caster, &all, &mut taken), "{} {asked:?}", caster.mesh().name);
         }
     }
+    // Clusters that give up for ties, below a finder that does not.
+    let sponge = Caster::new(shapes::menger_sponge(2));
+    let axis = Light::directional([0.0, 0.0, -1.0]).unwrap();
+    let skew = Light::directional([1.0, 2.0, 3.0]).unwrap();
+    assert!(agrees(&mut forced(&sponge, None, 64), &sponge, &[axis, skew, axis], &mut taken));
     assert!(
-        taken.clustered > 1000
+        taken.clustered > 300
             && taken.ranges > 1000
-            && taken.scanned > 10
-            && taken.scanned_by_finder > 1000
-            && taken.followed > 1000
-            && taken.mixed > 100,
+            && taken.scanned == 2
+            && taken.scanned_by_finder > 300
+            && taken.followed > 150
+            && taken.mixed > 50,
         "{taken:?}"
     );
 }
@@ -260,7 +264,8 @@ fn frame_with_a_triangle_turned_is_caught() {
 
 #[test]
 fn frame_of_shells_in_one_group_that_are_taken_for_alike_is_caught() {
-    // A light passes through small shells: without the faces that only some of them cast, their shadows are open.
+    // A light passes through small shells: without the faces that only some of them cast, their shadows are
+    // open.
     let mesh = boxes(8);
     let caster = Caster::new(mesh.clone());
     let missed = |spoiled: bool| {
@@ -276,9 +281,9 @@ fn frame_of_shells_in_one_group_that_are_taken_for_alike_is_caught() {
 
 /// As [`agrees`], of volumes that may be open.
 fn agrees_open(extruder: &mut FrameExtruder, caster: &Caster, lights: &[Light]) -> bool {
-    lights.iter().all(|light| {
-        drawn(extruder, caster, light, Caps::Both) == reference(caster, light, None, Caps::Both)
-    })
+    lights
+        .iter()
+        .all(|light| drawn(extruder, caster, light, Caps::Both) == reference(caster, light, None, Caps::Both))
 }
 
 #[test]

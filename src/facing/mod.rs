@@ -55,6 +55,7 @@ pub fn classify(mesh: &Mesh, light: &Light) -> Vec<Facing> {
 /// assert_eq!(CasterFaces::Front.signs(&facing), [1, 0, 0]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
 pub enum CasterFaces {
     /// Every face that is not edge-on, with its sign. Right for every mesh.
     #[default]

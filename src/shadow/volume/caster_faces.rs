@@ -34,6 +34,7 @@ use crate::topology::Shells;
 /// # Ok::<(), umbrage::geom::LightError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ShellFaces {
     /// One choice per shell, in the order of the shells.
     pub choices: Vec<Choice<CasterFaces>>,

@@ -21,6 +21,16 @@ pub enum Intersection {
 
 /// Relation of the open segment from `p` to `light` and the closed triangle.
 ///
+/// ```
+/// use umbrage::geom::{Facing, Light};
+/// use umbrage::oracle::{Intersection, intersect};
+/// let triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+/// let light = Light::point([1.0, 1.0, 1.0])?;
+/// assert_eq!(intersect([1.0, 1.0, -1.0], &light, triangle), Intersection::Crossing(Facing::Front));
+/// assert_eq!(intersect([1.0, 1.0, 0.0], &light, triangle), Intersection::None); // ends do not count
+/// # Ok::<(), umbrage::geom::LightError>(())
+/// ```
+///
 /// First, `p` and the light are compared with the triangle's plane. If both lie on one side, or exactly one
 /// lies in the plane, there is no intersection, since an open segment does not contain its ends. If they lie
 /// on opposite sides, the line is compared with the three edges: it passes all on the same side (a crossing),
@@ -65,9 +75,9 @@ fn meets_in_plane(p: [f32; 3], light: &Light, [a, b, c]: [[f32; 3]; 3]) -> bool 
     let Some(axis) = (0..3).find(|&axis| !turn(axis, a, b, point(c)).is_zero()) else {
         return meets_line(p, light, [a, b, c]);
     };
-    // Projection along `axis` is one-to-one on the plane. By the separating axis theorem, segment and
-    // triangle are disjoint iff a line along one of their sides separates them: the segment's own line, with
-    // all corners strictly on one side, or an edge's line, with the whole open segment strictly beyond.
+    // Projection along `axis` is one-to-one on the plane. Segment and triangle are disjoint iff a line along
+    // one of their sides separates them: the segment's own line, with all corners strictly on one side, or an
+    // edge's line, with the whole open segment strictly beyond.
     let corners = [a, b, c].map(|corner| turn(axis, p, corner, Homogeneous::light(light)));
     if corners[0] == corners[1] && corners[1] == corners[2] && !corners[0].is_zero() {
         return false;

@@ -26,12 +26,14 @@ pub struct Segment {
     end: f64,
 }
 
-/// Factor that widens exit parameters, so that no box is lost. Entry and exit parameters are `(bound −
-/// origin) · (1 / direction)`: four roundings (the direction's own among them), so each has a relative error
-/// below 5·2⁻⁵³. An entry that is in truth at most an exit is computed larger by a factor of less than 1 +
-/// 11·2⁻⁵³. Widening exits by 1 + 16·2⁻⁵³ therefore never loses a box. (The argument is that of Thiago Ize,
-/// *Robust BVH Ray Traversal*, 2013, section 3, in `f64` and with exact bounds.) At 1 + 2·2⁻⁵³ boxes are
-/// lost. Nothing overflows: `f32` differences and their inverses stay within 2^±149.
+/// Factor that widens exit parameters, so that no box is lost.
+///
+/// Entry and exit parameters are `(bound − origin) · (1 / direction)`: four roundings (the direction's own
+/// among them), so each has a relative error below 5·2⁻⁵³. An entry that is in truth at most an exit is
+/// computed larger by a factor of less than 1 + 11·2⁻⁵³. Widening exits by 1 + 16·2⁻⁵³ therefore never loses
+/// a box. (The argument is that of Thiago Ize, *Robust BVH Ray Traversal*, 2013, section 3, in `f64` and with
+/// exact bounds.) At 1 + 2·2⁻⁵³ boxes are lost. Nothing overflows: `f32` differences and their inverses stay
+/// within 2^±149.
 const WIDEN: f64 = 1.0 + 8.0 * f64::EPSILON;
 
 impl Segment {
@@ -112,11 +114,11 @@ impl Segment {
 /// added to the exit, exceeds what subnormal products lose. The exit of a box behind the origin has the
 /// correct sign. (At 1 + 2u boxes are lost.)
 ///
-/// Ranges: let coordinates be below 2⁶⁰, planes rounded outwards below 2⁶¹, and direction components in 2⁻⁶⁰
-/// .. 2⁶⁰. Then inverses are normal and parameters stay below 2¹²², that is, finite. A component of 0 has an
-/// infinite inverse. Its products are infinite with the correct sign, or NaN where the origin lies in a plane
-/// of the box. If one operand is NaN, `max` and `min` of vectors may return either: a bound is dropped or
-/// becomes NaN, and then no comparison says that the box is missed.
+/// Ranges: let coordinates be below 2⁶⁰, planes rounded outwards below 2⁶¹, and direction components in
+/// 2⁻⁶⁰ .. 2⁶⁰. Then inverses are normal and parameters stay below 2¹²², that is, finite. A component of 0
+/// has an infinite inverse. Its products are infinite with the correct sign, or NaN where the origin lies in
+/// a plane of the box. If one operand is NaN, `max` and `min` of vectors may return either: a bound is
+/// dropped or becomes NaN, and then no comparison says that the box is missed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Narrow {
     origin: [f32; 3],

@@ -16,8 +16,8 @@ pub use weld::{Weld, Welded, weld, weld_in_place};
 /// corners run counter-clockwise. Only [`Mesh::new`] and the functions built on it check the input, so later
 /// code does not check again.
 ///
-/// Every determinant of three coordinate differences of a mesh fits an `f64` with room to spare (2⁻⁴⁴⁷ …
-/// 2³⁹³). The exact predicates rely on this range: they can neither overflow nor underflow.
+/// Every determinant of three coordinate differences of a mesh fits an `f64` with room to spare
+/// (2⁻⁴⁴⁷ … 2³⁹³). The exact predicates rely on this range: they can neither overflow nor underflow.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Name of the mesh in its file; may be empty.

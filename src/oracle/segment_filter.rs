@@ -9,10 +9,10 @@
 //! Error bounds. Let D be the largest |dᵢ|, and let M be at least as large as any coordinate of a corner.
 //! Then a permanent is at most 6DM² (for T: 6M³). Each of its six products is at most DM² and has six
 //! roundings (three differences, the inner product, the inner difference, the outer product). The two outer
-//! sums are at most 4DM² and 6DM² and have one rounding each. So u, v and q err by at most (36 + 4 +
-//! 6)·ε·DM²·(1 + 16ε) < 47ε·DM², and T errs by less than 47ε·M³. The light's side adds three of the former,
-//! each at most 6DM², and T, at most 6M³, with three roundings of sums of at most 12DM², 18DM² and 18DM² +
-//! 6M³. The light's side errs by less than (141 + 48)ε·DM² + (47 + 6)ε·M³ + O(ε²) < 190ε·(D + M)·M².
+//! sums are at most 4DM² and 6DM² and have one rounding each. So u, v and q err by at most
+//! (36 + 4 + 6)·ε·DM²·(1 + 16ε) < 47ε·DM², and T errs by less than 47ε·M³. The light's side adds three of the
+//! former, each at most 6DM², and T, at most 6M³, with three roundings of sums of at most 12DM², 18DM² and
+//! 18DM² + 6M³. The light's side errs by less than (141 + 48)ε·DM² + (47 + 6)ε·M³ + O(ε²) < 190ε·(D + M)·M².
 
 use crate::geom::predicate::filter::{EPSILON, Row, sign_of_det};
 use crate::geom::predicate::{Homogeneous, Sign, side_of_point};

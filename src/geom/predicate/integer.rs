@@ -4,8 +4,8 @@
 //! cancel. So only the remainder of the determinant is needed, modulo a power of two that is larger than
 //! twice its magnitude (the idea of Hervé Brönnimann, Ioannis Emiris, Victor Pan and Sylvain Pion, *Sign
 //! determination in residue number systems*, 1999, with one modulus that the machine has). Entries of `b`
-//! bits give a permanent of at most `6 · 2³ᵇ`. With `FILTER < 7.01 · 2⁻⁵³`, the determinant is below `2 ·
-//! 7.01 · 6 · 2^(3b − 53) < 2^(3b − 46)`:
+//! bits give a permanent of at most `6 · 2³ᵇ`. With `FILTER < 7.01 · 2⁻⁵³`, the determinant is below
+//! `2 · 7.01 · 6 · 2^(3b − 53) < 2^(3b − 46)`:
 //!
 //! - 36 bits: below 2⁶², which `i64` holds, wrapping;
 //! - 51 bits: below 2¹⁰⁷, which `i128` holds, wrapping.

@@ -280,6 +280,7 @@ fn surely_parted_by(apex: [f32; 3], first: [[f32; 3]; 2], second: [[f32; 3]; 2],
 }
 
 /// Relative error bound of a dot product of any vector with a vector of differences that are rounded once.
+///
 /// The dot product errs by at most four roundings (the difference, the product, two sums) of the sum of its
 /// products' magnitudes. The computed sum of magnitudes errs by as many roundings, so (4 + 32 ε) ε is enough.
 /// (Tests fail with an eighth of the bound.) Nothing underflows as long as the vector's entries are 0 or

@@ -103,19 +103,24 @@
 //!
 //! # Features
 //!
-//! - `cli` (default): the command `umbrage`, and `reference`.
-//! - `parallel` (default): verification and pictures on several threads; the same bytes either way.
-//! - `reference`: the whole-number judge and the module `verify`.
-//! - `proptest`: the module `strategy`, meshes, lights and points for property tests of shadows.
+//! - `files` (default): readers and writers of mesh files, and pictures as PNG.
+//! - `cli` (default): the command `umbrage`; brings `files`, `serde` and `verify`.
 //! - `gpu` (default): silhouettes, volumes and the stencil pass on a graphics adapter, by wgpu.
+//! - `parallel` (default): verification and pictures on several threads; the same bytes either way.
+//! - `verify`: the reference in big integers, and the checks of every method against every other.
+//! - `serde`: `Serialize` for reports, with the keys of the command's JSON.
+//! - `testing`: meshes, lights and points for property tests of shadows; promises nothing between versions.
 //!
-//! `--no-default-features` leaves a lean geometry library.
+//! `--no-default-features` leaves a lean geometry library: at most 20 crates, itself included.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod geom;
 pub mod mesh;
 pub mod view;
 pub mod scene;
+#[cfg(feature = "files")]
 pub mod read;
+#[cfg(feature = "files")]
 pub mod write;
 pub mod oracle;
 pub mod topology;
@@ -136,6 +141,8 @@ pub mod accuracy;
 mod determinism;
 mod built;
 mod choice;
+#[cfg(feature = "serde")]
+mod json;
 mod parallel;
 mod random;
 

@@ -24,7 +24,7 @@ pub(super) const STRATA: [&str; 7] = [
 
 /// The points of each stratum and light, for `mesh`, which has a face: about as many of each light.
 pub(super) fn draw(mesh: &Mesh, lights: &[Light], options: &Options) -> Vec<Vec<Vec<[f32; 3]>>> {
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let planes = FacePlanes::new(mesh);
     let bounds = mesh.bounds().map_or(Aabb::EMPTY, |[low, high]| Aabb { low, high });
     let count = options.queries.div_ceil(lights.len() as u64).max(1);

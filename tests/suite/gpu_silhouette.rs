@@ -7,7 +7,7 @@ use umbrage::geom::{Aabb, Light};
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::{FaceId, Mesh, Weld, weld};
 use umbrage::scene::Scope;
-use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, ShellFaces, ShadowVolume, VolumeShaders};
+use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, ShadowVolume, ShellFaces, VolumeShaders};
 use umbrage::silhouette::{GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders};
 use umbrage::testing::shapes;
 use umbrage::topology::{GpuTopology, Topology};
@@ -39,7 +39,7 @@ struct Case<'a> {
 impl<'a> Case<'a> {
     fn new(device: &'a Device, mesh: &'a Mesh) -> Self {
         let planes = FacePlanes::new(mesh);
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         let uploaded = GpuTopology::upload(&device.gpu, &topology).unwrap();
         let caster = GpuCaster::with_planes(&device.silhouettes, mesh, uploaded, &planes).unwrap();
         let silhouette = GpuSilhouette::new(&caster).unwrap();

@@ -11,15 +11,14 @@ use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::{Aabb, Light};
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::Oracle;
-use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex, winding_number};
-use umbrage::facing::CasterFaces;
+use umbrage::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex, winding_number};
 use umbrage::silhouette::Silhouette;
 use umbrage::testing::shapes;
 use umbrage::testing::strategy::{light, place, soup};
 use umbrage::topology::Topology;
 
 fn topology(mesh: &Mesh) -> Topology {
-    Topology::of(&mesh)
+    Topology::of(mesh)
 }
 
 fn volume(mesh: &Mesh, light: &Light, signs: &[i8]) -> ShadowVolume {

@@ -8,7 +8,7 @@ use umbrage::geom::Facing;
 use umbrage::geom::{Aabb, Light};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::{Intersection, Oracle};
-use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex, winding_number};
+use umbrage::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex, winding_number};
 use umbrage::silhouette::Silhouette;
 use umbrage::topology::Topology;
 
@@ -74,7 +74,7 @@ struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     fn new(mesh: &'a Mesh, light: &'a Light, points: &'a [[f32; 3]]) -> Self {
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         Self { mesh, light, points, topology, oracle: Oracle::build(mesh) }
     }
 

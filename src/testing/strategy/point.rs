@@ -83,7 +83,7 @@ fn pushed(place: [f64; 3], light: &Light, eighths: i16) -> [f64; 3] {
 
 /// A place on a silhouette edge; `None` where there is none.
 fn silhouette_place(mesh: &Mesh, light: &Light, edge: Index, t: f64) -> Option<[f64; 3]> {
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let edges = Silhouette::extract(&topology, &CasterFaces::All.signs(&classify(mesh, light))).edges;
     let edge = edges.get(edge.index(edges.len().max(1)))?.edge;
     let [a, b] = topology.vertices(edge).map(|vertex| mesh.positions()[vertex.index()].map(f64::from));

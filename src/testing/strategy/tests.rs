@@ -10,7 +10,7 @@ use crate::oracle::{Oracle, Verdict};
 use crate::topology::Topology;
 
 fn topology(mesh: &Mesh) -> Topology {
-    Topology::of(&mesh)
+    Topology::of(mesh)
 }
 
 fn balanced(mesh: &Mesh) -> bool {

@@ -8,7 +8,7 @@ use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
 use crate::oracle::{Oracle, Verdict};
 use crate::random::SplitMix64;
-use crate::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex, WindingTable, stands_on};
+use crate::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex, WindingTable, stands_on};
 use crate::silhouette::Silhouette;
 use crate::topology::Topology;
 use crate::verify::points::draw::Sampler;
@@ -90,7 +90,7 @@ impl<'a> Prepared<'a> {
     /// volume is judged beside the general one.
     pub(super) fn new(mesh: &'a Mesh, light: &'a Light, signs: u64, half: bool, seam: Seam) -> Self {
         // 1. The side of every face, by the filter and one by one.
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         let mut facing = FacePlanes::new(mesh).classify(mesh, light);
         (seam.facing)(&mut facing);
         let truth = classify(mesh, light);

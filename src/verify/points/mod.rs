@@ -204,7 +204,8 @@ impl<'a> Verifier<'a> {
 
     /// Every how many points of a stratum the whole-number judge is asked.
     fn reference_every(&self, points: usize) -> usize {
-        let samples = (REFERENCE_FACES / (self.caster.mesh().face_count() + 1)).clamp(20, 1000) / STRATA.len();
+        let samples =
+            (REFERENCE_FACES / (self.caster.mesh().face_count() + 1)).clamp(20, 1000) / STRATA.len();
         points.div_ceil(samples).max(1)
     }
 }

@@ -89,7 +89,11 @@ impl<T: Serialize> Serialize for Choice<T> {
 // The crack report.
 
 /// The numbers of a report. Those that are less than there may be are null.
-fn numbers<M: SerializeMap>(out: &mut M, counts: &Counts, t_junctions_complete: bool) -> Result<(), M::Error> {
+fn numbers<M: SerializeMap>(
+    out: &mut M,
+    counts: &Counts,
+    t_junctions_complete: bool,
+) -> Result<(), M::Error> {
     entries!(out, counts, {
         faces, edges, shells, closed_shells, euler_characteristic,
         boundary_edges, boundary_loops, non_manifold_edges, max_faces_per_edge,
@@ -136,7 +140,9 @@ map!(Defect, defect => {
 // Verification of pixels.
 
 fn pixels<M: SerializeMap>(out: &mut M, counts: &PixelCounts) -> Result<(), M::Error> {
-    PixelVerdict::ALL.into_iter().try_for_each(|verdict| out.serialize_entry(verdict.name(), &counts.of(verdict)))
+    PixelVerdict::ALL
+        .into_iter()
+        .try_for_each(|verdict| out.serialize_entry(verdict.name(), &counts.of(verdict)))
 }
 
 impl Serialize for PixelCounts {
@@ -273,14 +279,18 @@ mod tests {
         let mut report = report();
         let sound = document(&report);
         assert_eq!((&sound["inside_out_shells"], &sound["t_junctions"]), (&json!(0), &json!(0)));
-        assert_eq!((&sound["shell_list"][1]["depth"], &sound["shell_list"][1]["inside_out"]), (&json!(1), &json!(false)));
+        assert_eq!(
+            (&sound["shell_list"][1]["depth"], &sound["shell_list"][1]["inside_out"]),
+            (&json!(1), &json!(false))
+        );
 
         // As the report is where both searches gave up.
         (report.nesting_complete, report.t_junctions_complete) = (false, false);
         report.counts.undecided_shells = 1;
         (report.shell_list[1].depth, report.shell_list[1].depth_known) = (0, false);
         let document = document(&report);
-        for value in ["/inside_out_shells", "/t_junctions", "/shell_list/1/depth", "/shell_list/1/inside_out"] {
+        for value in ["/inside_out_shells", "/t_junctions", "/shell_list/1/depth", "/shell_list/1/inside_out"]
+        {
             assert_eq!(document.pointer(value), Some(&Value::Null), "{value}");
         }
         assert_eq!(document["shell_list"][0], sound["shell_list"][0]);
@@ -293,7 +303,10 @@ mod tests {
         report.shell_list[0].signed_volume = f64::INFINITY;
         report.shell_list[0].bounds.low = [0.1, f32::MAX, f32::NAN];
         let value = document(&report);
-        assert_eq!((&value["signed_volume"], &value["shell_list"][0]["signed_volume"]), (&Value::Null, &Value::Null));
+        assert_eq!(
+            (&value["signed_volume"], &value["shell_list"][0]["signed_volume"]),
+            (&Value::Null, &Value::Null)
+        );
         assert_eq!(value["shell_list"][0]["bounds"][0].to_string(), "[0.1,3.4028235e38,null]");
         // Keys come in the same order either way.
         assert_eq!(serde_json::to_string(&report).unwrap(), value.to_string());

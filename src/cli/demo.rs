@@ -57,7 +57,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     args.threads.apply()?;
     std::fs::create_dir_all(&args.out).map_err(|error| {
         let problem = format!("the folder cannot be made: {error}");
-        Failure::new(problem, "choose another place with --out").in_file(&args.out)
+        Failure::new(problem, "choose another folder with --out").in_file(&args.out)
     })?;
     let at = |name: &str| args.out.join(name);
     let mut out = Output::new();

@@ -13,7 +13,7 @@ use super::WriteError;
 ///
 /// The bytes go to a temporary file in the same folder, are flushed to the disk, and the file is then renamed to
 /// `path` in one step. If anything fails, the temporary file is removed and an existing target is
-/// untouched. An existing file keeps its permissions; of a symbolic link, what it points at is replaced.
+/// untouched. An existing file keeps its permissions; of a symbolic link, its target is replaced.
 /// For any file, not only meshes.
 ///
 /// # Errors

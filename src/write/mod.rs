@@ -22,6 +22,9 @@ use std::fmt;
 use std::io::Write;
 use std::path::Path;
 
+// For the command, which is a crate of its own: it writes its tables and documents like every other file, and leaves
+// nothing half written when a signal ends it.
+#[doc(hidden)]
 pub use atomic::{abandon, write_atomic};
 pub use error::WriteError;
 
@@ -158,7 +161,10 @@ impl fmt::Display for Target {
     }
 }
 
-/// Writes `model` to the file `path`, in the format of its extension, as [`write_atomic`] does.
+/// Writes `model` to the file `path`, in the format of its extension, completely or not at all.
+///
+/// The bytes go to a temporary file in the same folder, are flushed to the disk, and the file is then renamed to `path`
+/// in one step. An existing file keeps its permissions; of a symbolic link, its target is replaced.
 ///
 /// # Errors
 ///

@@ -290,14 +290,8 @@ fn examine(
         let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.shared_triangles());
         let mut report = CrackReport::of(&mesh, &topology);
         for (complete, note) in [
-            (
-                report.nesting_complete,
-                "the nesting of shells was not decided: too many overlap",
-            ),
-            (
-                report.t_junctions_complete,
-                "the search for T-junctions gave up: too many edges overlap",
-            ),
+            (report.nesting_complete, "the nesting of shells was not decided: too many overlap"),
+            (report.t_junctions_complete, "the search for T-junctions gave up: too many edges overlap"),
         ] {
             if !complete {
                 output::say(format_args!("note: {}: {note}", file.display()));

@@ -40,7 +40,7 @@ fn verify_exit_code_is_zero_where_judges_agree_even_on_a_cracked_mesh() {
     let folder = Folder::with_cubes();
     let run = folder.run("verify open.obj --light point:0.2,0.3,9 --points 1000");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(run.stdout.contains("\nverdict: all judges agree\n"), "{}", run.stdout);
+    assert!(run.stdout.contains("\nverdict: all methods agree\n"), "{}", run.stdout);
     assert!(run.stdout.starts_with("open.obj\nlights: point:0.2,0.3,9\n"), "{}", run.stdout);
     assert!(run.stdout.lines().last().is_some_and(|line| line.starts_with("grazing: ")), "{}", run.stdout);
     for refused in ["--points 0", "--light directional:0,0,0"] {
@@ -102,7 +102,7 @@ mod gpu {
         for words in [
             "zfail for 1 shell: z-fail was asked for",
             "counted in the stencil",
-            "verdict: all judges agree\n",
+            "verdict: all methods agree\n",
         ] {
             assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
         }

@@ -1,8 +1,9 @@
 //! Reports as JSON, or in any other format of serde: keys and their order are a contract.
 //!
-//! They are all on this page, rather than derived beside the types, because most reports have a key that is no field
-//! (a bound, a median, a total) or a field that is null depending on another. What was not computed is null. So are
-//! NaN and infinity, which JSON does not have. Single-precision numbers have no more digits than they need.
+//! They are all on this page, rather than derived beside the types, because most reports have a key that is
+//! no field (a bound, a median, a total) or a field that is null depending on another. What was not computed
+//! is null. So are NaN and infinity, which JSON does not have. Single-precision numbers have no more digits
+//! than they need.
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 

@@ -1,5 +1,5 @@
-//! Charts as SVG: logarithmic axes, marks and text. The same numbers give the same bytes, and the colors follow the
-//! light or dark scheme of the reader.
+//! Charts as SVG: logarithmic axes, marks and text. The same numbers give the same bytes, and the colors
+//! follow the light or dark scheme of the reader.
 
 use std::fmt;
 
@@ -9,8 +9,8 @@ pub(crate) struct Svg {
     text: String,
 }
 
-/// The colors of the classes `c0` to `c4`, as `currentColor`, on light and on dark ground: blue, vermilion and green
-/// after Okabe and Ito, then purple and ochre, which color-blind people can distinguish.
+/// The colors of the classes `c0` to `c4`, as `currentColor`, on light and on dark ground: blue, vermilion
+/// and green after Okabe and Ito, then purple and ochre, which color-blind people can distinguish.
 const COLORS: [[&str; 2]; 5] = [
     ["#0072b2", "#56b4e9"],
     ["#c04a00", "#ff9b57"],
@@ -25,8 +25,9 @@ pub(crate) const COLOR_COUNT: usize = COLORS.len();
 impl Svg {
     /// An empty chart of the given size in pixels.
     ///
-    /// Classes: `c0` to `c4` are colors, as `currentColor`; `grid` strokes lines of a grid, `faint` fills text of less
-    /// weight, `paper` fills and strokes in the color of the ground, `halo` outlines text in that color.
+    /// Classes: `c0` to `c4` are colors, as `currentColor`; `grid` strokes lines of a grid, `faint` fills
+    /// text of less weight, `paper` fills and strokes in the color of the ground, `halo` outlines text in
+    /// that color.
     #[must_use]
     pub(crate) fn new(width: f64, height: f64) -> Self {
         let classes = |side: usize| -> String {
@@ -56,7 +57,8 @@ impl Svg {
         let _ = writeln!(self.text, "{line}"); // a String takes everything
     }
 
-    /// Grid lines and numbers at the ticks of two axes, and the titles of the axes; all text is already [`escaped`].
+    /// Grid lines and numbers at the ticks of two axes, and the titles of the axes; all text is already
+    /// [`escaped`].
     pub(crate) fn grid(&mut self, x: &Axis, y: &Axis, labels: [fn(f64) -> String; 2], titles: [&str; 2]) {
         let ([left, right], [bottom, top]) = (x.ends, y.ends);
         for &tick in &x.ticks {
@@ -105,8 +107,9 @@ pub(crate) struct Axis {
 const MOST_TICKS: usize = 13;
 
 impl Axis {
-    /// Ticks at 1, 2 and 5 of each decade, or at the decades if those were too many; the outermost ones just enclose
-    /// the values, which are above 0. `ends` are the positions of the lowest and the highest tick, in pixels.
+    /// Ticks at 1, 2 and 5 of each decade, or at the decades if those were too many; the outermost ones just
+    /// enclose the values, which are above 0. `ends` are the positions of the lowest and the highest tick, in
+    /// pixels.
     #[must_use]
     pub(crate) fn around(values: impl Iterator<Item = f64> + Clone, ends: [f64; 2]) -> Self {
         let ticks = Self::ticks_around(Self::range(values.clone()), &[1.0, 2.0, 5.0]);

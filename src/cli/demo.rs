@@ -29,9 +29,10 @@ use super::{Failure, Outcome, check, output, silhouette, verify, volume};
 
 /// All of it on a generated scene: report, silhouettes, volumes, pictures, verification
 ///
-/// A torus knot, a sphere and an open sheet over a ground, with a point light and a directional light. Open the
-/// .glb files in any glTF viewer. With a graphics adapter picture.png shows the shadows of a stencil pass on the
-/// left and of exact ray cast on the right, and verdicts.png where the two agree; without one, the ray cast alone.
+/// A torus knot, a sphere and an open sheet over a ground, with a point light and a directional light. Open
+/// the .glb files in any glTF viewer. With a graphics adapter picture.png shows the shadows of a stencil pass
+/// on the left and of exact ray cast on the right, and verdicts.png where the two agree; without one, the ray
+/// cast alone.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     /// The folder that everything is written into; made if it is missing

@@ -10,11 +10,11 @@ use super::progress;
 /// The exit code of a command that was interrupted, as shells give it for SIGINT.
 const INTERRUPTED: i32 = 130;
 
-/// Installs the handler of signals that ask the program to exit: no file is left half written, the terminal is left
-/// clean, and one line is printed. A second signal exits at once.
+/// Installs the handler of signals that ask the program to exit: no file is left half written, the terminal
+/// is left clean, and one line is printed. A second signal exits at once.
 ///
-/// A signal that was set to be ignored when the program was started (`nohup`, a background job of a script) stays
-/// ignored. If the handler cannot be installed, signals end the program as usual.
+/// A signal that was set to be ignored when the program was started (`nohup`, a background job of a script)
+/// stays ignored. If the handler cannot be installed, signals end the program as usual.
 #[cfg(unix)]
 pub(crate) fn watch() {
     use std::thread;
@@ -23,8 +23,8 @@ pub(crate) fn watch() {
     use signal_hook::iterator::Signals;
     use signal_hook::low_level;
 
-    /// `timeout` sends its signal twice: long enough for the cleanup after the first one, too short for a person to
-    /// notice.
+    /// `timeout` sends its signal twice: long enough for the cleanup after the first one, too short for a
+    /// person to notice.
     const GRACE: Duration = Duration::from_millis(100);
 
     let Ok(mut signals) = Signals::new(heeded()) else { return };
@@ -47,8 +47,8 @@ pub(crate) fn watch() {
     let _ = ctrlc::try_set_handler(|| write::abandon(end));
 }
 
-/// The signals to handle: those that are not ignored. Where that is unknown, all but SIGHUP, which is the one most often
-/// ignored.
+/// The signals to handle: those that are not ignored. Where that is unknown, all but SIGHUP, which is the one
+/// most often ignored.
 #[cfg(unix)]
 fn heeded() -> Vec<i32> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};

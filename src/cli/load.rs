@@ -16,8 +16,8 @@ use super::progress::Progress;
 /// How vertices are merged and what counts as one mesh.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct MeshArgs {
-    /// Which vertices are the same: `exact` (equal positions, bit for bit), `none` (the file's own indices), or a
-    /// distance in mesh units
+    /// Which vertices are the same: `exact` (equal positions, bit for bit), `none` (the file's own indices),
+    /// or a distance in mesh units
     ///
     /// Raise the distance when a report speaks of near-miss seams: nothing moves farther than that.
     #[arg(long, value_name = "exact|none|DIST", default_value = "exact", value_parser = parse_weld, allow_negative_numbers = true)]
@@ -121,8 +121,8 @@ impl MeshArgs {
         WeldedMesh { mesh: welded.mesh, vertices, unreferenced }
     }
 
-    /// Whether a mesh would be balanced once it is welded, with the probability of error of [`Screen`]; `None` for a
-    /// weld within a distance, which cannot be decided without welding.
+    /// Whether a mesh would be balanced once it is welded, with the probability of error of [`Screen`];
+    /// `None` for a weld within a distance, which cannot be decided without welding.
     pub(crate) fn screen(&self, mesh: &Mesh) -> Option<bool> {
         match self.weld {
             Weld::Exact => Some(Screen::default().positions(mesh)),

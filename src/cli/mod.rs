@@ -1,7 +1,7 @@
 //! The command line: one module per command, and what they share.
 //!
-//! Results go to standard output, everything else to standard error. Every command has `Args`, its arguments, and
-//! `run`.
+//! Results go to standard output, everything else to standard error. Every command has `Args`, its arguments,
+//! and `run`.
 
 mod chart;
 mod error;

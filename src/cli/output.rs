@@ -19,8 +19,8 @@ pub(crate) fn wrote(path: &Path) {
     say(format_args!("wrote {}", plain(&path.to_string_lossy())));
 }
 
-/// Standard output. Once the reader has closed the pipe, further output is dropped, and the command runs on to its
-/// exit code.
+/// Standard output. Once the reader has closed the pipe, further output is dropped, and the command runs on
+/// to its exit code.
 pub(crate) struct Output {
     writer: BufWriter<UntilClosed<StdoutLock<'static>>>,
 }

@@ -11,8 +11,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 /// Delay before a bar appears: shorter work shows none.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// A progress bar that appears after a second and disappears when dropped. There is none where standard error is no
-/// terminal.
+/// A progress bar that appears after a second and disappears when dropped. There is none where standard error
+/// is no terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
     watch: Option<(Sender<()>, JoinHandle<()>)>,

@@ -28,10 +28,10 @@ use super::{Failure, Outcome};
 
 /// Picture: shadows by a stencil pass or by exact ray cast, flat faces, plain shading
 ///
-/// Shading has no falloff with distance. Lights given by --light share one brightness; those of a file keep the ratio
-/// that their candela and lux have at the center of the scene, a spot light within its cone. Both methods shade
-/// alike; with a stencil pass, standard error says per light how its shells were counted. A point that a ray only
-/// grazes is drawn lit.
+/// Shading has no falloff with distance. Lights given by --light share one brightness; those of a file keep
+/// the ratio that their candela and lux have at the center of the scene, a spot light within its cone. Both
+/// methods shade alike; with a stencil pass, standard error says per light how its shells were counted. A
+/// point that a ray only grazes is drawn lit.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]

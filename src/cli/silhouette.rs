@@ -87,7 +87,8 @@ impl Finder {
         }
     }
 
-    /// The silhouettes of all faces and of front faces, the sides, and how many of them the filter left to the exact predicate.
+    /// The silhouettes of all faces and of front faces, the sides, and how many of them the filter left to
+    /// the exact predicate.
     fn find(&mut self, mesh: &Mesh, topology: &Topology, light: &Light) -> Result<Looked, Failure> {
         match self {
             Self::Scan => Ok(scan(mesh, topology, light)),

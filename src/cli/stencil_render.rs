@@ -23,8 +23,8 @@ pub(crate) struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    /// `bounds` are those of the mesh without a ground. All faces cast: proving that half of them are enough takes
-    /// longer than drawing the other half once.
+    /// `bounds` are those of the mesh without a ground. All faces cast: proving that half of them are enough
+    /// takes longer than drawing the other half once.
     pub(crate) fn new(
         gpu: &Gpu,
         caster: &'a Caster,

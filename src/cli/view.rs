@@ -10,8 +10,8 @@ use super::parsers::degrees;
 pub(crate) struct ViewArgs {
     /// Position of the eye, in mesh units
     ///
-    /// [default: the file's own camera; without one, a three-quarter view from the front, the right and above that
-    /// shows everything]
+    /// [default: the file's own camera; without one, a three-quarter view from the front, the right and above
+    /// that shows everything]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "target", allow_hyphen_values = true)]
     eye: Option<[f32; 3]>,
 

@@ -24,8 +24,8 @@ use super::{Failure, Outcome};
 
 /// Shadow volume: light cap, sides and dark cap, closed at infinity, with the certificate that it is closed
 ///
-/// Each mesh of the file is welded separately; all of them cast together. Exits with 1 if a volume with both caps is
-/// not closed.
+/// Each mesh of the file is welded separately; all of them cast together. Exits with 1 if a volume with both
+/// caps is not closed.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -47,7 +47,8 @@ pub(crate) struct Args {
 
     /// How far vertices at infinity are moved when written, in mesh units, since no format holds infinity
     ///
-    /// [default: 10 diagonals of the bounding box]. GLB and PLY also carry the homogeneous w, 0 for such a vertex.
+    /// [default: 10 diagonals of the bounding box]. GLB and PLY also carry the homogeneous w, 0 for such a
+    /// vertex.
     #[arg(long, value_name = "DIST", value_parser = distance, allow_negative_numbers = true)]
     far: Option<f32>,
 
@@ -188,8 +189,8 @@ fn default_far(mesh: &Mesh) -> f32 {
     if diagonal > 0.0 { (10.0 * diagonal).min(f64::from(f32::MAX)) as f32 } else { 1.0 }
 }
 
-/// Light cap, sides and dark cap, each with the vertices that it uses; empty ones are left out. A vertex on the border
-/// of two of them is in both, bit for bit.
+/// Light cap, sides and dark cap, each with the vertices that it uses; empty ones are left out. A vertex on
+/// the border of two of them is in both, bit for bit.
 fn layers(volume: &ShadowVolume, far: f32, suffix: &str) -> Vec<Layer> {
     let positions = volume.clamped(far);
     let finite = volume.positions().len();

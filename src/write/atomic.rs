@@ -1,5 +1,5 @@
-//! Atomic writes: a file is written under a temporary name in the same folder, then renamed over the target; also
-//! where a signal ends the program.
+//! Atomic writes: a file is written under a temporary name in the same folder, then renamed over the target;
+//! also where a signal ends the program.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -11,10 +11,10 @@ use super::WriteError;
 
 /// Writes the file `path` with `body`, completely or not at all.
 ///
-/// The bytes go to a temporary file in the same folder, are flushed to the disk, and the file is then renamed to
-/// `path` in one step. If anything fails, the temporary file is removed and an existing target is
-/// untouched. An existing file keeps its permissions; of a symbolic link, its target is replaced.
-/// For any file, not only meshes.
+/// The bytes go to a temporary file in the same folder, are flushed to the disk, and the file is then renamed
+/// to `path` in one step. If anything fails, the temporary file is removed and an existing target is
+/// untouched. An existing file keeps its permissions; of a symbolic link, its target is replaced. For any
+/// file, not only meshes.
 ///
 /// # Errors
 ///
@@ -79,10 +79,10 @@ fn replace<E: Into<WriteError>>(
     Ok(())
 }
 
-/// Cleanup for a program that is about to exit while [`write_atomic`] may be running on other threads: removes every
-/// temporary file, then calls `last` with the number of files that were completely written since the program began.
-/// Until `last` returns, no write starts or finishes. `last` may exit the program; if it returns, the interrupted
-/// writes fail.
+/// Cleanup for a program that is about to exit while [`write_atomic`] may be running on other threads:
+/// removes every temporary file, then calls `last` with the number of files that were completely written
+/// since the program began. Until `last` returns, no write starts or finishes. `last` may exit the program;
+/// if it returns, the interrupted writes fail.
 pub fn abandon<T>(last: impl FnOnce(usize) -> T) -> T {
     let mut writes = writes();
     for path in writes.under_way.drain(..) {

@@ -18,8 +18,8 @@ use super::{Elements, GENERATOR, Layer, Model, WriteError};
 
 /// Writes positions and `_W` as `f32`, indices as `u32`, each in its own buffer view.
 ///
-/// A color becomes an unlit, two-sided material; readers without that extension get a rough, non-metallic one. A
-/// layer without elements is a node without a mesh: the format has no empty accessor.
+/// A color becomes an unlit, two-sided material; readers without that extension get a rough, non-metallic
+/// one. A layer without elements is a node without a mesh: the format has no empty accessor.
 pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteError> {
     let drawn = |layer: &&Layer| !layer.elements.is_empty();
     let words: u64 = model

@@ -1,4 +1,5 @@
-//! Mesh file writers: one format per module, chosen by the extension, each file written completely or not at all.
+//! Mesh file writers: one format per module, chosen by the extension, each file written completely or not at
+//! all.
 //!
 //! | carries | `.obj` | `.ply` | `.glb` |
 //! |---|---|---|---|
@@ -22,8 +23,8 @@ use std::fmt;
 use std::io::Write;
 use std::path::Path;
 
-// For the command, which is a crate of its own: it writes its tables and documents like every other file, and leaves
-// nothing half written when a signal ends it.
+// For the command, which is a crate of its own: it writes its tables and documents like every other file, and
+// leaves nothing half written when a signal ends it.
 #[doc(hidden)]
 pub use atomic::{abandon, write_atomic};
 pub use error::WriteError;
@@ -163,8 +164,8 @@ impl fmt::Display for Target {
 
 /// Writes `model` to the file `path`, in the format of its extension, completely or not at all.
 ///
-/// The bytes go to a temporary file in the same folder, are flushed to the disk, and the file is then renamed to `path`
-/// in one step. An existing file keeps its permissions; of a symbolic link, its target is replaced.
+/// The bytes go to a temporary file in the same folder, are flushed to the disk, and the file is then renamed
+/// to `path` in one step. An existing file keeps its permissions; of a symbolic link, its target is replaced.
 ///
 /// # Errors
 ///

@@ -5,9 +5,9 @@ use std::io::Write;
 use super::{Elements, GENERATOR, Layer, Model, WriteError};
 
 /// Writes the element `vertex` with `x y z`, then `red green blue alpha` where any layer has a color (the
-/// other layers are opaque white), then `w` where any layer has one (the other layers have 1); the element `face` with a
-/// list of three indices, and the element `edge` with two, each where there are any. Points are vertices that
-/// no element names. A comment per layer says where it begins.
+/// other layers are opaque white), then `w` where any layer has one (the other layers have 1); the element
+/// `face` with a list of three indices, and the element `edge` with two, each where there are any. Points are
+/// vertices that no element names. A comment per layer says where it begins.
 pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteError> {
     let layers = &model.layers;
     let vertex_count: u64 = layers.iter().map(|layer| layer.positions.len() as u64).sum();

@@ -28,10 +28,10 @@ const THREADS: &str =
 
 /// Error against time: how often each method is wrong, and how long it takes
 ///
-/// Plain f32, filtered exact and always exact arithmetic answer the same queries in the same run, taking turns on
-/// one thread, and every answer is compared with that of big integers. Queries come in strata, from scattered ones to
-/// those where rounding decides; where two answers are right (a tie), plain methods may give either, and exact ones
-/// must say so. A wrong answer of an exact method is a bug in umbrage.
+/// Plain f32, filtered exact and always exact arithmetic answer the same queries in the same run, taking
+/// turns on one thread, and every answer is compared with that of big integers. Queries come in strata, from
+/// scattered ones to those where rounding decides; where two answers are right (a tie), plain methods may
+/// give either, and exact ones must say so. A wrong answer of an exact method is a bug in umbrage.
 #[derive(Clone, Debug, clap::Args)]
 #[command(mut_arg("threads", |threads| threads.help(THREADS)))]
 pub(crate) struct Args {
@@ -52,8 +52,8 @@ pub(crate) struct Args {
     /// About how many queries per stratum, at most 10000000; for facing no more than 4096 per face
     /// [default: 1000000 for facing, 10000 for visibility]
     ///
-    /// 10000, 10_000 and 1e4 are the same. For facing a query is a face and a light, and every light is asked about
-    /// all faces; for visibility it is a point and a light.
+    /// 10000, 10_000 and 1e4 are the same. For facing a query is a face and a light, and every light is asked
+    /// about all faces; for visibility it is a point and a light.
     #[arg(long, value_name = "N", value_parser = large, allow_negative_numbers = true)]
     queries: Option<u64>,
 

@@ -110,8 +110,8 @@ fn mesh(mesh: &MeshReport) -> Value {
     Value::Object(object)
 }
 
-/// The sum over the meshes. Shells are listed with the meshes, so their list is null here; each defect names its
-/// mesh.
+/// The sum over the meshes. Shells are listed with the meshes, so their list is null here; each defect names
+/// its mesh.
 fn total(report: &FileReport, limit: usize) -> Value {
     let Some(sum) = report.total() else { return Value::Null };
     let vertices = [

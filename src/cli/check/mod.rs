@@ -46,8 +46,9 @@ pub(crate) struct Args {
 
     /// Only decide whether each mesh is balanced, as fast as it can be read
     ///
-    /// Balanced: at every edge the two directions are used equally often. A mesh that is not balanced is reported as
-    /// balanced with a probability below 1e-8, as long as no edge has more than two surplus faces in one direction.
+    /// Balanced: at every edge the two directions are used equally often. A mesh that is not balanced is
+    /// reported as balanced with a probability below 1e-8, as long as no edge has more than two surplus faces
+    /// in one direction.
     #[arg(long)]
     fast: bool,
 
@@ -61,8 +62,9 @@ pub(crate) struct Args {
 
     /// Print one JSON document instead of text
     ///
-    /// A number that was not computed is null. The verdict is null if no file is cracked, but one could not be read or
-    /// the nesting of its shells was not decided. At most 1000 shells per mesh and 64 faces per defect are listed.
+    /// A number that was not computed is null. The verdict is null if no file is cracked, but one could not
+    /// be read or the nesting of its shells was not decided. At most 1000 shells per mesh and 64 faces per
+    /// defect are listed.
     #[arg(long)]
     json: bool,
 
@@ -72,16 +74,16 @@ pub(crate) struct Args {
     /// Draw the mesh with its defects over it, 960x540 pixels; for one input file
     /// [default: nothing is drawn]
     ///
-    /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow, dimmed where the mesh hides
-    /// them; standard error explains the other colors.
+    /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow, dimmed where the mesh
+    /// hides them; standard error explains the other colors.
     #[arg(long, value_name = "OUT.png")]
     picture: Option<PathBuf>,
 
     /// Write the mesh and its defects as colored geometry, for any glTF viewer; for one input file
     /// [default: nothing is written]
     ///
-    /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow; vertices and faces too small to
-    /// see are marked by an octahedron 0.5 % of the diagonal in size.
+    /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow; vertices and faces too
+    /// small to see are marked by an octahedron 0.5 % of the diagonal in size.
     #[arg(long, value_name = "OUT.glb")]
     mark: Option<PathBuf>,
 }

@@ -26,8 +26,8 @@ pub(super) struct Judged {
 /// Rays along each side of a pixel, all of them counted.
 const SAMPLES: u32 = 2;
 
-/// Draws the view by a stencil pass, and compares its pixels with the ray cast for each light. `lights` are those of
-/// the lamps.
+/// Draws the view by a stencil pass, and compares its pixels with the ray cast for each light. `lights` are
+/// those of the lamps.
 pub(super) fn judge(
     gpu: &Gpu,
     caster: &Caster,

@@ -17,14 +17,14 @@ use super::{Failure, Outcome};
 
 /// Adversarial queries: generated meshes, lights and points that attack exactness from every side
 ///
-/// Small meshes, sound and damaged, tiny and huge, full of slivers and exact ties; lights on vertices, in planes, or
-/// one ulp away from them; points on the surface and on the boundary of the shadow. The ray cast and the winding
-/// number of the emitted volume have to agree on each query. A sample of the queries, and the first ties of every
-/// round, are decided again with big integers. For comparison, plain f32 answers the same queries, as in most
-/// programs. A disagreement is a bug in umbrage: it is minimized and written to a file.
+/// Small meshes, sound and damaged, tiny and huge, full of slivers and exact ties; lights on vertices, in
+/// planes, or one ulp away from them; points on the surface and on the boundary of the shadow. The ray cast
+/// and the winding number of the emitted volume have to agree on each query. A sample of the queries, and the
+/// first ties of every round, are decided again with big integers. For comparison, plain f32 answers the same
+/// queries, as in most programs. A disagreement is a bug in umbrage: it is minimized and written to a file.
 ///
-/// The bound 3/n assumes independent queries, but the up to 256 queries of a round share mesh, light and volume. The
-/// bound by rounds does not assume it.
+/// The bound 3/n assumes independent queries, but the up to 256 queries of a round share mesh, light and
+/// volume. The bound by rounds does not assume it.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     /// How many queries, spread evenly over the strata; 1000000, 1_000_000 and 1e6 are the same
@@ -46,7 +46,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE.obj", default_value = "umbrage-torture-case.obj")]
     case: PathBuf,
 
-    /// Decide the query of such a file again, and print what each method answers [default: none, queries are drawn]
+    /// Decide the query of such a file again, and print what each method answers [default: none, queries are
+    /// drawn]
     #[arg(long, value_name = "FILE.obj", conflicts_with_all = ["queries", "seed", "threads", "json", "case"])]
     replay: Option<PathBuf>,
 }

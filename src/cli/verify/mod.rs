@@ -26,10 +26,10 @@ pub(super) use text::text;
 
 /// Every method against every other: ray cast, winding numbers of the volume, big integers, stencil pass
 ///
-/// Points are drawn where errors hide: on and near faces, in their planes, within two ulps of the boundary of the
-/// shadow. With --gpu every pixel of a stencil pass is compared with the ray cast too, once with z-fail for all
-/// shells and, where z-pass is proven to be right for some shells, once with z-pass for those. A disagreement is a
-/// bug in umbrage, or in a graphics driver; a crack in the mesh is none.
+/// Points are drawn where errors hide: on and near faces, in their planes, within two ulps of the boundary of
+/// the shadow. With --gpu every pixel of a stencil pass is compared with the ray cast too, once with z-fail
+/// for all shells and, where z-pass is proven to be right for some shells, once with z-pass for those. A
+/// disagreement is a bug in umbrage, or in a graphics driver; a crack in the mesh is none.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -66,8 +66,8 @@ pub(crate) struct Args {
 
     /// Draw that picture: gray where both agree, darker in shadow; with --gpu [default: nothing is drawn]
     ///
-    /// Grazing pixels are yellow, unsure ones sky blue, overflows blue; all other pixels that differ are vermilion with
-    /// a ring around them. The picture of a second light is OUT-2.png, and so on.
+    /// Grazing pixels are yellow, unsure ones sky blue, overflows blue; all other pixels that differ are
+    /// vermilion with a ring around them. The picture of a second light is OUT-2.png, and so on.
     #[arg(long, value_name = "OUT.png")]
     picture: Option<PathBuf>,
 }

@@ -82,3 +82,26 @@ fn pass(pass: &Pass) -> Map<String, Value> {
     append(&mut entry, &json!({ "mismatches": pass.mismatches }));
     entry
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verify_json_of_a_pass_has_the_agreed_keys_in_order() {
+        let pass = pass(&Pass {
+            asked: "zfail",
+            method: "zfail",
+            reason: String::new(),
+            counting: "stencil",
+            counting_reason: String::new(),
+            counts: PixelCounts::default(),
+            mismatches: Vec::new(),
+        });
+        let keys: Vec<&str> = pass.keys().map(String::as_str).collect();
+        assert_eq!(
+            keys.join(" "),
+            "asked method reason counting counting_reason sky lit shadowed grazing unsure overflow real mismatches"
+        );
+    }
+}

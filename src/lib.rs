@@ -1,124 +1,121 @@
-//! Meshes into verified shadows: half-edge topology and crack reports, exact silhouettes, closed shadow volumes
-//! with vertices at infinity, and an exact ray cast that says independently what is in shadow.
+//! Meshes into verified shadows: half-edge topology and crack reports, exact silhouettes, closed shadow volumes with
+//! vertices at infinity, and an exact ray cast that decides independently what is in shadow.
 //!
 //! # The map
 //!
 //! ```text
-//! file ─read─► Scene ─bake─► Mesh ─weld─► Mesh ─Topology::build─► Topology ─► CrackReport::of(&Mesh, &Topology)
-//! Topology + Light ─classify─► Facing per face ─extract─► Silhouette ─extrude─► ShadowVolume ─► winding number ┐
-//! Mesh ─Oracle::build─► Oracle ─verdict─► Lit | Shadowed | Grazing ────────────────────────────────► verify ◄──┘
-//! Mesh + Light + Projection ─Caster::cast─► StencilVolumes (volumes, z-pass or z-fail and why) ─StencilPass::mask─► ShadowMask
-//! ShadowMask + Oracle ─compare─► Comparison: the last word on every pixel
-//! Mesh + Lights ─Question::measure─► Accuracy: how often each way to decide is wrong, beside what it costs
-//! Oracle + View (camera, lamps) ─render─► Picture ─write_png─► PNG
-//! proptest ─strategy─► meshes, lights and points that are hard for all of this
+//! file ─read─► Scene (instances, lamps, cameras) ─bake─► Mesh ─weld─► Caster
+//! Caster: a mesh and all that is known of it before any light, each part made once, when first asked for:
+//!         Topology · CrackReport · shells · face planes · proofs · Oracle (exact ray cast)
+//! (Caster, Light) ─► facing ─► silhouette ─► ShadowVolume                      exact, closed, certified
+//! (Casters, Light, Samples) ─Technique─► Visibility: how much of the light reaches each visible point, with a Claim
+//! Visibility + truth ─verify─► Errors by kind ─► accuracy: error against time, all techniques in one report
+//! Oracle or stencil pass + lamps ─render─► Picture ─write_png─► PNG
 //! ```
 //!
-//! Each arrow is one function that borrows the value before it and returns the next one owned. The modules below
-//! stand in the same order.
+//! The modules below come in the same order, and none imports one that comes after it. Each arrow borrows the value
+//! before it and returns the next one owned.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`geom`] | exact predicates, [`Light`](geom::Light), [`Facing`](geom::Facing), boxes, bounding volume hierarchy |
+//! | [`mesh`] | [`Mesh`](mesh::Mesh), ids, welding |
+//! | [`view`] | cameras, projections, the rays of pixels |
+//! | `gpu` | graphics devices and what runs on them |
+//! | [`scene`] | instances, lamps, cameras of a file |
+//! | `read`, `write` | one format per file |
+//! | [`oracle`] | exact shadow rays and primary hits |
+//! | [`topology`] | half-edges and edges; never sees a position |
+//! | [`check`] | the crack report: defects, shells, self-intersections |
+//! | [`facing`] | the side of every face that a light is on |
+//! | [`silhouette`] | silhouette edges: scan, tree, certificates for a moving light |
+//! | [`caster`] | [`Caster`](caster::Caster), proofs |
+//! | [`shadow`] | the contract of every technique; stencil shadow volumes, rays |
+//! | [`verify`] | every method against every other, at points and at pixels; errors by kind |
+//! | [`testing`] | generated shapes, strategies, torture; promises nothing between versions |
+//! | `accuracy` | error against time |
+//! | [`render`] | pictures by rays or device |
 //!
 //! # Conventions
 //!
-//! Right-handed coordinates in mesh units, `f32`, finite. A face is in front where its corners run
-//! counter-clockwise. A light is homogeneous: `w = 1` a point, `w = 0` the direction *towards* a directional light.
-//! Every sign is decided exactly, in [`geom::predicate`]; ties are declared, never guessed. A defect of a mesh is
-//! data, not an error. Results do not depend on the number of threads.
+//! Right-handed coordinates in mesh units, `f32`, finite. A face is in front where its corners run counter-clockwise. A
+//! light is homogeneous: `w = 1` a point, `w = 0` the direction *towards* a directional light. Every sign is decided
+//! exactly, in [`geom::predicate`]; ties are declared, never guessed. A defect of a mesh is data, not an error. Results
+//! do not depend on the number of threads.
 //!
-//! # From a mesh to a verdict
-//!
-//! ```
-//! use umbrage::geom::Light;
-//! use umbrage::mesh::{Weld, weld};
-//! use umbrage::testing::shapes;
-//! use umbrage::oracle::{Oracle, Verdict};
-//! use umbrage::facing::{CasterFaces, classify};
-//! use umbrage::silhouette::Silhouette;
-//! use umbrage::check::CrackReport;
-//! use umbrage::topology::Topology;
-//! use umbrage::shadow::volume::{Caps, ShadowVolume, winding_number};
-//!
-//! // A mesh: generated here; `umbrage::read::read("mesh.glb")?.bake(Scope::Mesh)?` gives those of a file.
-//! let mesh = weld(&shapes::torus(48, 24, 2.0, 0.7), Weld::Exact).mesh;
-//!
-//! // Topology and crack report.
-//! let topology = Topology::of(&mesh);
-//! let report = CrackReport::of(&mesh, &topology);
-//! assert!(report.counts.sound() && report.counts.euler_characteristic == 0);
-//!
-//! // Silhouette from a light.
-//! let light = Light::point([3.0, 9.0, 5.0])?;
-//! let signs = CasterFaces::All.signs(&classify(&mesh, &light));
-//! let silhouette = Silhouette::extract(&topology, &signs);
-//!
-//! // Volume, and its certificate.
-//! let volume = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
-//! assert!(volume.boundary_sum().is_closed());
-//!
-//! // Two independent judges.
-//! let behind = [-1.5, -6.0, -1.5];
-//! assert_eq!(Oracle::build(&mesh).verdict(behind, &light), Verdict::Shadowed);
-//! assert!(winding_number(&volume, behind) > Some(0));
-//! # Ok::<(), umbrage::geom::LightError>(())
-//! ```
-//!
-//! # A frame loop: from your own arrays to buffers you can draw
-//!
-//! Weld, build and prove once; then each frame chooses the casting faces, finds the silhouette and writes indices into
-//! your buffer, without an allocation and without a pass over all faces.
+//! # From your own arrays to buffers you can draw
 //!
 //! ```
 //! use umbrage::caster::Caster;
 //! use umbrage::geom::Light;
-//! use umbrage::shadow::volume::{Caps, FrameExtruder};
+//! use umbrage::shadow::volume::Caps;
 //!
 //! # let (positions, indices): (Vec<[f32; 3]>, Vec<u32>) = {
-//! #     let (positions, triangles, ..) = umbrage::testing::shapes::icosphere(5).into_parts();
+//! #     let (positions, triangles, ..) = umbrage::testing::shapes::cube().into_parts();
 //! #     (positions, triangles.concat())
 //! # };
 //! // `positions: Vec<[f32; 3]>` and `indices: Vec<u32>` are yours. Vertices that are split for normals or texture
 //! // coordinates are joined by position.
 //! let caster = Caster::from_indexed(&positions, &indices)?;
-//! let mut extruder = FrameExtruder::new(&caster, None);
+//! let volume = caster.volume(&Light::point([2.0, 5.0, 3.0])?, Caps::Both);
 //!
-//! // Uploaded once: the positions, and an index buffer that parts of the caps are ranges of.
-//! let vertex_count = caster.mesh().vertex_count() as u32;
-//! let static_indices: &[u32] = extruder.static_triangles().as_flattened();
-//! assert_eq!(static_indices.len(), 2 * indices.len());
-//!
-//! // For each frame: half the faces cast wherever that is proven to be enough.
-//! let mut index_buffer = vec![[0; 3]; 4 * caster.mesh().face_count()]; // mapped memory, say
-//! for frame in 0..3_u8 {
-//!     let light = Light::point([2.0, 5.0, 3.0 + 0.01 * f32::from(frame)])?;
-//!     let volume = extruder.write(&caster, &light, Caps::Both, &mut index_buffer)?;
-//!     // Draw `index_buffer[..written]`. Vertex `v` is a position; vertex `vertex_count + v` is the same position `p`
-//!     // pushed to infinity, `(p − light, 0)`: draw with an infinite far plane.
-//!     let written = volume.written.triangle_count();
-//!     let drawn = index_buffer[..written].as_flattened();
-//!     assert!(drawn.iter().all(|&index| index < 2 * vertex_count));
-//!     // Draw these ranges of the static index buffer; those of the dark cap with `vertex_count` as base vertex.
-//!     let (light_cap, dark_cap) = (volume.light_cap.len(), volume.dark_cap().count());
-//!     assert_eq!(light_cap, dark_cap);
-//! }
+//! // Buffers: homogeneous vertices (w = 0 lies at infinity: draw with an infinite far plane) and indices.
+//! let vertex_buffer: Vec<[f32; 4]> = volume.to_f32();
+//! let index_buffer: &[u32] = volume.triangles().as_flattened();
+//! assert!(index_buffer.iter().all(|&index| (index as usize) < vertex_buffer.len()));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! One volume alone is [`Caster::volume`](caster::Caster::volume).
+//! A frame loop, into buffers of your own and without allocations, is [`shadow::volume::FrameExtruder`].
+//!
+//! # From a mesh to a verdict
+//!
+//! ```
+//! use umbrage::caster::Caster;
+//! use umbrage::geom::Light;
+//! use umbrage::oracle::Verdict;
+//! use umbrage::shadow::volume::{Caps, winding_number};
+//! use umbrage::testing::shapes;
+//!
+//! // A mesh: generated here; `umbrage::read::read("mesh.glb")?.bake(Scope::Mesh)?` gives those of a file.
+//! let caster = Caster::new(shapes::torus(48, 24, 2.0, 0.7));
+//! let counts = &caster.report().counts;
+//! assert!(counts.sound() && counts.euler_characteristic == 0);
+//!
+//! // The volume, and its certificate.
+//! let light = Light::point([3.0, 9.0, 5.0])?;
+//! let volume = caster.volume(&light, Caps::Both);
+//! assert!(volume.boundary_sum().is_closed());
+//!
+//! // Two independent methods: the exact ray cast, and the winding number of the emitted volume.
+//! let behind = [-1.5, -6.0, -1.5];
+//! assert_eq!(caster.oracle().verdict(behind, &light), Verdict::Shadowed);
+//! assert!(winding_number(&volume, behind) > Some(0));
+//! # Ok::<(), umbrage::geom::LightError>(())
+//! ```
 //!
 //! # Features
 //!
-//! - `cli` (default): the command `umbrage`, and `reference`.
-//! - `parallel` (default): verification and pictures on several threads; the same bytes either way.
-//! - `reference`: the whole-number judge and the module `verify`.
-//! - `proptest`: the module `strategy`, meshes, lights and points for property tests of shadows.
+//! - `files` (default): readers and writers of mesh files, and pictures as PNG.
+//! - `cli` (default): the command `umbrage`; brings `files`, `serde` and `verify`.
 //! - `gpu` (default): silhouettes, volumes and the stencil pass on a graphics adapter, by wgpu.
+//! - `parallel` (default): verification and pictures on several threads; the same bytes either way.
+//! - `verify`: the big-integer reference, verification at points, `accuracy` and torture.
+//! - `serde`: `Serialize` for reports, with the keys of the command's JSON.
+//! - `testing`: strategies for property tests of shadows, with proptest; promises nothing between versions.
 //!
-//! `--no-default-features` leaves a lean geometry library.
+//! `--no-default-features` leaves a lean geometry library: at most 20 crates, itself included.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod geom;
 pub mod mesh;
 pub mod view;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod scene;
+#[cfg(feature = "files")]
 pub mod read;
+#[cfg(feature = "files")]
 pub mod write;
 pub mod oracle;
 pub mod topology;
@@ -126,19 +123,19 @@ pub mod check;
 pub mod facing;
 pub mod silhouette;
 pub mod caster;
-#[cfg(feature = "gpu")]
-pub mod gpu;
 pub mod shadow;
-pub mod render;
 pub mod verify;
 pub mod testing;
 #[cfg(feature = "verify")]
 pub mod accuracy;
+pub mod render;
 
 #[cfg(test)]
 mod determinism;
 mod built;
 mod choice;
+#[cfg(feature = "serde")]
+mod json;
 mod parallel;
 mod random;
 

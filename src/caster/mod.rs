@@ -1,11 +1,13 @@
 //! A mesh and all that is known of it before any light.
 
+mod group;
 mod proofs;
 mod rule;
 mod shell_boxes;
 
 use std::sync::{Arc, OnceLock};
 
+pub use group::CasterGroup;
 pub use proofs::ShellProof;
 pub use rule::CasterRule;
 pub(crate) use rule::KeptRule;

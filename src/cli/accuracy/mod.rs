@@ -3,6 +3,7 @@
 mod chart;
 mod csv;
 mod json;
+mod shadow;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use serde_json::Value;
 use umbrage::accuracy::{Accuracy, MOST_LIGHTS, Method, Options, Question};
 use umbrage::geom::Light;
 use umbrage::scene::SceneLight;
+use umbrage::view::Size;
 use umbrage::write::write_atomic;
 
 use super::input::{Source, SourceArgs};
@@ -19,19 +21,21 @@ use super::load::MeshArgs;
 use super::output::{self, Output};
 use super::parsers::{large, refuse_overwriting, require_folder, seed};
 use super::progress::Progress;
+use super::render::parse_samples;
 use super::resources::ThreadArgs;
+use super::view::ViewArgs;
 use super::{Failure, Outcome};
 
-/// What `--threads` means where times are measured.
+/// Help of `--threads` where times are measured.
 const THREADS: &str =
-    "How many threads read and prepare, from 1 to 1024; what is asked is timed on one [default: 1]";
+    "How many threads read and prepare, from 1 to 1024; queries are timed on one thread [default: 1]";
 
-/// Error against time: how often each way to decide is wrong, beside what it costs
+/// Error against time: how often each method is wrong, and how long it takes
 ///
-/// Plain f32, filtered exact and always exact arithmetic answer the same questions in the same run, taking turns on one
-/// thread, and every answer is held against whole numbers. Questions come in strata, from scattered ones to those where
-/// rounding decides; where two answers are right (a tie), plain methods may give either, and exact ones must say so. A
-/// wrong answer of an exact method is a bug in umbrage.
+/// Plain f32, filtered exact and always exact arithmetic answer the same queries in the same run, taking
+/// turns on one thread, and every answer is compared with that of big integers. Queries come in strata, from
+/// scattered ones to those where rounding decides; where two answers are right (a tie), plain methods may
+/// give either, and exact ones must say so. A wrong answer of an exact method is a bug in umbrage.
 #[derive(Clone, Debug, clap::Args)]
 #[command(mut_arg("threads", |threads| threads.help(THREADS)))]
 pub(crate) struct Args {
@@ -39,7 +43,7 @@ pub(crate) struct Args {
     #[arg(value_enum)]
     what: What,
 
-    /// Mesh files: obj, gltf, glb, stl, ply, md2; told apart by their content, then by their extension
+    /// Mesh files: obj, gltf, glb, stl, ply, md2; recognized by their content, then by their extension
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -49,11 +53,11 @@ pub(crate) struct Args {
     #[command(flatten)]
     lights: LightArgs,
 
-    /// About how many queries for each stratum, at most 10000000; of facing no more than 4096 for each face
+    /// About how many queries per stratum, at most 10000000; for facing no more than 4096 per face
     /// [default: 1000000 for facing, 10000 for visibility]
     ///
-    /// 10000, 10_000 and 1e4 are the same. Of facing a query is a face and a light, and every light is asked about all
-    /// faces; of visibility it is a point and a light.
+    /// 10000, 10_000 and 1e4 are the same. For facing a query is a face and a light, and every light is asked
+    /// about all faces; for visibility it is a point and a light.
     #[arg(long, value_name = "N", value_parser = large, allow_negative_numbers = true)]
     queries: Option<u64>,
 
@@ -61,9 +65,20 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = rounds, allow_negative_numbers = true)]
     rounds: u32,
 
-    /// What lights and points are drawn from; the same seed gives the same answers, whatever the times
+    /// Seed of lights and points; the same seed gives the same answers, whatever the times
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
+
+    #[command(flatten)]
+    view: ViewArgs,
+
+    /// Width and height of the view in pixels, each at most 16384; for shadow [default: 480x270]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
+    size: Option<Size>,
+
+    /// How many samples each pixel of the view has: 1, 4, 9 or 16; for shadow [default: 1]
+    #[arg(long, value_name = "N", value_parser = parse_samples, allow_negative_numbers = true)]
+    samples: Option<u32>,
 
     /// Write a table with a row for each file, method and stratum [default: nothing is written]
     #[arg(long, value_name = "OUT.csv")]
@@ -87,14 +102,45 @@ enum What {
     Facing,
     /// Whether a point is in shadow
     Visibility,
+    /// How much of each light reaches the visible points, by every technique
+    Shadow,
 }
 
-impl From<What> for Question {
-    fn from(what: What) -> Self {
-        match what {
-            What::Facing => Self::Facing,
-            What::Visibility => Self::Visibility,
+impl What {
+    /// The question per face or per point; `None` for `shadow`, which compares whole views.
+    fn question(self) -> Option<Question> {
+        match self {
+            Self::Facing => Some(Question::Facing),
+            Self::Visibility => Some(Question::Visibility),
+            Self::Shadow => None,
         }
+    }
+}
+
+impl Args {
+    /// Refuses options of the view for questions that have none.
+    fn refuse_view(&self) -> Result<(), Failure> {
+        let asked = [
+            ("--size", self.size.is_some()),
+            ("--samples", self.samples.is_some()),
+            ("--eye, --target and --fov", self.view.was_asked_for()),
+        ];
+        match asked.into_iter().find(|(_, asked)| *asked) {
+            None => Ok(()),
+            Some((flag, _)) => {
+                let problem = format!("{flag}: only `accuracy shadow` has a view");
+                Err(Failure::new(problem, "leave it out, or measure shadow"))
+            }
+        }
+    }
+
+    /// Refuses --queries for `shadow`, which has a view instead.
+    fn refuse_queries(&self) -> Result<(), Failure> {
+        if self.queries.is_none() {
+            return Ok(());
+        }
+        let problem = "--queries: `accuracy shadow` asks about every sample of its view";
+        Err(Failure::new(problem, "use --size and --samples"))
     }
 }
 
@@ -105,7 +151,7 @@ fn rounds(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Queries and their right answers stay in memory: up to 13 bytes each, for each stratum.
+/// Queries and their right answers stay in memory: up to 13 bytes per query and stratum.
 const MOST_QUERIES: u64 = 10_000_000;
 
 /// What was measured of one file.
@@ -130,7 +176,13 @@ struct Asked {
 }
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
-    let asked = refuse(&args)?;
+    let Some(question) = args.what.question() else {
+        args.refuse_queries()?;
+        refuse_outputs(&args)?;
+        args.threads.apply_or_one()?;
+        return shadow::run(&args);
+    };
+    let asked = refuse(&args, question)?;
     args.threads.apply_or_one()?;
     let mut out = Output::new();
     let mut outcome = Outcome::Sound;
@@ -166,14 +218,21 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     Ok(outcome)
 }
 
-/// Refuses what can be told before any work is done.
-fn refuse(args: &Args) -> Result<Asked, Failure> {
-    let question = Question::from(args.what);
+/// Refuses bad arguments before any work is done.
+fn refuse(args: &Args, question: Question) -> Result<Asked, Failure> {
+    args.refuse_view()?;
     let queries = args.queries.unwrap_or(question.usual_queries());
     if !(1..=MOST_QUERIES).contains(&queries) {
         let problem = format!("--queries {queries} is not between 1 and {MOST_QUERIES}");
         return Err(Failure::new(problem, "run several seeds instead of one long run"));
     }
+    refuse_outputs(args)?;
+    let options = Options { queries, seed: args.seed, rounds: args.rounds };
+    Ok(Asked { question, options })
+}
+
+/// Refuses outputs that cannot be written, judging by their names.
+fn refuse_outputs(args: &Args) -> Result<(), Failure> {
     for (option, path, extension) in [("--csv", &args.csv, "csv"), ("--svg", &args.svg, "svg")] {
         let Some(path) = path else { continue };
         if path.extension().is_none_or(|found| !found.eq_ignore_ascii_case(extension)) {
@@ -185,8 +244,7 @@ fn refuse(args: &Args) -> Result<Asked, Failure> {
         }
         require_folder(path)?;
     }
-    let options = Options { queries, seed: args.seed, rounds: args.rounds };
-    Ok(Asked { question, options })
+    Ok(())
 }
 
 fn measure(file: &Path, args: &Args, asked: &Asked) -> Result<Measured, Failure> {
@@ -216,7 +274,7 @@ fn save(path: Option<&Path>, text: impl FnOnce() -> String) -> Result<(), Failur
 }
 
 impl Measured {
-    /// The first method, which the others are compared with.
+    /// The first method, with which the rest is compared.
     fn baseline(&self) -> &Method {
         &self.found.methods[0]
     }

@@ -53,9 +53,9 @@ impl SilhouetteMethod {
     #[must_use]
     pub fn choose(faces: usize, lights: usize) -> Choice<Self> {
         if faces < FEW_FACES {
-            Choice::new(Self::Scan, Reason::FewFaces { faces })
+            Choice::new(Self::Scan, Reason::FewFaces { faces: faces as u32 }) // fewer than FEW_FACES
         } else if lights < FEW_LIGHTS {
-            Choice::new(Self::Scan, Reason::FewLights { lights })
+            Choice::new(Self::Scan, Reason::FewLights { lights: lights as u32 }) // fewer than FEW_LIGHTS
         } else {
             Choice::new(Self::Tree, Reason::ColdLight)
         }
@@ -127,7 +127,7 @@ impl SilhouetteFinder {
             }
         };
         // Until there is a light.
-        let found = Choice::new(SilhouetteMethod::Scan, Reason::FewLights { lights });
+        let found = Choice::new(SilhouetteMethod::Scan, Reason::FewLights { lights: 0 });
         let (casters, list) = (KeptRule::default(), Silhouette::default());
         Self { lights, planes, casters, last: None, found, list, edge_count: 0, copies: 0, search }
     }

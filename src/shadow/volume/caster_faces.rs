@@ -46,7 +46,7 @@ impl ShellFaces {
     ///
     /// Cost: about 3 ns per shell whose box does not hold the light. A sound shell whose box holds a point
     /// light costs an exact ray cast: a box test per 32 of its faces, and some 50 ns per face near the ray.
-    /// Memory: 24 bytes per shell.
+    /// Memory: 12 bytes per shell.
     ///
     /// # Panics
     ///

@@ -355,7 +355,8 @@ mod tests {
         let (mut shrunk, mut without_blocks) = (boxes.clone(), boxes.clone());
         shrunk.shells[0].bounds = Aabb { low: [-1.0; 3], high: [1.0; 3] };
         assert!(!agrees(&caster, &shrunk, &inside));
-        without_blocks.blocks.iter_mut().for_each(|block| block.bounds = Aabb::EMPTY);
+        let elsewhere = Aabb { low: [50.0; 3], high: [51.0; 3] };
+        without_blocks.blocks.iter_mut().for_each(|block| block.bounds = elsewhere);
         assert!(!agrees(&caster, &without_blocks, &inside));
     }
 

@@ -33,7 +33,7 @@ use crate::silhouette::{SilhouetteFinder, SilhouetteMethod};
 /// [`SilhouetteMethod::Scan`], and why. Nothing is allocated once all buffers have grown: the second frame
 /// builds what follows a moving light.
 ///
-/// Memory: about 150 bytes per face besides the parts of the [`Caster`].
+/// Memory: about 160 bytes per face besides the parts of the [`Caster`].
 ///
 /// ```
 /// use umbrage::caster::Caster;

@@ -173,7 +173,7 @@ impl Caster {
     /// let edges = caster.topology().edge_count();
     /// let lifted = caster.mesh().positions().iter().map(|&[x, y, z]| [x, y + 5.0, z]).collect();
     /// caster.repose(lifted)?;
-    /// assert_eq!(caster.oracle().bounds().low[1], 4.5);
+    /// assert_eq!(caster.oracle().bounds().low[1], 4.0);
     /// assert_eq!(caster.topology().edge_count(), edges); // not built again
     /// # Ok::<(), umbrage::mesh::MeshError>(())
     /// ```

@@ -22,13 +22,13 @@
 //!   distance between the planes by more than this error. Where the planes are nearly parallel, `h` is the
 //!   same for both. So the bound is `32u·D/h` of the depth.
 //!
-//! This bound takes the depth of a side of the volume at a point of the side, at most one step from the ray.
-//! A pixel may be covered just beyond the side's silhouette edge, or beyond the line below a vertex where two
-//! sides meet. There the plane of a side that is seen nearly edge-on may have any depth. The shader moves
-//! such a pixel back to the line.
+//!   This bound takes the depth of a side of the volume at a point of the side, at most one step from the
+//!   ray. A pixel may be covered just beyond the side's silhouette edge, or beyond the line below a vertex
+//!   where two sides meet. There the plane of a side that is seen nearly edge-on may have any depth. The
+//!   shader moves such a pixel back to the line.
 //!
-//! Not in the bound: the side of an edge nearly in line with the light, whose plane is less exact. Such a
-//! mismatch is called real.
+//!   Not in the bound: the side of an edge nearly in line with the light, whose plane is less exact. Such a
+//!   mismatch is called real.
 //!
 //! Anything wider would forgive cracks of one pixel. Where the exact count changes within a footprint, any
 //! count passes.

@@ -1,8 +1,8 @@
 //! Shading of flat, two-sided faces: hemispheric ambient light, Lambert's diffuse term and Blinn's specular
 //! term.
+//!
 //! Bui Tuong Phong, *Illumination for Computer Generated Pictures*, 1975, with the half vector of James F.
 //! Blinn, *Models of Light Reflection for Computer Synthesized Pictures*, 1977.
-//! *Models of Light Reflection for Computer Synthesized Pictures*, 1977.
 
 use glam::{DVec3, Vec3};
 

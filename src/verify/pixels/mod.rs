@@ -132,6 +132,37 @@ pub struct Rendered<'a> {
 /// # Panics
 ///
 /// Panics if `signs` does not have one entry per face of the mesh.
+///
+/// ```
+/// use umbrage::caster::{Caster, CasterGroup};
+/// use umbrage::facing::CasterFaces;
+/// use umbrage::geom::Light;
+/// use umbrage::shadow::Samples;
+/// use umbrage::shadow::stencil::{Counting, ShadowMask};
+/// use umbrage::testing::shapes;
+/// use umbrage::verify::pixels::{PixelVerdict, Rendered, compare};
+/// use umbrage::view::{Projection, Size};
+///
+/// let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
+/// let projection = &Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1 };
+/// let size = Size::new(32, 32)?;
+/// let caster = &Caster::new(shapes::cube());
+/// let samples = Samples::of_view(&CasterGroup::new(vec![caster]), projection, size, 1)?;
+/// // The mask of a renderer that draws no shadows at all.
+/// let receiver = samples.hits().iter().map(Option::is_some).collect();
+/// let mask = &ShadowMask::new(size, Counting::Integer, vec![0; size.pixels()], receiver);
+///
+/// // There is no shadow to draw if the light is on the eye's side of the cube. Otherwise there is.
+/// for (z, agrees) in [(9.0, true), (-9.0, false)] {
+///     let light = &Light::point([0.0, 0.0, z])?;
+///     let signs = &CasterFaces::All.signs(&caster.facing(light));
+///     let rendered = Rendered { caster, signs, light, projection, mask, unsure: &[] };
+///     let comparison = compare(&rendered, 1, &|_| {});
+///     assert_eq!(comparison.agrees(), agrees);
+///     assert_eq!(comparison.count(PixelVerdict::Real) == 0, agrees);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[must_use]
 pub fn compare(rendered: &Rendered<'_>, keep: usize, progress: &(dyn Fn(u64) + Sync)) -> Comparison {
     assert_eq!(rendered.signs.len(), rendered.caster.mesh().face_count(), "one sign a face");

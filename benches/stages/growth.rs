@@ -148,7 +148,8 @@ impl Case<'_, '_> {
         for row in self.bench.measure(group, rounds) {
             let point = [faces as f64, row.median];
             match self.lines.iter_mut().find(|line| line.name == row.name) {
-                Some(line) if line.points.last().is_some_and(|last| last[0] == point[0]) => {} // one copy per group
+                // Each group repeats the copy: its first time is kept.
+                Some(line) if line.points.last().is_some_and(|last| last[0] == point[0]) => {}
                 Some(line) => line.points.push(point),
                 None => self.lines.push(Line { name: row.name, points: vec![point] }),
             }

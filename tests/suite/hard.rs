@@ -1,9 +1,10 @@
-//! What is hard about shadow volumes, case by case, each with its expected numbers on a generated mesh.
+//! Hard cases of shadow volumes, each with expected numbers on a generated mesh.
 //!
-//! A test is named `hard_`, the number of its case, and what must hold. Its comment says which failure it guards
-//! against. Most have a sabotage, often that very failure, which the same comparison is seen to reject; the others
-//! compare numbers that differ from row to row, so that no one answer suits them all. Expected numbers are closed forms: counts of the generators, crossings that can be told by hand, pixels of a picture whose
-//! middles are half-integers (`screen.rs`).
+//! A test is named `hard_`, the number of its case, and the expected result. The comment above a test names
+//! the failure that the test guards against. Most tests inject a fault, often this very failure, and check
+//! that the same comparison rejects it. The other tests compare numbers that differ from row to row, so that
+//! no single answer fits all rows. Expected numbers are closed forms: counts of the generators, crossings
+//! determined by hand, pixels of a picture whose centers are half-integers (`screen.rs`).
 //!
 //!  1. One sheet, lit from its front and from its back (`sheet.rs`, `camera.rs`).
 //!  2. A light inside a closed shell (`inside.rs`, `camera.rs`).
@@ -58,7 +59,7 @@ fn folder() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/suite/hard"))
 }
 
-/// Case and file, as the list above says.
+/// Case and file of every entry in the list above.
 fn listed() -> BTreeSet<(u32, String)> {
     let text = fs::read_to_string(folder().with_extension("rs")).unwrap();
     let items = text.lines().filter_map(|line| line.strip_prefix("//! ")?.split_once(". "));

@@ -28,7 +28,7 @@ fn hard_01_sheet_throws_the_same_picture_from_either_side() {
         let must = |x: f32, y: f32| counted(within(x, y, 3.0), 1);
         expect_pixels("a sheet", &walled(&[sheet]), &light, (0.5, 8.0), must);
     }
-    // The sabotage: with front faces alone one of the two throws nothing.
+    // Negative test: with front faces alone one of the two throws nothing.
     let turned = walled(&[shapes::inside_out(&sheet)]);
     let front = casting(&turned, Some(CasterFaces::Front));
     let Some(shot) = shoot_as(&front, &light, &plain(), Some(StencilMethod::ZFail), None) else { return };
@@ -45,7 +45,7 @@ fn hard_02_light_inside_a_box_leaves_its_outside_dark() {
     // From inside it is bright all over.
     let room = shapes::cuboid([-20.0, -20.0, -1.0], [20.0, 20.0, 30.0]);
     expect_pixels("a room", &room, &point(1.0, 2.0, 9.0), (0.5, 8.0), |_, _| Pixel::Count(0));
-    // The sabotage: front faces alone.
+    // Negative test: front faces alone.
     let front = casting(&lamp, Some(CasterFaces::Front));
     let Some(shot) = shoot_as(&front, &light, &plain(), Some(StencilMethod::ZFail), None) else { return };
     assert_eq!(shot.wrong(8.0, must).len(), 64);
@@ -64,7 +64,7 @@ fn hard_10_light_at_the_eye_lights_all_it_sees() {
         expect_pixels("light at the eye", &scene, &point(0.0, 0.0, 8.0), (0.5, 8.0), |_, _| Pixel::Count(0));
     // Nothing lies between the eye and its near rectangle, so that z-pass is proven to be right for all five shells.
     assert!(by_zpass.is_none_or(|count| count == 5), "{by_zpass:?}");
-    // The sabotage: the light moved behind the cover.
+    // Negative test: the light moved behind the cover.
     let Some(shot) = shoot(&scene, &point(0.0, 0.0, 24.0), &plain(), Some(StencilMethod::ZFail)) else {
         return;
     };
@@ -85,7 +85,7 @@ fn hard_10_light_behind_the_eye_throws_what_is_between_them() {
     let choice = shot.casting.methods.choices[1];
     assert_eq!((choice.what, choice.why), (StencilMethod::ZFail, Reason::MayLieBetween));
     assert_eq!(choice.to_string(), "a face may lie between the light and the near rectangle");
-    // The sabotage: z-pass all the same.
+    // Negative test: z-pass all the same.
     let Some(shot) = shoot(&scene, &light, &plain(), Some(StencilMethod::ZPass)) else { return };
     assert!(!shot.wrong(8.0, must).is_empty() && !shot.comparison.agrees());
 }
@@ -253,7 +253,7 @@ fn hard_12_geometry_behind_the_eye_and_volumes_through_w_zero() {
     });
     // Of a sun from below the wall alone is in the way.
     expect_pixels("a sun from below", &around, &sun(0.01, 0.02, 1.0), (0.5, 8.0), |_, _| Pixel::Count(1));
-    // The sabotage: the light above the middle one.
+    // Negative test: the light above the middle one.
     let Some(shot) = shoot(&around, &point(0.5, 0.25, 20.0), &plain(), Some(StencilMethod::ZFail)) else {
         return;
     };
@@ -269,7 +269,7 @@ fn hard_18_sky_behind_an_infinite_volume_is_no_shadow() {
     let must = |x: f32, y: f32| if within(x, y, 4.0) { Pixel::Count(0) } else { Pixel::Sky };
     expect_pixels("a plate in the sky", &scene, &light, (0.5, 8.0), must);
     let Some(shot) = shoot(&scene, &light, &plain(), Some(StencilMethod::ZFail)) else { return };
-    // The sabotage: the counts themselves say that all of the sky is in the volume.
+    // Negative test: the counts themselves say that all of the sky is in the volume.
     let raw = shot.mask.raw();
     let inside = raw.iter().filter(|&&count| count == 1).count();
     assert_eq!((inside, raw.len()), (192, Size::new(16, 16).unwrap().pixels()));
@@ -291,7 +291,7 @@ fn hard_19_dark_cap_of_a_sun_is_one_point_at_infinity() {
         assert_eq!(volume.vertex_count(), mesh.vertex_count() + 1);
         assert_eq!(volume.vertex(mesh.vertex_count() as u32).to_f64(), [-3.0, -5.0, -7.5, 0.0]);
         assert!(volume.boundary_sum().is_closed());
-        // The sabotage: a point light in the same direction needs the cap, and twice the sides.
+        // Negative test: a point light in the same direction needs the cap, and twice the sides.
         let near = shadow(&mesh, &point(3.0 * far, 5.0 * far, 7.5 * far));
         assert_eq!((near.dark_cap().len(), near.sides().len()), (faces, 2 * sum));
     }

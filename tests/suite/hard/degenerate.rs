@@ -30,7 +30,7 @@ fn hard_06_degenerate_collinear_face_carries_the_edges_beside_it() {
     assert_eq!(proofs, [ShellProof::ZeroAreaFace]);
     let plan = ShellFaces::choose(&mesh, &shells, &proofs, &light, None);
     assert_eq!(plan.choices[0].to_string(), "a face of the shell has no area");
-    // The sabotage: a cube without it has the hexagon alone.
+    // Negative test: a cube without it has the hexagon alone.
     assert_ne!(figures(&shapes::cube(), &light), figures(&mesh, &light));
 }
 
@@ -94,7 +94,7 @@ fn hard_06_degenerate_slivers_have_an_inside() {
         );
         expect_agreement(&mesh, &light);
         expect_agreement(&mesh, &point(0.25, height / 2.0, 0.3));
-        // The sabotage: one that is flat altogether has no inside, and its floor no area.
+        // Negative test: one that is flat altogether has no inside, and its floor no area.
         let flat = sliver(0.0);
         assert_eq!((counts(&flat).zero_area_faces, counts(&flat).sound()), (1, true));
         assert_eq!(winding(&mesh, &light, CasterFaces::All, inside), Some(1));

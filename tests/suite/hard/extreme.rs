@@ -141,7 +141,7 @@ fn hard_17_coordinates_at_either_end_agree_for_lights_on_their_vertices() {
             expect_agreement(&mesh, &light);
         }
     }
-    // The sabotage: a single step of the last place of the largest coordinate is seen.
+    // Negative test: a single step of the last place of the largest coordinate is seen.
     let largest = &rows()[2].mesh;
     let (mut positions, triangles, ..) = largest.clone().into_parts();
     positions[7][2] = positions[7][2].next_down();
@@ -166,6 +166,6 @@ fn hard_17_coordinates_that_coincide_far_away_collapse_into_a_closed_rest() {
     expect_agreement(&welded, &light);
     expect_crossings(&welded, &light, &[([far - 3.0, far - 5.0, far - 7.25], 2)]);
     assert_eq!(winding(&welded, &light, CasterFaces::Front, [far - 3.0, far - 5.0, far - 7.25]), Some(1));
-    // The sabotage: near the origin nothing collapses.
+    // Negative test: near the origin nothing collapses.
     assert_eq!(counts(&weld(&shapes::icosphere(3), Weld::Exact).mesh).collapsed_faces, 0);
 }

@@ -63,7 +63,7 @@ fn hard_03_edge_that_all_faces_leave_one_way_has_a_side_for_each() {
         let (mut silhouette, _) = cast(&book, &light, CasterFaces::All);
         assert_eq!(silhouette.max_multiplicity(), pages);
 
-        // The sabotage: copies above two are dropped, and the spine opens by as many.
+        // Negative test: copies above two are dropped, and the spine opens by as many.
         for edge in &mut silhouette.edges {
             edge.multiplicity = edge.multiplicity.clamp(-2, 2);
         }
@@ -94,7 +94,7 @@ fn hard_03_edge_of_two_cubes_is_no_outline_where_their_shadows_meet() {
     for light in [along, across, point(1.0, 1.0, 9.0), point(1.0, 1.0, 0.5)] {
         expect_agreement(&cubes, &light);
     }
-    // The sabotage: the cubes apart have an outline of twelve edges each way.
+    // Negative test: the cubes apart have an outline of twelve edges each way.
     let apart =
         Mesh::concat(&[shapes::cuboid([0.0; 3], [1.0; 3]), shapes::cuboid([1.0, 1.0, 0.0], [2.0, 2.0, 1.0])]);
     expect_figures(&[(&apart.unwrap(), across, ([12, 12, 0], 12, 24))]);

@@ -44,7 +44,7 @@ fn expect_beside_shadows(seed: u32, fins: Mesh) {
             assert!(comparison.count(PixelVerdict::Grazing) < 8);
         }
     }
-    // The sabotage: one more or less in each pixel, as a side on the wrong side of the wall makes it.
+    // Negative test: one more or less in each pixel, as a side on the wrong side of the wall makes it.
     let Some(Shot { mask, casting, .. }) =
         shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), None)
     else {

@@ -48,7 +48,7 @@ fn hard_23_frames_in_which_vertices_part_keep_them_apart_in_all() {
             );
         }
     }
-    // The sabotage: welded by one frame alone, the quads hang together and the slit cannot open.
+    // Negative test: welded by one frame alone, the quads hang together and the slit cannot open.
     let by_one = weld(&frame(&zip, 0), Weld::Exact).mesh;
     assert_eq!((by_one.vertex_count(), counts(&by_one).boundary_edges, counts(&by_one).shells), (6, 6, 1));
     // A frame later is as good as the first: closed, open the other way round.
@@ -87,7 +87,7 @@ fn hard_23_frames_of_split_vertices_that_move_alike_close() {
         );
         expect_agreement(&mesh, &light);
     }
-    // The sabotage: the pressed frame by itself welds its two sides together.
+    // Negative test: the pressed frame by itself welds its two sides together.
     let alone = weld(&Mesh::new(pressed(1.0), ball.triangles().to_vec()).unwrap(), Weld::Exact).mesh;
     assert!(alone.vertex_count() < 42 && !counts(&alone).watertight);
 }

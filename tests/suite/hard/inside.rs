@@ -99,7 +99,7 @@ fn hard_22_cavity_is_sound_and_each_shell_has_its_own_plan() {
         expect_agreement(&hollow, &light);
         assert_eq!(variants(&plan(&hollow, &light)), chosen, "{light}");
     }
-    // The sabotage: without its cavity turned, the inner shell is inside out.
+    // Negative test: without its cavity turned, the inner shell is inside out.
     let solid_core = Mesh::concat(&[shapes::cuboid([-2.0; 3], [2.0; 3]), shapes::cube()]).unwrap();
     assert_eq!(counts(&solid_core).inside_out_shells, 1);
     assert!(!counts(&solid_core).sound());
@@ -128,7 +128,7 @@ fn hard_22_nested_shells_alternate_between_solid_and_cavity() {
     expect_agreement(&onion, &point(3.1, 2.2, 4.3));
     let (front, back) = (CasterFaces::Front, CasterFaces::Back);
     assert_eq!(variants(&plan(&onion, &light)), [front, back, front, back, front, back]);
-    // The sabotage: all of one winding, and every second one contradicts its depth.
+    // Negative test: all of one winding, and every second one contradicts its depth.
     assert_eq!(counts(&shapes::nested_cubes(6)).inside_out_shells, 3);
 }
 
@@ -160,7 +160,7 @@ fn hard_21_winding_of_a_lobe_is_negative_and_front_faces_are_refused() {
     let choice = plan(&mesh, &light).choices[0];
     assert_eq!((choice.what, choice.why), (CasterFaces::All, Reason::MeetsItself));
     assert_eq!(choice.to_string(), "the shell meets itself");
-    // The sabotage: front faces alone light the inside of the negative lobe.
+    // Negative test: front faces alone light the inside of the negative lobe.
     for (p, _, front) in rows {
         assert_eq!(winding(&mesh, &light, CasterFaces::Front, p), Some(front), "{p:?}");
     }

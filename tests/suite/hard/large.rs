@@ -36,7 +36,7 @@ fn hard_16_many_vertices_beyond_sixteen_bits() {
     let (silhouette, volume) = cast(&welded, &light, CasterFaces::All);
     assert_eq!((silhouette.loops(&topology(&welded)).len(), silhouette.max_multiplicity()), (2, 2));
     assert!(volume.boundary_sum().is_closed());
-    // The sabotage: indices cut to 16 bits.
+    // Negative test: indices cut to 16 bits.
     let triangles = sheet.triangles().iter().map(|face| face.map(|v| v & 0xffff)).collect();
     let cut = Mesh::new(sheet.positions().to_vec(), triangles).unwrap();
     assert_ne!(counts(&cut).boundary_edges, 4 * n);
@@ -71,7 +71,7 @@ fn hard_16_many_vertices_beyond_what_f32_counts_exactly() {
     assert_eq!(volume.casters().iter().map(|v| v.index() as u32).min(), Some(least));
     assert_eq!(winding_number(&volume, [-3.0, -5.0, -7.25]), Some(2));
     assert_eq!(weld(&mesh, Weld::Exact).mesh.vertex_count(), 8);
-    // The sabotage: through f32 two corners become one.
+    // Negative test: through f32 two corners become one.
     let narrow = mesh.triangles().iter().map(|face| face.map(|v| v as f32 as u32)).collect();
     let narrow = Mesh::new(mesh.positions().to_vec(), narrow).unwrap();
     assert_ne!(build(&narrow).edge_count(), 18);
@@ -98,7 +98,7 @@ fn hard_16_many_vertices_and_faces_in_one_sheet() {
     assert!(signs.iter().all(|&sign| sign == 1));
     let silhouette = Silhouette::extract(&topology, &signs);
     assert_eq!((silhouette.edges.len(), silhouette.max_multiplicity()), (4 * n, 1));
-    // The sabotage: the last face of all turned away, one of whose edges is on the boundary, shows by the other two.
+    // Negative test: the last face of all turned away, one of whose edges is on the boundary, shows by the other two.
     *signs.last_mut().unwrap() = -1;
     assert_eq!(Silhouette::extract(&topology, &signs).edges.len(), 4 * n + 2);
 }

@@ -46,7 +46,7 @@ fn hard_13_wrap_of_the_stencil_is_foreseen_and_counted_beyond() {
         assert_eq!(shot.casting.counting(), counting, "{shells} {faces:?}: {}", shot.casting.layers);
         assert_eq!(shot.wrong(8.0, must), [], "{shells} {faces:?}");
         assert!(shot.comparison.agrees(), "{:?}", shot.comparison.mismatches);
-        // The sabotage: to trust eight bits. The first count that they take for another is 256, all shells in a pixel.
+        // Negative test: to trust eight bits. The first count that they take for another is 256, all shells in a pixel.
         let eight =
             shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), Some(Counting::Stencil)).unwrap();
         let wraps = |x: f32, y: f32| Pixel::Count((each * covering(shells, x, y)) & 255);
@@ -89,7 +89,7 @@ fn hard_14_coincident_edges_sweep_the_same_two_triangles() {
         let two = Mesh::new(vec![d, b, a], vec![[2, 0, 1]]).unwrap();
         let [one, two] = [one, two].map(|mesh| sides(&shadow(&mesh, &light)));
         assert_eq!(one.intersection(&two).count(), 2);
-        // The sabotage: the other diagonal of the same quad.
+        // Negative test: the other diagonal of the same quad.
         let quad = one.intersection(&two).flatten().copied().collect::<BTreeSet<_>>();
         assert_eq!(quad.len(), 4);
         let all: Vec<_> = quad.into_iter().collect();
@@ -118,7 +118,7 @@ fn hard_14_coincident_edges_through_pixel_middles_leave_no_crack() {
     for light in [sun(0.0, 0.0, -1.0), point(0.0, 0.0, 1e9)] {
         expect_pixels("a torn sheet", &scene, &light, (0.5, 8.0), must);
     }
-    // The sabotage: one triangle less is a hole.
+    // Negative test: one triangle less is a hole.
     let (positions, mut triangles, ..) = torn.into_parts();
     let middle = triangles.iter().position(|face| {
         let corners = face.map(|v| positions[v as usize]);
@@ -177,7 +177,7 @@ fn hard_21_winding_of_lobes_adds_up_in_the_stencil() {
     assert_eq!(shot.casting.faces.choices[1].what, CasterFaces::All);
     assert_eq!(shot.wrong(8.0, must), []);
     assert!([2, 4].iter().all(|count| shot.mask.raw().contains(count)));
-    // The sabotage: front faces alone count half.
+    // Negative test: front faces alone count half.
     let front = casting(&scene, Some(CasterFaces::Front));
     let shot = shoot_as(&front, &light, &plain(), Some(StencilMethod::ZFail), None).unwrap();
     assert!(!shot.wrong(8.0, must).is_empty());
@@ -221,7 +221,7 @@ fn hard_24_terminator_follows_the_facets() {
     let verdicts = [PixelVerdict::Lit, PixelVerdict::Shadowed, PixelVerdict::Real, PixelVerdict::Grazing];
     let found = verdicts.map(|verdict| shot.comparison.count(verdict) as i32);
     assert_eq!(found, [lit, dark, 0, 0]);
-    // The sabotage: a mask that shades the round ball is wrong in those very pixels.
+    // Negative test: a mask that shades the round ball is wrong in those very pixels.
     let pixels = (0..16_u32).flat_map(|y| (0..16).map(move |x| (x, y)));
     let (mut raw, mut receivers) = (Vec::new(), Vec::new());
     for (x, y) in pixels {

@@ -180,7 +180,7 @@ fn hard_07_seam_free_nan_and_infinity_in_a_file_are_errors_with_a_place() {
             assert_eq!(error.lines().count(), 1, "{error}");
         }
     }
-    // The sabotage: with the number in its place each of them is read.
+    // Negative test: with the number in its place each of them is read.
     for (name, bytes) in [
         ("a.ply", ascii_ply.to_vec()),
         ("b.ply", written("b.ply")),
@@ -221,7 +221,7 @@ fn hard_08_t_junction_is_reported_and_the_volume_is_closed_all_the_same() {
     }
     // The hexagon of the cube, but for one edge, whose two ways are three edges of multiplicity 1.
     expect_figures(&[(&exact, point(3.0, 5.0, 7.0), ([7, 6, 0], 8, 5 * 2 + 3))]);
-    // The sabotage: a vertex off the edge is a hole, not a T-junction.
+    // Negative test: a vertex off the edge is a hole, not a T-junction.
     let (mut positions, triangles, ..) = exact.into_parts();
     positions[8][2] = 0.75;
     let hole = counts(&Mesh::new(positions, triangles).unwrap());

@@ -90,7 +90,7 @@ fn hard_20_empty_meshes_cast_nothing_and_are_sound() {
             expect_agreement(mesh, &light);
         }
     }
-    // The sabotage: a mesh that is not empty is told from them.
+    // Negative test: a mesh that is not empty is told from them.
     let triangle = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
     assert_ne!(figures(&triangle, &point(0.25, 0.5, 0.75)), ([0, 0, 0], 0, 0));
 }

@@ -47,7 +47,7 @@ fn hard_09_tie_of_a_light_with_a_cube_is_exact_to_the_ulp() {
     for (light, _) in rows {
         expect_agreement(&cube, &light);
     }
-    // The sabotage: a light that is rounded to three digits does not have the figures of its row, unless it is a tie.
+    // Negative test: a light that is rounded to three digits does not have the figures of its row, unless it is a tie.
     let is_rejected = |(light, expected): &(Light, Figures)| {
         let xyz = light.xyz().map(|x| (x * 1000.0).round() / 1000.0);
         let rounded =
@@ -134,7 +134,7 @@ fn hard_09_tie_of_all_planes_at_the_origin_is_found_by_every_way() {
         assert!(expected.contains(&1) && expected.contains(&-1) && !expected.contains(&0));
     }
 
-    // The sabotage: the same sign in f32 is no tie for most of them.
+    // Negative test: the same sign in f32 is no tie for most of them.
     let naive = |face: &[u32; 3]| {
         let [a, b, c] = face.map(|v| Vec3::from(mesh.positions()[v as usize]));
         (b - a).cross(c - a).dot(-a)

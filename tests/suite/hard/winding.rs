@@ -37,7 +37,7 @@ fn hard_05_orientation_of_a_moebius_strip_has_one_seam_and_no_false_border() {
         expect_crossings(&strip, &light, &[([0.9, 0.05, -7.0 * side], 1), ([-0.7, 0.05, -7.0 * side], 0)]);
         expect_agreement(&strip, &light);
     }
-    // The sabotage: with front faces alone the seam is a false border, and half the strip casts nothing.
+    // Negative test: with front faces alone the seam is a false border, and half the strip casts nothing.
     assert!(outline(CasterFaces::Front));
 }
 
@@ -65,7 +65,7 @@ fn hard_05_orientation_of_any_faces_leaves_the_volume_as_it_was() {
                 "{turned:b}"
             );
             assert!(volume.boundary_sum().is_closed());
-            // The sabotage: front faces alone do see the windings of all but edge-on faces.
+            // Negative test: front faces alone do see the windings of all but edge-on faces.
             let front = cast(&mesh, &light, CasterFaces::Front).1;
             differ += usize::from(front.triangles() != cast(&cube, &light, CasterFaces::Front).1.triangles());
         }
@@ -91,7 +91,7 @@ fn hard_05_orientation_defects_are_told_apart() {
     ] {
         let c = counts(mesh);
         assert_eq!(found(mesh), (expected, watertight));
-        // The sabotage: either of the other two in its place.
+        // Negative test: either of the other two in its place.
         let like_it = [&sound, &mixed, &inverted].map(|mesh| found(mesh) == (expected, watertight));
         assert_eq!(like_it.iter().filter(|&&like_it| like_it).count(), 1, "{like_it:?}");
         assert!(c.even);
@@ -143,7 +143,7 @@ fn hard_15_transform_that_mirrors_turns_the_windings_with_it() {
         expect_crossings(&mesh, &light, &[(behind, 2)]);
         expect_agreement(&mesh, &light);
     }
-    // The sabotage: positions mirrored, windings left alone.
+    // Negative test: positions mirrored, windings left alone.
     assert_eq!(counts(&shapes::scaled(&shapes::cube(), -1.0)).inside_out_shells, 1);
 }
 
@@ -164,7 +164,7 @@ fn hard_15_transform_that_flattens_leaves_a_closed_volume() {
     let (flat, expected) = (scaled(0.0), ([8, 0, 2], [2, 2, 8]));
     assert_eq!(found(&flat), expected);
     assert_eq!(counts(&flat).signed_volume, 0.0);
-    // The sabotage: a scale that is all but zero.
+    // Negative test: a scale that is all but zero.
     assert_ne!(found(&scaled(f32::MIN_POSITIVE)), expected);
     expect_crossings(&flat, &light, &[([0.35, -0.1, -2.0], 2), ([9.0, 0.1, -2.0], 0)]);
     expect_agreement(&flat, &light);

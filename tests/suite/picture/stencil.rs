@@ -145,7 +145,7 @@ fn stencil_picture_smooths_as_the_exact_one() {
             let [more, edges] = [NOISE, 20].map(|most| differing(&picture, &exact, most));
             assert!(more <= 10 * AT_EDGES && edges <= AT_EDGES, "{number} {counting:?}: {more} {edges}");
         }
-        // The sabotage: without smoothing hundreds of pixels differ.
+        // Negative test: without smoothing hundreds of pixels differ.
         let plain = subject.by_stencil(&gpu, Depth::Plane, Counting::Stencil, 1, Fault::None);
         assert!(differing(&plain, &exact, NOISE) > 10 * AT_EDGES, "{number}");
     }

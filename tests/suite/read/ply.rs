@@ -354,7 +354,7 @@ fn ply_runs_of_plain_items_agree_with_items_read_one_by_one() {
         let path = folder.path().join("a.ply");
         std::fs::write(&path, &little).unwrap();
         assert_eq!(umbrage::read::read(&path).unwrap().meshes[0], run);
-        // The sabotage: one bit of the last index.
+        // Negative test: one bit of the last index.
         let last = little.len() - 4;
         little[last] ^= 1;
         assert_ne!(mesh(&little, "a.ply").triangles(), single.triangles());

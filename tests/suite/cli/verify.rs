@@ -84,7 +84,7 @@ mod gpu {
                 assert_eq!(pass["counting"], "stencil");
             }
         }
-        // Nothing is between the lamp and the camera: z-pass is proven to be right, and judged too.
+        // Nothing lies between the lamp and the camera: z-pass is proven correct, and compared too.
         assert_eq!(each[0]["passes"][1]["method"], "zpass");
         assert_eq!(document, run("--threads 2"));
     }
@@ -150,7 +150,7 @@ mod gpu {
         assert_eq!(document["pixel_disagree"], 0);
     }
 
-    /// The command with a Vulkan loader that finds no driver, or only one more variable.
+    /// Runs the command with one more environment variable, such as a Vulkan loader that finds no driver.
     fn with(folder: &Folder, variable: (&str, &str), arguments: &[&str]) -> Output {
         Command::new(assert_cmd::cargo::cargo_bin!("umbrage"))
             .current_dir(folder.path("."))

@@ -267,7 +267,7 @@ fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
             assert!(!exact || row["wrong"] == 0, "{row}");
             assert!(row["frame_ms"].as_f64().unwrap() >= 0.0);
         }
-        // Light without shadows is wrong somewhere, or no light is.
+        // Unshadowed light (`none`) or no light at all (`dark`) is wrong somewhere.
         assert!(rows[4]["wrong"].as_u64().unwrap() + rows[5]["wrong"].as_u64().unwrap() > 0);
     }
 }

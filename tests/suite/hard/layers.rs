@@ -57,7 +57,7 @@ fn hard_13_wrap_of_the_stencil_is_foreseen_and_counted_beyond() {
         let expected = match shells as i32 * each {
             60 | 120 => 0,
             256 => 1,
-            // At least 256 of 300 cubes, and 128 of those cubes, are crossed in the entire picture.
+            // At least 256 crossings in every pixel: 256 of 300 cubes once, or 128 of them twice.
             _ => 256,
         };
         assert_eq!((overflown, eight.comparison.agrees()), (expected, expected == 0), "{shells} {faces:?}");

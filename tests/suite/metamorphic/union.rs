@@ -60,7 +60,7 @@ impl Three {
                 touching: a.touching + b.touching,
             };
             equal(&format!("crossings at point {point}"), &both.crossings, &crossings)?;
-            // Where sides of two volumes cancel, only one of the three winding numbers may be undefined.
+            // Where sides of two volumes cancel, a point may lie on these volumes but not on the third.
             if let (Some(a), Some(b), Some(sum)) = (one.winding, other.winding, both.winding) {
                 equal(&format!("winding number at point {point}"), &sum, &(a + b))?;
             }

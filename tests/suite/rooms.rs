@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the library, lowest first. `gpu` wraps wgpu and knows no mesh. `built`, `choice`,
 /// `parallel` and `random` are single files that every module may use.
-const ORDER: [&str; 23] = [
+const ORDER: [&str; 24] = [
     "random",
     "parallel",
     "choice",
@@ -29,6 +29,7 @@ const ORDER: [&str; 23] = [
     "testing",
     "accuracy",
     "render",
+    "json",
     "determinism",
 ];
 

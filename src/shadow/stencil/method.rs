@@ -4,8 +4,8 @@
 //! holds iff no caster meets the convex hull of the light and the rectangle (for a directional light, the
 //! prism that starts at the rectangle). In all other cases z-fail is chosen. (The rule: Samuel Hornus, Jared
 //! Hoberock, Sylvain Lefebvre, John C. Hart, *ZP+: Correct Z-pass Stencil Shadows*, 2005, section 2.) The
-//! proof is in `light_pyramid.rs`. It errs on the safe side only: a shell that nearly touches the hull is
-//! drawn with z-fail, which is also correct and only costs time.
+//! proof is in `light_pyramid.rs`. The proof errs on the safe side only: a shell that nearly touches the hull
+//! is drawn with z-fail, which is also correct and only costs time.
 
 use super::StencilMethod;
 use super::light_pyramid::LightPyramid;

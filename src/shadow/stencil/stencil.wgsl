@@ -136,7 +136,7 @@ fn volume_clip(id: u32) -> vec4f {
     let v = vertex(base(id));
     if id >= frame.vertex_count {
         let far = away(v);
-        // A vertex exactly at the light has no direction. It stays at its position for all triangles alike,
+        // A vertex exactly at the light has no direction. Such a vertex stays in position for all triangles,
         // so nothing opens, and the triangles added have no area.
         if any(far != vec3f(0.0)) { return project(far, 0.0); }
     }

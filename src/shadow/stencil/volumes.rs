@@ -23,7 +23,7 @@ pub struct StencilVolumes {
     pub volumes: Vec<(StencilMethod, ShadowVolume)>,
 }
 
-/// Number of values of an eight-bit stencil: counts below this cannot wrap.
+/// Number of values of an eight-bit stencil: counts below this number cannot wrap.
 const STENCIL_LIMIT: u32 = 256;
 
 impl Caster {

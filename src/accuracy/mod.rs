@@ -39,8 +39,8 @@ pub enum Question {
 /// Amount of measuring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// Approximate number of queries per stratum. For facing, enough lights are drawn to reach this number, each
-    /// queried with all faces.
+    /// Approximate number of queries per stratum. For facing, enough lights are drawn to reach this number,
+    /// each queried with all faces.
     pub queries: u64,
     /// Seed of the lights and points: the same seed gives the same answers.
     pub seed: u64,

@@ -1,8 +1,8 @@
 //! The stencil pass against the exact oracle, pixel by pixel: on the real meshes, and on meshes that are hard
 //! to draw.
 //!
-//! Long form: `UMBRAGE_STENCIL_SIZE=512 cargo test --release --test suite stencil_pass_counts --
-//! --nocapture`.
+//! Long form:
+//! `UMBRAGE_STENCIL_SIZE=512 cargo test --release --test suite stencil_pass_counts -- --nocapture`.
 
 use umbrage::caster::Caster;
 use umbrage::facing::CasterFaces;

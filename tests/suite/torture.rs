@@ -1,7 +1,7 @@
 //! Adversarial queries, every method against every other.
 //!
-//! Long form: `UMBRAGE_TORTURE_QUERIES=1000000000 cargo test --release --test suite torture_all --
-//! --nocapture`.
+//! Long form:
+//! `UMBRAGE_TORTURE_QUERIES=1000000000 cargo test --release --test suite torture_all -- --nocapture`.
 
 use umbrage::testing::torture::{Options, run};
 

@@ -105,9 +105,10 @@ const ERROR: f64 = 1.0 / (1_u64 << 48) as f64;
 ///
 /// With c = L and r = 0 this is the plain projection onto a side of a cube. For a light far away, c is the
 /// center of the mesh, and r is the slope of the ray through c, |rᵢ| ≤ 1. This choice shifts y by a constant,
-/// and avoids cancellation. Seven roundings lead to y, each of at most ε = 2⁻⁵³ of `(|pᵢ − cᵢ| + |pₖ −
-/// cₖ|)/z`. Since r is itself rounded, with an error of 3ε at most, y is not quite constant along a ray: y
-/// differs from its value in the plane of c by at most 3ε·|pₖ − cₖ|/z. The sum is 10ε; [`ERROR`] is 32ε.
+/// and avoids cancellation. Seven roundings lead to y, each of at most ε = 2⁻⁵³ of
+/// `(|pᵢ − cᵢ| + |pₖ − cₖ|)/z`. Since r is itself rounded, with an error of 3ε at most, y is not quite
+/// constant along a ray: y differs from its value in the plane of c by at most 3ε·|pₖ − cₖ|/z. The sum is
+/// 10ε; [`ERROR`] is 32ε.
 #[derive(Clone, Copy, Debug)]
 struct View {
     /// Axis k, then the other two axes.

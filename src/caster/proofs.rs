@@ -1,4 +1,4 @@
-//! Proofs per shell: whether half its faces cast the same shadow, whatever the light.
+//! Proofs that half of a shell's faces cast the same shadow, for any light.
 
 use std::ops::ControlFlow;
 
@@ -8,7 +8,7 @@ use crate::geom::predicate::Sign;
 use crate::mesh::{FaceId, Mesh};
 use crate::topology::{Shells, Topology};
 
-/// What is known of a shell, whatever the light.
+/// Proof about a shell that holds for any light, or the reason that there is none.
 ///
 /// ```
 /// use umbrage::caster::{Caster, ShellProof};
@@ -19,35 +19,35 @@ use crate::topology::{Shells, Topology};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ShellProof {
-    /// Winding numbers are 0 and +1: watertight, no self-intersection, positive volume.
+    /// Winding numbers are 0 and +1: the shell is watertight, does not intersect itself, and its volume is
+    /// positive.
     Outward,
-    /// Winding numbers are 0 and −1: the same with a negative volume.
+    /// Winding numbers are 0 and −1: as `Outward`, with a negative volume.
     Inward,
     /// An edge does not have exactly two faces in opposite directions.
     NotWatertight,
-    /// A face has no area.
+    /// A face has zero area.
     ZeroAreaFace,
-    /// Two faces intersect.
+    /// Two faces intersect where they should not.
     MeetsItself,
-    /// The search for self-intersections gave up: too many faces overlap the same region.
+    /// Undecided: the search for self-intersections gave up, because too many faces overlap in one region.
     Unsettled,
-    /// The volume is zero.
+    /// The signed volume is zero.
     NoVolume,
 }
 
 impl ShellProof {
-    /// One proof per shell, in the order of the shells. Searches for self-intersections, which costs some
-    /// microseconds per face, unless no shell gets that far. Where nearly all faces of shells overlap the
-    /// same region, the search gives up after some seconds for all shells together:
-    /// [`ShellProof::Unsettled`].
+    /// Proofs of all shells, one per shell, in shell order. Cost: a search for self-intersections, some
+    /// microseconds per face, unless no shell gets that far. If nearly all faces of the shells overlap in one
+    /// region, the search gives up after some seconds for all shells together: [`ShellProof::Unsettled`].
     ///
-    /// Memory: at its peak 129 bytes per face, or what [`CrackReport::of`] takes.
+    /// Memory: at its peak 129 bytes per face, or the peak of [`CrackReport::of`] if that is higher.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology, shells: &Shells) -> Vec<Self> {
         Self::within(mesh, topology, shells, &CrackReport::of(mesh, topology), MOST_TESTS)
     }
 
-    /// As [`ShellProof::of`], with the crack report of the mesh.
+    /// As [`ShellProof::of`], with an existing crack report of the mesh.
     pub(crate) fn with_report(
         mesh: &Mesh,
         topology: &Topology,
@@ -57,7 +57,8 @@ impl ShellProof {
         Self::within(mesh, topology, shells, report, MOST_TESTS)
     }
 
-    /// As [`ShellProof::of`], with `spare` tests for all shells together besides 256 per face.
+    /// As [`ShellProof::of`], with a budget: `spare` face-pair tests for all shells together, in addition to
+    /// the 256 tests per face that each shell has.
     pub(crate) fn within(
         mesh: &Mesh,
         topology: &Topology,
@@ -86,7 +87,8 @@ impl ShellProof {
                 proofs[shell] = Self::ZeroAreaFace;
             }
         }
-        // Shell by shell: two shells may intersect each other, for each has winding numbers of its own.
+        // Each shell is searched separately: two shells may intersect each other, because each keeps its own
+        // winding number.
         for faces in shells.faces_by_shell().iter() {
             let Some(shell) = faces.first().and_then(|&face| of_face(face)) else { continue };
             if proofs[shell].is_sound() {
@@ -97,7 +99,7 @@ impl ShellProof {
                     meets = true;
                     stop
                 });
-                spare = spare.min(tests); // its own are used up first
+                spare = spare.min(tests); // a shell's own tests are used up first
                 if end == stop {
                     proofs[shell] = if meets { Self::MeetsItself } else { Self::Unsettled };
                 }
@@ -111,6 +113,6 @@ impl ShellProof {
     }
 }
 
-/// Tests of two faces of one shell, in all shells together and besides 256 per face, after which proofs are
-/// given up: some seconds.
+/// Face-pair tests in all shells together, in addition to 256 per face, after which proofs are given up: some
+/// seconds.
 const MOST_TESTS: u64 = 1 << 24;

@@ -1,4 +1,4 @@
-//! Boxes around the shells of a mesh and around blocks of their faces.
+//! Bounding boxes of the shells of a mesh, and of blocks of their faces.
 
 use crate::built::{self, Part};
 use crate::geom::Aabb;
@@ -10,32 +10,33 @@ use crate::topology::{FacesByShell, Shells};
 /// shell.
 #[derive(Clone, Debug)]
 pub struct ShellBoxes {
-    /// Faces by shell, ascending within each.
+    /// Faces sorted by shell, ascending within each shell.
     pub(crate) faces: Vec<FaceId>,
     pub(crate) blocks: Vec<Block>,
     pub(crate) shells: Vec<ShellBox>,
 }
 
-/// A block: faces of one shell, from the end of the block before it to `end`.
+/// A block of faces of one shell. It ends before the index `end`, and starts where the previous block ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Block {
     pub(crate) bounds: Aabb,
     pub(crate) end: u32,
 }
 
-/// The blocks of one shell, from the end of the shell before it to `end`.
+/// The range of blocks of one shell. It ends before the index `end`, and starts where the previous shell's
+/// range ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShellBox {
     pub(crate) bounds: Aabb,
     pub(crate) end: u32,
 }
 
-/// Faces per block. They are neighbors in most files, so that their box is small.
+/// Faces per block. Consecutive faces are neighbors in most files, so a block's box is small.
 const BLOCK: usize = 32;
 
 impl ShellBoxes {
-    /// Sorts the faces by shell and puts boxes around them. Linear time. Memory: 6 bytes per face at its
-    /// peak, and 150 per shell.
+    /// Sorts the faces by shell and computes the boxes. Linear time. Memory: at its peak 6 bytes per face and
+    /// 150 per shell.
     ///
     /// # Panics
     ///

@@ -142,9 +142,9 @@ impl FaceClusters {
     /// Divides the faces by the side that the light is on, exactly as [`classify`](super::classify) does.
     /// What `ranges` held is replaced, and its memory kept.
     ///
-    /// Cost: an evaluation of each cluster that has faces of both sides, or nearly, and of the nodes over it;
-    /// some 5 µs for a torus of 100,000 triangles. Where many faces lie in a plane with the light, it costs
-    /// what [`FacePlanes::classify_into`] does, and a visit to each face.
+    /// Cost: an evaluation of each cluster that has faces of both sides, or nearly, and of the nodes over it.
+    /// Where many faces lie in a plane with the light, it costs what [`FacePlanes::classify_into`] does, and
+    /// a visit to each face.
     ///
     /// # Panics
     ///

@@ -29,7 +29,7 @@ pub fn facing_of(mesh: &Mesh, face: FaceId, light: &Light) -> Facing {
 
 /// The side of every face that `light` is on, exactly; one entry per face.
 ///
-/// Costs one filtered predicate per face, some 15 ns. Memory: 1 byte per face. For many lights on one mesh,
+/// Costs one filtered predicate per face. Memory: 1 byte per face. For many lights on one mesh,
 /// [`FacePlanes`] is many times as fast.
 ///
 /// ```

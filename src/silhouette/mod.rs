@@ -48,7 +48,7 @@ pub struct Silhouette {
 impl Silhouette {
     /// Finds the silhouette for the signs that faces cast with (−1, 0 or +1; see [`CasterFaces::signs`]).
     ///
-    /// A scan of all edges: linear time, about 1 ns per edge, most of it spent on reading 12 bytes per edge
+    /// A scan of all edges: linear time, most of it spent on reading 12 bytes per edge
     /// and two signs. Memory: 24 bytes per silhouette edge at its peak.
     ///
     /// # Panics

@@ -14,8 +14,8 @@ use crate::facing::{CASTS_BEHIND, CASTS_IN_FRONT, CasterFaces, FaceClusters, Fac
 use crate::geom::{Facing, Light};
 use crate::mesh::FaceId;
 
-/// A shell of at least this many faces is a group of its own. Visiting a smaller one face by face takes some
-/// 20 µs.
+/// A shell of at least this many faces is a group of its own; a smaller one may have to be visited face by
+/// face.
 const LARGE: usize = 4096;
 
 /// The faces of a mesh that can cast, ordered so that most caps are ranges of them.

@@ -44,9 +44,9 @@ impl ShellFaces {
     /// Chooses for every shell: the faces `asked` for, proven or not; without these, half the faces where
     /// that is proven to be enough. `proofs` may be empty if faces are asked for.
     ///
-    /// Cost: about 3 ns per shell whose box does not hold the light. A sound shell whose box holds a point
-    /// light costs an exact ray cast: a box test per 32 of its faces, and some 50 ns per face near the ray.
-    /// Memory: 12 bytes per shell.
+    /// Cost: one box test per shell whose box does not hold the light. A sound shell whose box holds a point
+    /// light costs an exact ray cast: a box test per 32 of its faces, and an exact test per face near the
+    /// ray. Memory: 12 bytes per shell.
     ///
     /// # Panics
     ///

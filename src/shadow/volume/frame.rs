@@ -27,11 +27,10 @@ use crate::silhouette::{SilhouetteFinder, SilhouetteMethod};
 /// computes them from the positions.
 ///
 /// Cost of a frame: when the light moves a little, one comparison per 512 faces and per shell, and what lies
-/// near the silhouette: 20 µs for a torus of 100,000 triangles. Every face is visited when the mesh has fewer
-/// than 256 faces or many edges without two faces in opposite directions, and when many faces lie in a plane
-/// with the light or the silhouette runs through most of the mesh; [`FrameExtruder::method`] then says
-/// [`SilhouetteMethod::Scan`], and why. Nothing is allocated once all buffers have grown: the second frame
-/// builds what follows a moving light.
+/// near the silhouette. Every face is visited when the mesh has fewer than 256 faces or many edges without
+/// two faces in opposite directions, and when many faces lie in a plane with the light or the silhouette runs
+/// through most of the mesh; [`FrameExtruder::method`] then says [`SilhouetteMethod::Scan`], and why. Nothing
+/// is allocated once all buffers have grown: the second frame builds what follows a moving light.
 ///
 /// Memory: about 160 bytes per face besides the parts of the [`Caster`].
 ///
@@ -144,11 +143,12 @@ impl FrameVolume<'_> {
     }
 }
 
-/// A draw costs about as much as writing this many triangles.
+/// The least length of a range unless it is set: a draw is taken to cost about as much as writing these
+/// triangles.
 const SHORTEST_RANGE: u32 = 512;
 
 impl FrameExtruder {
-    /// Prepares for many lights: planes, silhouette tree and clusters, some 0.5 µs per face, and without
+    /// Prepares for many lights: planes, silhouette tree and clusters, and without
     /// `asked` the proofs of the caster ([`Caster::proofs`]).
     ///
     /// `asked` are the faces that cast, proven or not; without these, half the faces of a shell cast where
@@ -178,7 +178,7 @@ impl FrameExtruder {
     }
 
     /// The same, with another least length of the ranges of caps; triangles of shorter ranges are written.
-    /// 512 unless set: a draw costs about as much as writing that many triangles. With `u32::MAX` everything
+    /// 512 unless set. With `u32::MAX` everything
     /// is written, and one draw is enough.
     ///
     /// ```

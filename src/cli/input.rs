@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use umbrage::caster::Caster;
 use umbrage::geom::Aabb;
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 use umbrage::view::{Camera, Up};
 
 use super::Failure;
@@ -33,13 +33,14 @@ pub(crate) struct Source {
     pub(crate) up: Up,
     pub(crate) caster: Caster,
     pub(crate) bounds: Aabb,
-    pub(crate) lights: Vec<SceneLight>,
+    pub(crate) lights: Vec<Lamp>,
     pub(crate) camera: Option<Camera>,
 }
 
 impl SourceArgs {
     /// Reads, bakes, welds and joins the file, and settles the lights. Remarks go to standard error.
     pub(crate) fn load(&self) -> Result<Source, Failure> {
+        self.lights.refuse()?;
         let baked = self.mesh.read(&self.file)?;
         let up = baked.up;
         let mesh = self.mesh.joined(baked.meshes, &self.file)?;

@@ -6,7 +6,7 @@ use umbrage::check::Screen;
 use umbrage::geom::Aabb;
 use umbrage::mesh::{Mesh, Weld, weld_in_place};
 use umbrage::read::{self, Format};
-use umbrage::scene::{Scene, SceneLight, Scope};
+use umbrage::scene::{Scene, Lamp, Scope};
 use umbrage::view::{Camera, Up};
 
 use super::error::Failure;
@@ -66,7 +66,7 @@ pub(crate) struct Baked {
     pub(crate) up: Up,
     /// One for each scope.
     pub(crate) meshes: Vec<Mesh>,
-    pub(crate) lights: Vec<SceneLight>,
+    pub(crate) lights: Vec<Lamp>,
     pub(crate) camera: Option<Camera>,
 }
 
@@ -97,7 +97,7 @@ impl MeshArgs {
             output::say(format_args!("note: {}: {}", file.display(), output::plain(note)));
         }
         let (format, up, camera) = (scene.format, scene.up, scene.camera);
-        let lights = std::mem::take(&mut scene.lights);
+        let lights = std::mem::take(&mut scene.lamps);
         Ok(Baked { format, up, meshes: self.bake(scene, file)?, lights, camera })
     }
 

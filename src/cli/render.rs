@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use umbrage::caster::Caster;
 #[cfg(feature = "gpu")]
 use umbrage::geom::Aabb;
-use umbrage::geom::Light;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::render;
@@ -28,7 +27,7 @@ use super::{Failure, Outcome};
 
 /// Picture: shadows by a stencil pass or by exact ray cast, flat faces, plain shading
 ///
-/// Shading is for the eye: a light is as strong far away as near. Lights asked for share one brightness; those of a
+/// Shading is for the eye: a light is as strong far away as near, unless --falloff says otherwise. Lights asked for share one brightness; those of a
 /// file keep the ratio that their candela and lux have at the center of the scene, a spot light within its cone.
 /// Both ways shade alike; a stencil pass says of each light how its shells were counted. A point that a ray only
 /// grazes is drawn lit.
@@ -54,6 +53,13 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", value_parser = parse_samples, allow_negative_numbers = true)]
     samples: Option<u32>,
 
+    /// How a light weakens with the distance
+    ///
+    /// Either way a light is as strong at the center of the scene. For example: --falloff physical with
+    /// --light point:0,3,0,range=20.
+    #[arg(long, value_enum, default_value_t = FalloffArg::Plain)]
+    falloff: FalloffArg,
+
     /// Add a large floor below everything: lowest in z for stl and md2, lowest in y for every other format
     #[arg(long)]
     ground: bool,
@@ -67,6 +73,14 @@ pub(crate) struct Args {
 
     #[command(flatten)]
     adapter: AdapterArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum FalloffArg {
+    /// Not at all: as strong far away as near
+    Plain,
+    /// With the inverse square of the distance, and ending at the light's range, as KHR_lights_punctual defines it
+    Physical,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -168,11 +182,16 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         None => of_file.inspect(|_| output::say("note: no --eye: using the camera of the file")),
     };
     let camera = camera.unwrap_or_else(|| Camera::fit(&bounds, up, args.size.aspect()));
-    let lamps = if args.source.lights.were_asked_for() {
-        ShadedLight::equal(&of_scene.iter().map(|light| light.light).collect::<Vec<Light>>())
+    let mut lamps = if args.source.lights.were_asked_for() {
+        ShadedLight::equal(&of_scene)
     } else {
         ShadedLight::balanced(&of_scene, &bounds)
     };
+    if args.falloff == FalloffArg::Physical {
+        for (shaded, lamp) in lamps.iter_mut().zip(&of_scene) {
+            *shaded = shaded.with_physical_falloff(lamp.range, &bounds);
+        }
+    }
     let (caster, ground) = if args.ground {
         let (mesh, ground) = Ground::under(caster.into_mesh(), up)
             .map_err(|error| Failure::new(error, "leave out --ground").in_file(&args.source.file))?;

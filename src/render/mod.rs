@@ -16,7 +16,7 @@ use glam::Vec3;
 pub use gpu::{LampShadow, render_stencil};
 pub use ground::Ground;
 pub use overlay::{Line, Marker, Overlay};
-pub use shade::ShadedLight;
+pub use shade::{Falloff, ShadedLight};
 pub use verdicts::{verdict_color, verdicts};
 
 use crate::mesh::FaceId;

@@ -1,12 +1,12 @@
 //! A scene: meshes, where their instances stand, lights and a camera; baked once into world space.
 
 mod format;
-mod light;
+mod lamp;
 
 use glam::Mat4;
 
 pub use format::Format;
-pub use light::{SceneLight, SpotCone};
+pub use lamp::{Lamp, LampError, LampShape, Rectangle, SpotCone};
 
 use crate::mesh::{Mesh, MeshError, Part};
 use crate::view::{Camera, Up};
@@ -22,8 +22,8 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Where meshes stand in the world.
     pub instances: Vec<Instance>,
-    /// The file's own lights, in world space.
-    pub lights: Vec<SceneLight>,
+    /// The file's own lamps, in world space.
+    pub lamps: Vec<Lamp>,
     /// The file's own camera, in world space.
     pub camera: Option<Camera>,
     /// What the reader did that a person should know of: n-gons cut into fans, lines ignored.

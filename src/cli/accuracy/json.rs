@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use umbrage::accuracy::{Accuracy, Method, Row};
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 
 use super::{Asked, FileResult};
 use crate::cli::lights;
@@ -23,7 +23,7 @@ pub(super) fn document(results: &[FileResult], asked: &Asked) -> Value {
 fn file(result: &FileResult) -> Value {
     let measured = result.measured.as_ref().ok();
     let light =
-        |light: &SceneLight| json!({ "light": light.light.to_string(), "name": lights::name(&light.name) });
+        |light: &Lamp| json!({ "light": light.light().to_string(), "name": lights::name(&light.name) });
     let lights = measured.map(|measured| measured.lights.iter().map(light).collect::<Vec<_>>());
     let found = measured.map(|measured| &measured.found);
     json!({

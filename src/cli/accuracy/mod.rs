@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use umbrage::accuracy::{Accuracy, MOST_LIGHTS, Method, Options, Question};
 use umbrage::geom::Light;
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 use umbrage::write::write_atomic;
 
 use super::input::{Source, SourceArgs};
@@ -113,7 +113,7 @@ struct Measured {
     format: Option<&'static str>,
     vertices: usize,
     faces: usize,
-    lights: Vec<SceneLight>,
+    lights: Vec<Lamp>,
     found: Accuracy,
 }
 
@@ -198,7 +198,7 @@ fn measure(file: &Path, args: &Args, asked: &Asked) -> Result<Measured, Failure>
         let (file, count) = (file.display(), lights.len());
         output::say(format_args!("note: {file}: using {MOST_LIGHTS} of {count} lights, evenly spread"));
     }
-    let plain: Vec<Light> = lights.iter().map(|light| light.light).collect();
+    let plain: Vec<Light> = lights.iter().map(|light| *light.light()).collect();
     let progress = Progress::bar(format!("measuring {}", file.display()), question.steps(options));
     let found = question.measure(&mesh, &plain, options, &|steps| progress.done(steps));
     drop(progress);

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use umbrage::oracle::Verdict;
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 use umbrage::verify::pixels::{Mismatch, PixelVerdict};
 use umbrage::verify::points::{Judge, Stratum, Verification};
 
@@ -14,7 +14,7 @@ use crate::cli::output::{number, number32};
 pub(super) fn document(
     file: &str,
     format: Option<&str>,
-    lights: &[SceneLight],
+    lights: &[Lamp],
     results: &[Verification],
     pixels: Option<&Pixels>,
 ) -> Value {
@@ -22,7 +22,7 @@ pub(super) fn document(
     let each =
         lights.iter().zip(results).zip(&judges).enumerate().map(|(index, ((light, result), judges))| {
             let pixels = pixels.map(|pixels| &pixels.lights[index]);
-            let mut entry = json!({ "light": light.light.to_string(), "name": lights::name(&light.name) });
+            let mut entry = json!({ "light": light.light().to_string(), "name": lights::name(&light.name) });
             append(&mut entry, counts(&result.strata, pixels.map(|pixels| pixels.counts), judges));
             let disagreements = result.disagreements.iter().map(|found| {
                 json!({

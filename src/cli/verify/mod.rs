@@ -126,7 +126,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let progress = Progress::bar("judging points", lights.len() as u64 * args.points);
     let results: Vec<Verification> = lights
         .iter()
-        .map(|light| verifier.verify(&light.light, &options, &|points| progress.done(points)))
+        .map(|light| verifier.verify(light.light(), &options, &|points| progress.done(points)))
         .collect();
     drop(progress);
     let pixels = match graphics {

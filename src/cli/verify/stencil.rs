@@ -6,7 +6,7 @@ use umbrage::caster::Caster;
 use umbrage::geom::Light;
 use umbrage::gpu::Gpu;
 use umbrage::render::{MemoryError, verdict_color, verdicts};
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 use umbrage::shadow::stencil::{
     Counting, Depth, Receivers, ShadowMask, ShellMethods, StencilMethod, StencilPass, StencilVolumes,
 };
@@ -79,7 +79,7 @@ fn numbered(path: &Path, number: usize) -> PathBuf {
 /// What is to be judged.
 struct Job<'a> {
     caster: &'a Caster,
-    lights: &'a [SceneLight],
+    lights: &'a [Lamp],
     projection: Projection,
     size: Size,
     /// Where a picture goes, one a light; empty for none.
@@ -109,7 +109,7 @@ fn judge(gpu: &Gpu, job: &Job<'_>) -> Result<Pixels, Failure> {
     drop(progress);
     let mut lights = Vec::new();
     for (index, light) in job.lights.iter().enumerate() {
-        let (pixels, comparison) = bench.judge_light(index, &light.light)?;
+        let (pixels, comparison) = bench.judge_light(index, light.light())?;
         if let Some(path) = job.pictures.get(index) {
             draw(job, &comparison, path)?;
         }

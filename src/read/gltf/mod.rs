@@ -75,7 +75,7 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
             let world_from_mesh = if skinned { Mat4::IDENTITY } else { world.as_mat4() };
             standing.push((mesh, node.name(), world_from_mesh));
         }
-        scene.lights.extend(light::read(document, &node, world, &mut notes)?);
+        scene.lamps.extend(light::read(document, &node, world, &mut notes)?);
         if let Some(camera) = camera::read(document, &node, world, &mut notes)? {
             match scene.camera {
                 None => scene.camera = Some(camera),

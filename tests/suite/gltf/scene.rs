@@ -87,8 +87,8 @@ fn gltf_lights_stand_in_the_world() {
     builder.doc["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     builder.doc["extensionsRequired"] = json!(["KHR_lights_punctual"]);
     builder.doc["extensions"] = json!({"KHR_lights_punctual": {"lights": [
-        {"type": "directional", "name": "sun", "intensity": 3, "color": [1, 0.5, 0.25]},
-        {"type": "point"},
+        {"type": "directional", "name": "sun", "intensity": 3, "range": 9, "color": [1, 0.5, 0.25]},
+        {"type": "point", "range": 7.5},
         {"type": "spot", "spot": {"innerConeAngle": 0.25, "outerConeAngle": 9}}
     ]}});
     let holds = |light: u32| json!({"KHR_lights_punctual": {"light": light}});
@@ -101,28 +101,32 @@ fn gltf_lights_stand_in_the_world() {
         {"extensions": holds(2)}
     ]);
     let scene = builder.read();
-    let [sun, lamp, spot] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+    let [sun, lamp, spot] = &scene.lamps[..] else { panic!("{:?}", scene.lamps) };
     let close =
         |a: [f32; 3], b: [f32; 3]| assert!(glam::Vec3::from(a).abs_diff_eq(b.into(), 1e-6), "{a:?} {b:?}");
-    assert!(sun.light.is_directional() && !lamp.light.is_directional() && !spot.light.is_directional());
-    close(sun.light.xyz(), [0.0, 1.0, 0.0]); // travels down, so it is up
+    assert!(sun.light().is_directional() && !lamp.light().is_directional() && !spot.light().is_directional());
+    close(sun.light().xyz(), [0.0, 1.0, 0.0]); // travels down, so it is up
     assert_eq!((sun.name.as_str(), sun.intensity, sun.color), ("sun", 3.0, [1.0, 0.5, 0.25]));
-    close(lamp.light.xyz(), [1.0, 6.0, 3.0]);
-    assert_eq!((lamp.name.as_str(), lamp.intensity, lamp.color, lamp.spot), ("lamp", 1.0, [1.0; 3], None));
-    close(spot.light.xyz(), [1.0, 2.0, 3.0]);
-    let cone = spot.spot.unwrap();
+    close(lamp.light().xyz(), [1.0, 6.0, 3.0]);
+    assert_eq!((lamp.name.as_str(), lamp.intensity, lamp.color, lamp.cone), ("lamp", 1.0, [1.0; 3], None));
+    close(spot.light().xyz(), [1.0, 2.0, 3.0]);
+    assert_eq!((sun.range, lamp.range, spot.range), (None, Some(7.5), None));
+    let cone = spot.cone.unwrap();
     close(cone.direction, [0.0, -1.0, 0.0]);
     assert_eq!((cone.inner_rad, cone.outer_rad), (0.25, std::f32::consts::FRAC_PI_2));
 
     builder.doc["nodes"][0]["scale"] = json!([1, 1, 0]);
     let scene = builder.read();
-    assert_eq!(scene.lights.len(), 1, "only a point light needs no direction");
+    assert_eq!(scene.lamps.len(), 1, "only a point light needs no direction");
     assert_eq!(
         scene.notes[0],
         "node 1 and 1 more: light left out, for its node is flattened to no direction"
     );
     builder.doc["nodes"][1]["extensions"] = holds(3);
     assert!(builder.refusal().contains("node 1, KHR_lights_punctual (gltf): names light 3, but there are 3"));
+    builder.doc["nodes"][1]["extensions"] = holds(1);
+    builder.doc["extensions"]["KHR_lights_punctual"]["lights"][1]["range"] = 0.into();
+    assert!(builder.refusal().contains("light 1 (gltf): has a range that is not above 0"));
 }
 
 #[test]

@@ -176,9 +176,9 @@ struct Degrees(f32);
 impl fmt::Display for Degrees {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let degrees = f64::from(self.0).to_degrees();
-        let short = degrees as f32;
-        match radians(f64::from(short)).to_bits() == self.0.to_bits() {
-            true => short.fmt(f),
+        let short = (degrees as f32).to_string();
+        match short.parse().map(radians) == Ok(self.0) {
+            true => f.write_str(&short),
             // An f64 is off by 2⁻⁵¹ of itself at most, there and back: the nearest f32 is the one it came from.
             false => degrees.fmt(f),
         }

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use umbrage::caster::Caster;
 use umbrage::geom::Aabb;
-use umbrage::scene::Lamp;
-use umbrage::view::{Camera, Up};
+use umbrage::scene::{Lamp, NamedCamera};
+use umbrage::view::Up;
 
 use super::Failure;
 use super::lights::LightArgs;
@@ -34,7 +34,7 @@ pub(crate) struct Source {
     pub(crate) caster: Caster,
     pub(crate) bounds: Aabb,
     pub(crate) lights: Vec<Lamp>,
-    pub(crate) camera: Option<Camera>,
+    pub(crate) cameras: Vec<NamedCamera>,
 }
 
 impl SourceArgs {
@@ -48,6 +48,6 @@ impl SourceArgs {
         let bounds = load::bounds(&mesh);
         let lights = self.lights.resolve(baked.lights, bounds, up);
         let format = baked.format.map(|format| format.name());
-        Ok(Source { format, up, caster: Caster::new(mesh), bounds, lights, camera: baked.camera })
+        Ok(Source { format, up, caster: Caster::new(mesh), bounds, lights, cameras: baked.cameras })
     }
 }

@@ -6,8 +6,8 @@ use umbrage::check::Screen;
 use umbrage::geom::Aabb;
 use umbrage::mesh::{Mesh, Weld, weld_in_place};
 use umbrage::read::{self, Format};
-use umbrage::scene::{Scene, Lamp, Scope};
-use umbrage::view::{Camera, Up};
+use umbrage::scene::{Lamp, NamedCamera, Scene, Scope};
+use umbrage::view::Up;
 
 use super::error::Failure;
 use super::output;
@@ -67,7 +67,7 @@ pub(crate) struct Baked {
     /// One for each scope.
     pub(crate) meshes: Vec<Mesh>,
     pub(crate) lights: Vec<Lamp>,
-    pub(crate) camera: Option<Camera>,
+    pub(crate) cameras: Vec<NamedCamera>,
 }
 
 /// One mesh after welding, and what welding did.
@@ -96,9 +96,9 @@ impl MeshArgs {
         for note in &scene.notes {
             output::say(format_args!("note: {}: {}", file.display(), output::plain(note)));
         }
-        let (format, up, camera) = (scene.format, scene.up, scene.camera);
-        let lights = std::mem::take(&mut scene.lamps);
-        Ok(Baked { format, up, meshes: self.bake(scene, file)?, lights, camera })
+        let (format, up) = (scene.format, scene.up);
+        let (lights, cameras) = (std::mem::take(&mut scene.lamps), std::mem::take(&mut scene.cameras));
+        Ok(Baked { format, up, meshes: self.bake(scene, file)?, lights, cameras })
     }
 
     fn bake(&self, scene: Scene, file: &Path) -> Result<Vec<Mesh>, Failure> {

@@ -11,7 +11,7 @@ use umbrage::render;
 use umbrage::render::{CLAY, Ground, Picture, ShadedLight, View};
 #[cfg(feature = "gpu")]
 use umbrage::shadow::stencil::StencilMethod;
-use umbrage::view::{Camera, Size, Up};
+use umbrage::view::Size;
 
 use super::input::{Source, SourceArgs};
 #[cfg(feature = "gpu")]
@@ -172,16 +172,12 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     require_png(&args.output)?;
     refuse_overwriting("--output", Some(&args.output), &args.source.file)?;
     require_folder(&args.output)?;
-    let asked = args.view.camera(Up::Y)?; // nonsense is refused before the file is read
+    args.view.refuse()?; // before the file is read
     let way = args.method.settle(&args.adapter)?;
     args.threads.apply()?;
 
-    let Source { up, caster, bounds, lights: of_scene, camera: of_file, .. } = args.source.load()?;
-    let camera = match asked {
-        Some(_) => args.view.camera(up)?,
-        None => of_file.inspect(|_| output::say("note: no --eye: using the camera of the file")),
-    };
-    let camera = camera.unwrap_or_else(|| Camera::fit(&bounds, up, args.size.aspect()));
+    let Source { up, caster, bounds, lights: of_scene, cameras, .. } = args.source.load()?;
+    let camera = args.view.choose(&cameras, &args.source.file, &bounds, up, args.size)?;
     let mut lamps = if args.source.lights.were_asked_for() {
         ShadedLight::equal(&of_scene)
     } else {

@@ -221,7 +221,7 @@ impl<'a> Stage<'a> {
             });
         }
         let target = Target::new(gpu, size)?;
-        let frame = pass.frame(projection, size, receivers);
+        let frame = pass.frame(projection, size, receivers)?;
         let scale = frame.scale;
         let frame = gpu.uniform(&frame)?;
         let ground = view.ground.map_or(FaceId(u32::MAX), |ground| ground.first_face);

@@ -24,10 +24,19 @@ pub struct Scene {
     pub instances: Vec<Instance>,
     /// The file's own lamps, in world space.
     pub lamps: Vec<Lamp>,
-    /// The file's own camera, in world space.
-    pub camera: Option<Camera>,
+    /// The file's own cameras, in world space.
+    pub cameras: Vec<NamedCamera>,
     /// What the reader did that a person should know of: n-gons cut into fans, lines ignored.
     pub notes: Vec<String>,
+}
+
+/// A camera of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedCamera {
+    /// The name in the file, or else that of the node; may be empty.
+    pub name: String,
+    /// The camera.
+    pub camera: Camera,
 }
 
 /// One standing of a mesh in the world.

@@ -35,7 +35,8 @@ fn wide(p: [f32; 3]) -> DVec3 {
 
 /// Looks along −z from `eye`, with a square picture whose sides are as far off as they are deep.
 fn ahead(eye: [f32; 3], near: f32) -> Projection {
-    Projection { eye, right: [1.0, 0.0, 0.0], up: [0.0, 1.0, 0.0], forward: [0.0, 0.0, -1.0], near }
+    let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
+    Projection { eye, right, up, forward, near, kind: Default::default() }
 }
 
 fn turned(projection: &Projection, by: DQuat) -> Projection {

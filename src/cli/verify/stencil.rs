@@ -12,7 +12,7 @@ use umbrage::shadow::stencil::{
 };
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
 use umbrage::view::Projection;
-use umbrage::view::{Camera, Size};
+use umbrage::view::Size;
 
 use super::pixels::{Counts, LightPixels, PASSES, Pass, Pixels};
 use super::{Args, SHOWN};
@@ -36,7 +36,8 @@ impl Graphics {
 
     pub(super) fn judge(&self, args: &Args, source: &Source) -> Result<Pixels, Failure> {
         let size = args.size.unwrap_or(Size::new(SIDE, SIDE).expect("in range"));
-        let camera = camera(args, source, size)?;
+        let Source { cameras, bounds, up, .. } = source;
+        let camera = args.view.choose(cameras, &args.source.file, bounds, *up, size)?;
         let job = Job {
             caster: &source.caster,
             lights: &source.lights,
@@ -46,14 +47,6 @@ impl Graphics {
         };
         judge(&self.0, &job)
     }
-}
-
-/// The camera that was asked for, else the file's, else one that shows everything.
-fn camera(args: &Args, source: &Source, size: Size) -> Result<Camera, Failure> {
-    let asked = args.view.camera(source.up)?;
-    let of_file = || source.camera.inspect(|_| output::say("note: no --eye: using the camera of the file"));
-    let fitted = || Camera::fit(&source.bounds, source.up, size.aspect());
-    Ok(asked.or_else(of_file).unwrap_or_else(fitted))
 }
 
 /// Where the pictures go, one a light.

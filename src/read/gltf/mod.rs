@@ -1,4 +1,4 @@
-//! glTF 2.0, as JSON or binary: the default scene's meshes, where they stand, its lights and its camera.
+//! glTF 2.0, as JSON or binary: the default scene's meshes, where they stand, its lamps and cameras.
 //!
 //! Source: Khronos, *glTF 2.0 Specification*, and the extensions KHR_lights_punctual and
 //! KHR_mesh_quantization. Only what the scene shows is read: a mesh that stands nowhere is noted, not decoded.
@@ -76,12 +76,7 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
             standing.push((mesh, node.name(), world_from_mesh));
         }
         scene.lamps.extend(light::read(document, &node, world, &mut notes)?);
-        if let Some(camera) = camera::read(document, &node, world, &mut notes)? {
-            match scene.camera {
-                None => scene.camera = Some(camera),
-                Some(_) => notes.add("further camera left out", &node.place),
-            }
-        }
+        scene.cameras.extend(camera::read(document, &node, world, &mut notes)?);
     }
     if document.list(Kind::Node).is_empty() {
         for mesh in 0..document.list(Kind::Mesh).len() {

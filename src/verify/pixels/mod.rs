@@ -7,7 +7,7 @@
 mod footprint;
 mod recenter;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use footprint::step;
 use recenter::Recentered;
@@ -20,8 +20,7 @@ use crate::oracle::{Intersection, Oracle, PrimaryHit};
 use crate::parallel;
 use crate::shadow::stencil::{Counting, ShadowMask};
 use crate::silhouette::{Silhouette, SilhouetteEdge};
-use crate::view::Projection;
-use crate::view::Size;
+use crate::view::{Projection, Rays, Size};
 
 /// What is said of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -165,7 +164,8 @@ fn judge_all(
     let edges: Vec<[[f32; 3]; 2]> = edges.collect();
     let boxes: Vec<Aabb> = edges.iter().map(|ends| Aabb::around(*ends)).collect();
     let edge_tree = Bvh::build(&boxes);
-    let pixels = Pixels { oracle, rendered, size, step: step(rendered.projection, size), edges, edge_tree };
+    let (rays, step) = (Rays::new(rendered.projection, size), step(rendered.projection, size));
+    let pixels = Pixels { oracle, rendered, rays, step, edges, edge_tree };
     let mut verdicts = vec![PixelVerdict::Sky; size.pixels()];
     parallel::rows(&mut verdicts, size.width() as usize, |y, row| {
         // Where a row is full of mismatches that nothing explains, more of them are not worth a long search each.
@@ -204,7 +204,7 @@ impl Seen {
 struct Pixels<'a> {
     oracle: &'a Oracle,
     rendered: &'a Rendered<'a>,
-    size: Size,
+    rays: Rays,
     /// How far sideways the footprint of a pixel reaches, in pixels.
     step: f64,
     /// The ends of the silhouette edges.
@@ -259,16 +259,15 @@ impl Pixels<'_> {
 
     /// What is seen through a place of the picture, in pixels from the upper left corner.
     fn look(&self, place: [f64; 2]) -> Option<Seen> {
-        let projection = self.rendered.projection;
-        let direction = self.ray(place).as_vec3().into();
-        let visible = self.oracle.first_visible_beyond(projection.eye, direction, projection.near.into())?;
+        let ray = self.rays.ray(place[0], place[1]);
+        let near = self.rendered.projection.near.into();
+        let visible = self.oracle.first_visible_beyond(ray.origin, ray.direction, near)?;
         let (count, touching) = self.count(visible.point);
         Some(Seen { visible, count, touching })
     }
 
     fn ray(&self, [x, y]: [f64; 2]) -> DVec3 {
-        let (width, height) = (f64::from(self.size.width()), f64::from(self.size.height()));
-        self.rendered.projection.ray(DVec2::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height))
+        self.rays.direction(x, y)
     }
 
     /// How many casting faces are between a point and the light, and whether any is only touched.

@@ -1,7 +1,8 @@
 //! Nodes, lights, cameras, and the extensions that a scene may require.
 
 use serde_json::json;
-use umbrage::scene::Scope;
+use umbrage::scene::{NamedCamera, Scope};
+use umbrage::view::Lens;
 
 use super::{Builder, SQUARE, identity};
 
@@ -130,30 +131,33 @@ fn gltf_lights_stand_in_the_world() {
 }
 
 #[test]
-fn gltf_first_perspective_camera_is_the_camera() {
+fn gltf_cameras_are_all_read() {
     let mut builder = Builder::square();
     builder.doc["cameras"] = json!([
-        {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 1, "znear": 0}},
+        {"type": "orthographic", "name": "plan", "orthographic": {"xmag": 1, "ymag": 3, "zfar": 1, "znear": 0}},
         {"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}},
-        {"type": "perspective", "perspective": {"yfov": 0.75, "znear": 0.1}}
+        {"type": "panorama"}
     ]);
     builder.doc["nodes"] = json!([
-        {"camera": 0, "children": [1, 2]},
-        {"camera": 1, "translation": [1, 2, 3], "rotation": [0, 1, 0, 0]},
+        {"camera": 1, "name": "front", "translation": [1, 2, 3], "rotation": [0, 1, 0, 0], "children": [1, 2]},
+        {"camera": 0},
         {"camera": 2}
     ]);
     let scene = builder.read();
-    let camera = scene.camera.unwrap();
-    assert_eq!(
-        (camera.eye, camera.forward, camera.up, camera.fov_y_rad),
-        ([1.0, 2.0, 3.0].into(), glam::Vec3::Z, glam::Vec3::Y, 0.5)
-    );
-    assert_eq!(
-        scene.notes[..2],
-        ["camera 0: camera that is not a perspective one left out", "node 2: further camera left out"]
-    );
+    let [front, plan] = &scene.cameras[..] else { panic!("{:?}", scene.cameras) };
+    assert_eq!((front.name.as_str(), plan.name.as_str()), ("front", "plan"));
+    let place = (glam::Vec3::new(1.0, 2.0, 3.0), glam::Vec3::Z, glam::Vec3::Y);
+    for NamedCamera { camera, .. } in [front, plan] {
+        assert_eq!((camera.eye, camera.forward, camera.up), place);
+    }
+    assert_eq!(front.camera.lens, Lens::Perspective { fov_y_rad: 0.5 });
+    assert_eq!(plan.camera.lens, Lens::Orthographic { height: 6.0 });
+    assert_eq!(scene.notes[0], "camera 2: camera that is neither perspective nor orthographic left out");
     builder.doc["cameras"][1]["perspective"]["yfov"] = 4.into();
     assert!(builder.refusal().contains("camera 1, perspective (gltf): yfov is 4"));
+    builder.doc["cameras"][1]["perspective"]["yfov"] = 0.5.into();
+    builder.doc["cameras"][0]["orthographic"]["ymag"] = 0.into();
+    assert!(builder.refusal().contains("camera 0, orthographic (gltf): ymag is 0"));
 }
 
 #[test]

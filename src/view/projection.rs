@@ -54,7 +54,7 @@ pub enum ProjectionError {
     /// An entry is NaN or infinite.
     #[error("{0} has an entry that is not a finite number")]
     NotFinite(&'static str),
-    /// The view matrix has another last row than 0, 0, 0, 1, or flattens space.
+    /// The view matrix has another last row than 0, 0, 0, c, or flattens space.
     #[error("view_from_world is not an invertible affine transform")]
     View,
     /// The last row of the projection matrix is neither 0, 0, ±c, 0 nor 0, 0, 0, 1.
@@ -109,9 +109,11 @@ impl Projection {
             }
         }
         let (view, clip) = (view_from_world.as_dmat4(), clip_from_view.as_dmat4());
-        if view.row(3) != DVec4::W || view.determinant() == 0.0 {
-            return Err(ProjectionError::View);
-        }
+        // The inverse of a camera's matrix has a last entry that is 1 but for rounding: a factor of all coordinates.
+        let view = match view.row(3).to_array() {
+            [0.0, 0.0, 0.0, w] if w != 0.0 && view.determinant() != 0.0 => view * w.recip(),
+            _ => return Err(ProjectionError::View),
+        };
         // Distance in view space is ±z, up to a common factor of the matrix.
         let (perspective, along_z, factor) = match clip.row(3).to_array() {
             [0.0, 0.0, z, 0.0] if z != 0.0 => (true, z.signum(), z.abs()),

@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use umbrage::caster::Caster;
+use umbrage::mesh::{FaceId, Mesh, Part};
 #[cfg(feature = "gpu")]
 use umbrage::geom::Aabb;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::render;
+use umbrage::scene::Material;
 use umbrage::render::{CLAY, Ground, Picture, ShadedLight, View};
 #[cfg(feature = "gpu")]
 use umbrage::shadow::stencil::StencilMethod;
@@ -176,7 +178,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let way = args.method.settle(&args.adapter)?;
     args.threads.apply()?;
 
-    let Source { up, caster, bounds, lights: of_scene, cameras, .. } = args.source.load()?;
+    let Source { up, caster, bounds, lights: of_scene, cameras, materials, .. } = args.source.load()?;
     let camera = args.view.choose(&cameras, &args.source.file, &bounds, up, args.size)?;
     let mut lamps = if args.source.lights.were_asked_for() {
         ShadedLight::equal(&of_scene)
@@ -196,13 +198,15 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         (caster, None)
     };
 
+    let colors = colors(caster.mesh(), &materials);
+    let paint = |face: FaceId| colors.get(face.index()).copied().unwrap_or(CLAY);
     let view = |samples| View {
         camera,
         size: args.size,
         lamps: &lamps,
         up,
         ground,
-        paint: &|_| CLAY,
+        paint: &paint,
         edge_samples: args.samples.unwrap_or(samples),
     };
     let picture = match way {
@@ -222,6 +226,19 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     picture.write_png(&args.output)?;
     output::wrote(&args.output);
     Ok(Outcome::Sound)
+}
+
+/// The base color of each face; empty if no material states one, so that all faces are of clay.
+fn colors(mesh: &Mesh, materials: &[Material]) -> Vec<[f32; 3]> {
+    let color = |part: &Part| materials.get(part.material? as usize)?.base_color;
+    if mesh.parts().iter().all(|part| color(part).is_none()) {
+        return Vec::new();
+    }
+    let mut colors = vec![CLAY; mesh.face_count()];
+    for part in mesh.parts() {
+        colors[part.faces.start as usize..part.faces.end as usize].fill(color(part).unwrap_or(CLAY));
+    }
+    colors
 }
 
 /// Lets go of the mesh: the ray cast has faces of its own.

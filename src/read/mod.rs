@@ -96,7 +96,7 @@ fn read_source<R: BufRead + Seek>(
     }
     let format = sniff(&head, source.len, name)?;
     let mut scene = match format {
-        Format::Obj => obj::read(source),
+        Format::Obj => obj::read(source, folder),
         Format::Gltf | Format::Glb => gltf::read(source, format, folder),
         Format::Stl => stl::read(source),
         Format::Ply => ply::read(source),

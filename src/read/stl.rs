@@ -132,7 +132,7 @@ fn read_text<R: BufRead>(reader: R) -> Result<Scene, ReadError> {
             Inside::Solid if is("endsolid") => Inside::File,
             Inside::File if is("solid") => {
                 let start = (positions.len() / 3) as u32;
-                solids.push(Part { name: line.name(), faces: start..start });
+                solids.push(Part::new(line.name(), start..start));
                 Inside::Solid
             }
             _ => return Err(line.error(format!("{} is wanted, not {}", wanted(inside), quote(keyword)))),

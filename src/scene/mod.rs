@@ -2,11 +2,17 @@
 
 mod format;
 mod lamp;
+mod material;
+mod pattern;
+mod visible;
 
 use glam::Mat4;
 
 pub use format::Format;
 pub use lamp::{Lamp, LampError, LampShape, Rectangle, SpotCone};
+pub use material::{AlphaMode, Material};
+pub use pattern::Pattern;
+pub use visible::PlacedPart;
 
 use crate::mesh::{Mesh, MeshError, Part};
 use crate::view::{Camera, Up};
@@ -20,8 +26,10 @@ pub struct Scene {
     pub up: Up,
     /// The meshes, each once, in their own space.
     pub meshes: Vec<Mesh>,
-    /// Where meshes stand in the world.
+    /// The meshes placed in the world.
     pub instances: Vec<Instance>,
+    /// What the parts of meshes are made of.
+    pub materials: Vec<Material>,
     /// The file's own lamps, in world space.
     pub lamps: Vec<Lamp>,
     /// The file's own cameras, in world space.
@@ -154,29 +162,36 @@ fn split(mesh: Mesh) -> Result<Vec<Mesh>, MeshError> {
     let mut new_of_old = vec![u32::MAX; mesh.vertex_count()];
     let mut pieces = Vec::with_capacity(mesh.parts().len());
     for part in mesh.parts() {
-        let mut old_of_new: Vec<u32> = Vec::new();
         let faces = &mesh.triangles()[part.faces.start as usize..part.faces.end as usize];
-        let triangles = faces
-            .iter()
-            .map(|corners| {
-                corners.map(|old| {
-                    let new = &mut new_of_old[old as usize];
-                    if *new == u32::MAX {
-                        *new = old_of_new.len() as u32; // at most three a face, and faces fit 32 bits
-                        old_of_new.push(old);
-                    }
-                    *new
-                })
-            })
-            .collect();
-        let pick = |from: &[[f32; 3]]| old_of_new.iter().map(|&old| from[old as usize]).collect::<Vec<_>>();
         let name = [mesh.name.as_str(), part.name.as_str()].into_iter().filter(|name| !name.is_empty());
-        let piece = Mesh::new(pick(mesh.positions()), triangles)?
+        let piece = pick(&mesh, faces, &mut new_of_old)?
             .with_name(name.collect::<Vec<_>>().join(" / "))
-            .with_parts(vec![Part { name: part.name.clone(), faces: 0..faces.len() as u32 }])
-            .with_frames(mesh.frames().iter().map(|frame| pick(frame)).collect())?;
-        old_of_new.iter().for_each(|&old| new_of_old[old as usize] = u32::MAX);
+            .with_parts(vec![Part { faces: 0..faces.len() as u32, ..part.clone() }]);
         pieces.push(piece);
     }
     Ok(pieces)
+}
+
+/// Some faces of `mesh` with only the vertices that they use, in the order of their first use. `new_of_old` has an
+/// entry per vertex, `u32::MAX`, and is left so.
+fn pick(mesh: &Mesh, faces: &[[u32; 3]], new_of_old: &mut [u32]) -> Result<Mesh, MeshError> {
+    let mut old_of_new: Vec<u32> = Vec::new();
+    let triangles = faces
+        .iter()
+        .map(|corners| {
+            corners.map(|old| {
+                let new = &mut new_of_old[old as usize];
+                if *new == u32::MAX {
+                    *new = old_of_new.len() as u32; // at most three a face, and faces fit 32 bits
+                    old_of_new.push(old);
+                }
+                *new
+            })
+        })
+        .collect();
+    let pick = |from: &[[f32; 3]]| old_of_new.iter().map(|&old| from[old as usize]).collect::<Vec<_>>();
+    let picked = Mesh::new(pick(mesh.positions()), triangles)?
+        .with_frames(mesh.frames().iter().map(|frame| pick(frame)).collect())?;
+    old_of_new.iter().for_each(|&old| new_of_old[old as usize] = u32::MAX);
+    Ok(picked)
 }

@@ -191,7 +191,7 @@ fn refuse(args: &Args) -> Result<Asked, Failure> {
 
 fn measure(file: &Path, args: &Args, asked: &Asked) -> Result<Measured, Failure> {
     let Asked { question, options } = asked;
-    let source = SourceArgs { file: file.to_owned(), mesh: args.mesh, lights: args.lights.clone() };
+    let source = SourceArgs { file: file.to_owned(), mesh: args.mesh.clone(), lights: args.lights.clone() };
     let Source { format, caster, lights, .. } = source.load()?;
     let mesh = caster.into_mesh();
     if lights.len() > MOST_LIGHTS {

@@ -48,19 +48,20 @@ pub(super) fn read(asset: &Asset, index: usize, notes: &mut Notes) -> Result<Mes
     for (index, primitive) in object.objects("primitives", "primitive")?.enumerate() {
         let primitive = primitive?;
         if let Some(geometry) = read_primitive(asset, &primitive, notes)? {
-            primitives.push((part_name(asset, &primitive, index)?, geometry));
+            let material = primitive.link("material", asset.document, Kind::Material)?;
+            primitives.push((part_name(asset, material, index)?, material, geometry));
         }
     }
 
     // Each frame holds as many positions as the mesh, whichever primitives the target moves.
-    let vertices: usize = primitives.iter().map(|(_, primitive)| primitive.positions.len()).sum();
-    let targets = primitives.iter().map(|(_, primitive)| primitive.displacements.len()).max().unwrap_or(0);
+    let vertices: usize = primitives.iter().map(|(.., primitive)| primitive.positions.len()).sum();
+    let targets = primitives.iter().map(|(.., primitive)| primitive.displacements.len()).max().unwrap_or(0);
     asset.charge(vertices.saturating_mul(targets), &object)?;
     let mut positions: Vec<[f32; 3]> = Vec::with_capacity(vertices);
     let mut frames: Vec<Vec<[f32; 3]>> = (0..targets).map(|_| Vec::with_capacity(vertices)).collect();
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let mut parts = Vec::with_capacity(primitives.len());
-    for (name, primitive) in primitives {
+    for (name, material, primitive) in primitives {
         for (target, frame) in frames.iter_mut().enumerate() {
             match primitive.displacements.get(target) {
                 Some(Some(displacements)) => {
@@ -74,7 +75,9 @@ pub(super) fn read(asset: &Asset, index: usize, notes: &mut Notes) -> Result<Mes
         let (vertex, face) = (positions.len() as u32, triangles.len() as u32);
         positions.extend_from_slice(&primitive.positions);
         triangles.extend(primitive.triangles.iter().map(|t| t.map(|corner| corner.wrapping_add(vertex))));
-        parts.push(Part { name, faces: face..triangles.len() as u32 });
+        // A JSON list of more than 2³² materials does not fit the memory.
+        let material = material.map(|index| index as u32);
+        parts.push(Part { name, faces: face..triangles.len() as u32, material });
     }
     Mesh::new(positions, triangles)
         .and_then(|mesh| mesh.with_parts(parts).with_name(object.name()).with_frames(frames))
@@ -82,8 +85,8 @@ pub(super) fn read(asset: &Asset, index: usize, notes: &mut Notes) -> Result<Mes
 }
 
 /// "primitive 2", or "primitive 2 (Wheel)" after its material.
-fn part_name(asset: &Asset, primitive: &Object, index: usize) -> Result<String, ReadError> {
-    let material = match primitive.link("material", asset.document, Kind::Material)? {
+fn part_name(asset: &Asset, material: Option<usize>, index: usize) -> Result<String, ReadError> {
+    let material = match material {
         Some(material) => asset.document.item(Kind::Material, material)?.given_name(),
         None => None,
     };

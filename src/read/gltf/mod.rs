@@ -14,6 +14,7 @@ mod camera;
 mod container;
 mod document;
 mod light;
+mod material;
 mod mesh;
 mod node;
 mod uri;
@@ -100,6 +101,8 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
         let mesh = slot_of_mesh[mesh].expect("every mesh that stands somewhere was read");
         Instance { mesh, name, world_from_mesh }
     };
+    let materials = 0..document.list(Kind::Material).len();
+    scene.materials = materials.map(|index| material::read(document, index, &mut notes)).collect();
     scene.instances = standing.into_iter().map(instance).collect();
     notes.add_many("animation ignored", "animation 0", document.object().list("animations")?.len());
     scene.notes = notes.into_lines();

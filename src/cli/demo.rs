@@ -13,7 +13,7 @@ use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::Mesh;
 use umbrage::render;
 use umbrage::render::{CLAY, Picture, ShadedLight, View};
-use umbrage::scene::{Instance, Scene, Lamp, Scope};
+use umbrage::scene::{Instance, Lamp, Scene, Scope};
 use umbrage::testing::shapes;
 use umbrage::verify::points::{Options, Verification, Verifier};
 use umbrage::view::{Camera, Size, Up};

@@ -49,6 +49,14 @@ impl SourceArgs {
         let bounds = load::bounds(&mesh);
         let lights = self.lights.resolve(baked.lights, bounds, up);
         let format = baked.format.map(|format| format.name());
-        Ok(Source { format, up, caster: Caster::new(mesh), bounds, lights, cameras: baked.cameras, materials: baked.materials })
+        Ok(Source {
+            format,
+            up,
+            caster: Caster::new(mesh),
+            bounds,
+            lights,
+            cameras: baked.cameras,
+            materials: baked.materials,
+        })
     }
 }

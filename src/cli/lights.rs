@@ -13,12 +13,13 @@ pub(crate) struct LightArgs {
     /// A light in mesh units: `point:X,Y,Z`, `directional:X,Y,Z` (the way the light travels) or
     /// `spot:X,Y,Z:DX,DY,DZ:OUTER[,INNER]` (angles in degrees); may be repeated
     ///
-    /// `,range=D` behind a point or spot light ends it at that distance, in pictures with physical falloff. For
-    /// example: --light spot:0,5,0:0,-1,0:30,20,range=12. Casting a shadow, a spot light is the point it shines from.
-    /// Lights with an extent (`,radius=R`, `,angle=DEG`, `rect:X,Y,Z:X,Y,Z:X,Y,Z`) are not built yet.
+    /// `,range=D` behind a point or spot light ends it at that distance, in pictures with physical falloff.
+    /// For example: --light spot:0,5,0:0,-1,0:30,20,range=12. Casting a shadow, a spot light is the point it
+    /// shines from. Lights with an extent (`,radius=R`, `,angle=DEG`, `rect:X,Y,Z:X,Y,Z:X,Y,Z`) are not built
+    /// yet.
     ///
-    /// [default: the file's own lights; without those, a point light 1.5 diagonals of the bounding box away from
-    /// its center, above and to the side, towards (1,2,1), or (1,-1,2) for stl and md2, where z is up]
+    /// [default: the file's own lights; without those, a point light 1.5 diagonals of the bounding box away
+    /// from its center, above and to the side, towards (1,2,1), or (1,-1,2) for stl and md2, where z is up]
     #[arg(long = "light", value_name = "LIGHT", allow_hyphen_values = true)]
     lights: Vec<Lamp>,
 }
@@ -54,8 +55,8 @@ impl LightArgs {
     }
 }
 
-/// A light for a person: coordinates far from 1 with an exponent, then its name, if it has one. Without the name it
-/// can be given back as `--light`.
+/// A light for a person: coordinates far from 1 with an exponent, then its name, if it has one. Without the
+/// name it can be given back as `--light`.
 pub(crate) fn label(light: &Light, name: &str) -> String {
     let exact = light.to_string();
     let (kind, coordinates) = exact.split_once(':').unwrap_or(("", &exact));
@@ -73,7 +74,8 @@ pub(crate) fn name(name: &str) -> Value {
     if name.is_empty() { Value::Null } else { name.into() }
 }
 
-/// 1.5 diagonals from the center towards (1, 2, 1) of a y-up model: above, in front and to the side of everything.
+/// 1.5 diagonals from the center towards (1, 2, 1) of a y-up model: above, in front and to the side of
+/// everything.
 fn default_light(bounds: Aabb, up: Up) -> Light {
     let (center, diagonal) = (bounds.center(), bounds.diagonal());
     let reach = if diagonal > 0.0 { 1.5 * diagonal } else { 1.0 };

@@ -17,8 +17,8 @@ use super::progress::Progress;
 /// How vertices are merged and what counts as one mesh.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct MeshArgs {
-    /// Which vertices are the same: `exact` (equal positions, bit for bit), `none` (the file's own indices), or a
-    /// distance in mesh units
+    /// Which vertices are the same: `exact` (equal positions, bit for bit), `none` (the file's own indices),
+    /// or a distance in mesh units
     ///
     /// Raise the distance when a report speaks of near-miss seams: nothing moves farther than that.
     #[arg(long, value_name = "exact|none|DIST", default_value = "exact", value_parser = parse_weld, allow_negative_numbers = true)]
@@ -37,7 +37,7 @@ pub(crate) struct MeshArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum ScopeArg {
-    /// Each mesh where it stands in the scene
+    /// Each instance of a mesh in the scene
     Mesh,
     /// Each part of a mesh (primitive, group) for itself
     Primitive,
@@ -150,8 +150,8 @@ impl MeshArgs {
         WeldedMesh { mesh: welded.mesh, vertices, unreferenced }
     }
 
-    /// Whether a mesh is balanced as it would be welded, with the probability of error of [`Screen`]; `None` for a
-    /// weld within a distance, which cannot be told without doing it.
+    /// Whether a mesh is balanced as it would be welded, with the probability of error of [`Screen`]; `None`
+    /// for a weld within a distance, which has to be done to know.
     pub(crate) fn screen(&self, mesh: &Mesh) -> Option<bool> {
         match self.weld {
             Weld::Exact => Some(Screen::default().positions(mesh)),
@@ -208,11 +208,13 @@ fn nothing_matches(option: &str, pattern: &Pattern, scene: &Scene) -> Failure {
     }
 }
 
-/// Leaves out what its material makes invisible and says so; also where a texture, which is not read, may do that.
+/// Leaves out what its material makes invisible and says so; also where a texture, which is not read, may do
+/// that.
 fn leave_out_invisible(scene: &mut Scene, file: &Path) -> Result<(), Failure> {
     let of_parts = |is: fn(&Material) -> bool| {
         let mut names: Vec<&str> = Vec::new();
-        for material in scene.placed_parts().filter_map(|part| part.material).filter(|material| is(material)) {
+        for material in scene.placed_parts().filter_map(|part| part.material).filter(|material| is(material))
+        {
             if names.len() <= NAMES && !names.contains(&material.name.as_str()) {
                 names.push(&material.name);
             }

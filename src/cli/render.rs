@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use umbrage::caster::Caster;
-use umbrage::mesh::{FaceId, Mesh, Part};
 #[cfg(feature = "gpu")]
 use umbrage::geom::Aabb;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
+use umbrage::mesh::{FaceId, Mesh, Part};
 use umbrage::render;
-use umbrage::scene::Material;
 use umbrage::render::{CLAY, Ground, Picture, ShadedLight, View};
+use umbrage::scene::Material;
 #[cfg(feature = "gpu")]
 use umbrage::shadow::stencil::StencilMethod;
 use umbrage::view::Size;
@@ -29,10 +29,10 @@ use super::{Failure, Outcome};
 
 /// Picture: shadows by a stencil pass or by exact ray cast, flat faces, plain shading
 ///
-/// Shading is for the eye: a light is as strong far away as near, unless --falloff says otherwise. Lights asked for share one brightness; those of a
-/// file keep the ratio that their candela and lux have at the center of the scene, a spot light within its cone.
-/// Both ways shade alike; a stencil pass says of each light how its shells were counted. A point that a ray only
-/// grazes is drawn lit.
+/// Shading is for the eye: a light is as strong far away as near, unless --falloff says otherwise. Lights
+/// asked for share one brightness; those of a file keep the ratio that their candela and lux have at the
+/// center of the scene, a spot light within its cone. Rays and stencil shade alike; a stencil pass says of
+/// each light how its shells were counted. A point that a ray only grazes is drawn lit.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -81,7 +81,8 @@ pub(crate) struct Args {
 enum FalloffArg {
     /// Not at all: as strong far away as near
     Plain,
-    /// With the inverse square of the distance, and ending at the light's range, as KHR_lights_punctual defines it
+    /// With the inverse square of the distance, and ending at the light's range, as KHR_lights_punctual
+    /// defines it
     Physical,
 }
 
@@ -162,7 +163,7 @@ fn parse_samples(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Whether a picture can be written under this name, as far as the name tells.
+/// Whether a picture can be written under this name, as far as the name shows.
 pub(crate) fn require_png(path: &Path) -> Result<(), Failure> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         return Ok(());

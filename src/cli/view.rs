@@ -14,8 +14,8 @@ use super::{Failure, output};
 pub(crate) struct ViewArgs {
     /// Position of the eye, in mesh units
     ///
-    /// For example: --eye 3,2,8 --target 0,1,0. [default: the file's own camera; without one, a three-quarter view from
-    /// the front, the right and above that shows everything]
+    /// For example: --eye 3,2,8 --target 0,1,0. [default: the file's own camera; without one, a three-quarter
+    /// view from the front, the right and above that shows everything]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "target", allow_hyphen_values = true)]
     eye: Option<[f32; 3]>,
 
@@ -27,9 +27,11 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "DEG", requires = "eye", value_parser = degrees, allow_negative_numbers = true)]
     fov: Option<f32>,
 
-    /// Parallel rays instead of perspective, and the height of what they see in mesh units; together with --eye
+    /// Parallel rays instead of perspective, and the height of what they see in mesh units; together with
+    /// --eye
     ///
-    /// For example, a plan: --eye 0,10,0 --target 0,0,0 --ortho 6. A stencil pass cannot draw it yet: rays do.
+    /// For example, a plan: --eye 0,10,0 --target 0,0,0 --ortho 6. A stencil pass cannot draw it yet: rays
+    /// do.
     #[arg(long, value_name = "HEIGHT", requires = "eye", conflicts_with = "fov", value_parser = distance, allow_negative_numbers = true)]
     ortho: Option<f32>,
 
@@ -102,7 +104,10 @@ fn named(wanted: &str, cameras: &[NamedCamera]) -> Result<Camera, Failure> {
         let problem = format!("--camera {wanted}: the file has no such camera");
         let names = cameras.iter().take(NAMES).map(|camera| output::short(&camera.name));
         match cameras.len() {
-            0 => Failure::new(format!("{problem}, nor any other"), "leave out --camera, or use --eye and --target"),
+            0 => Failure::new(
+                format!("{problem}, nor any other"),
+                "leave out --camera, or use --eye and --target",
+            ),
             count => {
                 let names = names.collect::<Vec<_>>().join(", ");
                 Failure::new(problem, format!("use a number from 1 to {count}, or a name: {names}"))

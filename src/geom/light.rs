@@ -13,7 +13,7 @@ pub struct Light {
     at_infinity: bool,
 }
 
-/// Why coordinates do not make a [`Light`].
+/// The error for coordinates that make no [`Light`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LightError {
@@ -81,7 +81,7 @@ fn finite(xyz: [f32; 3]) -> Result<[f32; 3], LightError> {
     }
 }
 
-/// As on the command line: `point:X,Y,Z`, or `directional:X,Y,Z` with the way the light travels.
+/// As on the command line: `point:X,Y,Z`, or `directional:X,Y,Z` with the direction in which the light travels.
 impl fmt::Display for Light {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y, z] = if self.at_infinity { self.xyz.map(|x| 0.0 - x) } else { self.xyz };

@@ -39,7 +39,9 @@ pub enum GpuError {
         remedy: &'static str,
     },
     /// A kind of view that no shader draws yet.
-    #[error("not built yet: {0} on a graphics adapter; use a perspective camera, or rays (render --method rays)")]
+    #[error(
+        "not built yet: {0} on a graphics adapter; use a perspective camera, or rays (render --method rays)"
+    )]
     NotBuilt(&'static str),
     /// A mesh is so small that a device may take its coordinates for zero.
     #[error(

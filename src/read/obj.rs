@@ -1,11 +1,11 @@
 //! Wavefront OBJ: positions, faces, and the names of their runs.
 //!
-//! The parser of the geometry is our own: `tobj` renumbers vertices (so unreferenced ones are lost), splits the file by
-//! group and material, and does not report the line of an error. All vertices stay, in the order of the file. Material
-//! libraries are parsed by `tobj`.
+//! The parser of the geometry is our own: `tobj` renumbers vertices (so unreferenced ones are lost), splits
+//! the file by group and material, and does not report the line of an error. All vertices stay, in the order
+//! of the file. Material libraries are parsed by `tobj`.
 //!
-//! An index may name a vertex further down. Polygons are cut into fans. Texture coordinates, normals and
-//! smoothing are skipped in silence; other statements (lines, points, curves) with a note.
+//! An index may name a vertex that comes later. Polygons are cut into fans. Texture coordinates, normals and
+//! smoothing are skipped without a note; other statements (lines, points, curves) with a note.
 
 mod library;
 
@@ -51,7 +51,7 @@ struct Obj {
     parts: Vec<Part>,
     /// Object, group, material: what the next faces belong to.
     names: [String; 3],
-    /// The names of the last part, to tell whether a face continues it.
+    /// The names of the last part, to decide whether a face continues it.
     part_names: [String; 3],
     /// Whether a name came since the last face.
     renamed: bool,
@@ -149,7 +149,7 @@ impl Obj {
             }
             name.push_str(part);
         }
-        // A count that does not fit 32 bits is refused by `Mesh::new` before the parts are looked at.
+        // A count that does not fit 32 bits is refused by `Mesh::new` before the parts are used.
         let material = match self.names[2].as_str() {
             "" => None,
             name => Some(self.material(name.to_owned())),

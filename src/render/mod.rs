@@ -1,4 +1,4 @@
-//! Pictures by exact ray cast: every pixel's visible point, its verdict for each lamp, and plain shading. Then the
+//! Pictures by exact ray cast: visible point, verdict per lamp and plain shading for every pixel; and the
 //! same picture with the shadows that a stencil pass counts.
 
 mod color;
@@ -33,20 +33,20 @@ pub struct Picture {
     pub pixels: Vec<[u8; 4]>,
 }
 
-/// What is to be seen, and how.
+/// The view of a picture: camera, size, lamps, colors.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
-    /// From where.
+    /// The camera.
     pub camera: Camera,
-    /// How large.
+    /// The size of the picture.
     pub size: Size,
-    /// Under which light.
+    /// The lamps.
     pub lamps: &'a [ShadedLight],
     /// Where ambient light comes from.
     pub up: Up,
     /// The ground, if the mesh has one.
     pub ground: Option<Ground>,
-    /// The color of a face that is not the ground: how much it reflects of linear red, green, blue.
+    /// The reflectance of a face that is not the ground, in linear red, green, blue.
     pub paint: &'a (dyn Fn(FaceId) -> [f32; 3] + Sync),
     /// Rays along each side of a pixel at an edge: its square is the number of rays. 1: no smoothing.
     pub edge_samples: u32,
@@ -64,7 +64,7 @@ const ABOVE: Vec3 = Vec3::new(0.42, 0.48, 0.56);
 /// Neighboring pixels whose bytes differ by more than this have an edge between them.
 const EDGE: u8 = 20;
 
-/// Why there is no picture: its pixels, with what is needed to compute them, do not fit the memory.
+/// The error for a picture that does not fit the memory, together with what is needed to compute it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a picture of {0} pixels does not fit the memory")]
 pub struct MemoryError(pub Size);
@@ -88,10 +88,11 @@ impl View<'_> {
 /// Renders the faces of `oracle`.
 ///
 /// A pixel is the color along the ray through its middle; where it differs from a neighbor, the mean of
-/// `edge_samples`² rays. Grazing counts as lit. `progress` hears of steps done, [`View::steps`] in all, from any
-/// thread. With the feature `parallel`, rows are shared among threads; the bytes do not depend on how.
+/// `edge_samples`² rays. Grazing counts as lit. `progress` hears of steps done, [`View::steps`] in all, from
+/// any thread. With the feature `parallel`, rows are shared among threads; the bytes do not depend on how.
 ///
-/// About 2 µs a ray and thread for a mesh of some 10⁵ faces, and 1 µs more a lamp; 4 bytes a pixel, with smoothing 8.
+/// About 2 µs per ray and thread for a mesh of some 10⁵ faces, and 1 µs more per lamp; 4 bytes per pixel,
+/// with smoothing 8.
 ///
 /// # Errors
 ///

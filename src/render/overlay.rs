@@ -79,10 +79,7 @@ impl Overlay {
         let mut picture = render(oracle, &view, progress)?;
         let depths = depths(oracle, &camera, size, progress)?;
         let skin = SKIN * oracle.bounds().diagonal();
-        self.draw(
-            Canvas { picture: &mut picture, depths: &depths, skin, mask },
-            &camera.rays(size),
-        );
+        self.draw(Canvas { picture: &mut picture, depths: &depths, skin, mask }, &camera.rays(size));
         Ok(picture)
     }
 

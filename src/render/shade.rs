@@ -1,7 +1,8 @@
-//! Shading: hemispheric ambient light, Lambert's diffuse term and Blinn's highlight, on flat faces of two sides.
+//! Shading: hemispheric ambient light, Lambert's diffuse term and Blinn's highlight, on flat faces of two
+//! sides.
 //!
-//! Bui Tuong Phong, *Illumination for Computer Generated Pictures*, 1975, with the half vector of James F. Blinn,
-//! *Models of Light Reflection for Computer Synthesized Pictures*, 1977.
+//! Bui Tuong Phong, *Illumination for Computer Generated Pictures*, 1975, with the half vector of James F.
+//! Blinn, *Models of Light Reflection for Computer Synthesized Pictures*, 1977.
 
 use glam::{DVec3, Vec3};
 
@@ -11,8 +12,8 @@ use crate::geom::{Aabb, Light};
 use crate::oracle::{Oracle, PrimaryHit, Verdict};
 use crate::scene::{Lamp, SpotCone};
 
-/// What all lamps of a picture together give to a white surface: one lamp alone this much, several of equal share
-/// `KEY / √n` each, since few places face them all.
+/// What all lamps of a picture together give to a white surface: one lamp alone this much, several of equal
+/// share `KEY / √n` each, since few points face them all.
 const KEY: f32 = 0.95;
 
 /// Ambient light on faces that look sideways, and what looking straight up adds or straight down takes.
@@ -43,8 +44,8 @@ pub enum Falloff {
     /// It does not.
     #[default]
     Plain,
-    /// With the inverse square of the distance, windowed as KHR_lights_punctual recommends: at the distance `d` a lamp
-    /// of the range `r` gives `1/d² · clamp(1 − (d/r)⁴, 0, 1)`.
+    /// With the inverse square of the distance, windowed as KHR_lights_punctual recommends: at the distance
+    /// `d` a lamp of the range `r` gives `1/d² · clamp(1 − (d/r)⁴, 0, 1)`.
     Physical {
         /// The distance at which the color of the lamp holds, without the window; above 0.
         full_at: f64,
@@ -53,8 +54,8 @@ pub enum Falloff {
     },
 }
 
-/// The most that falloff may strengthen the color of a lamp, so that a half float of the device holds the product
-/// with the color, at most 1, and with what a surface reflects, at most 1 + [`SPECULAR`].
+/// The most that falloff may strengthen the color of a lamp, so that a half float of the device holds the
+/// product with the color, at most 1, and with what a surface reflects, at most 1 + [`SPECULAR`].
 pub(super) const MOST_FALLOFF: f32 = 32_768.0;
 
 impl ShadedLight {
@@ -62,18 +63,17 @@ impl ShadedLight {
     #[must_use]
     pub fn equal<L: Clone + Into<Lamp>>(lamps: &[L]) -> Vec<Self> {
         let color = [KEY / (lamps.len() as f32).sqrt(); 3];
-        let shaded = |lamp: Lamp| {
-            Self { light: *lamp.light(), color, cone: lamp.cone, falloff: Falloff::Plain }
-        };
+        let shaded =
+            |lamp: Lamp| Self { light: *lamp.light(), color, cone: lamp.cone, falloff: Falloff::Plain };
         lamps.iter().map(|lamp| shaded(lamp.clone().into())).collect()
     }
 
     /// Lamps for the lights of a file, whose candela and lux say nothing about exposure.
     ///
-    /// A lamp's share is its illuminance at the center of `bounds`: lux as they are, candela over the square of
-    /// the distance (taken as no less than a quarter of the diagonal). Shares are scaled so that the root of
-    /// their squares' sum is fixed: one light alone is always equally bright. A light whose intensity is not
-    /// above 0 gives nothing.
+    /// A lamp's share is its illuminance at the center of `bounds`: lux as they are, candela over the square
+    /// of the distance (taken as no less than a quarter of the diagonal). Shares are scaled so that the root
+    /// of their squares' sum is fixed: one light alone is always equally bright. A light whose intensity is
+    /// not above 0 gives nothing.
     #[must_use]
     pub fn balanced(lamps: &[Lamp], bounds: &Aabb) -> Vec<Self> {
         let illuminance = |lamp: &Lamp| {
@@ -95,8 +95,8 @@ impl ShadedLight {
         lamps.iter().zip(&shares).map(shaded).collect()
     }
 
-    /// The same lamp with physical falloff, as strong as before at the center of `bounds` (no nearer than a quarter of
-    /// the diagonal) if `range` reaches that far.
+    /// The same lamp with physical falloff, as strong as before at the center of `bounds` (no nearer than a
+    /// quarter of the diagonal) if `range` reaches that far.
     #[must_use]
     pub fn with_physical_falloff(self, range: Option<f32>, bounds: &Aabb) -> Self {
         let full_at = distance(&self.light, bounds).max(f64::from(f32::MIN_POSITIVE));
@@ -124,8 +124,8 @@ impl ShadedLight {
     }
 }
 
-/// The distance from a light to the center of `bounds`, no less than a quarter of the diagonal; 1 for a directional
-/// light.
+/// The distance from a light to the center of `bounds`, no less than a quarter of the diagonal; 1 for a
+/// directional light.
 fn distance(light: &Light, bounds: &Aabb) -> f64 {
     match light.is_directional() {
         true => 1.0,
@@ -139,14 +139,15 @@ pub(super) fn cosines(cone: SpotCone) -> (f32, f32) {
     (outer, (inner - outer).max(1e-3))
 }
 
-/// How much of a spot light goes this way: the curve that KHR_lights_punctual recommends.
+/// The part of a spot light in a direction: the curve that KHR_lights_punctual recommends.
 fn within(cone: SpotCone, to_light: Vec3) -> f32 {
     let cosine = -Vec3::from(cone.direction).dot(to_light);
     let (outer, width) = cosines(cone);
     ((cosine - outer) / width).clamp(0.0, 1.0).powi(2)
 }
 
-/// The light that goes from what is seen to the eye, without what is between. A grazing verdict counts as lit.
+/// The light that goes from what is seen to the eye, without what is between. A grazing verdict counts as
+/// lit.
 pub(super) fn shade(
     oracle: &Oracle,
     view: &View<'_>,
@@ -162,7 +163,7 @@ pub(super) fn shade(
     let up = normal[view.up.axis()];
     let mut light = base * (AMBIENT + AMBIENT_SLOPE * up);
     for lamp in view.lamps {
-        // From behind, the face itself is in the way.
+        // From behind, the face shadows itself.
         if side_of_light(seen.corners, &lamp.light) != seen.side {
             continue;
         }
@@ -218,7 +219,9 @@ mod tests {
     #[test]
     fn physical_falloff_is_the_inverse_square_within_its_window_and_1_at_the_center() {
         let bounds = Aabb { low: [-1.0; 3], high: [1.0; 3] };
-        let [lamp] = ShadedLight::equal(&[Light::point([0.0, 4.0, 0.0]).unwrap()])[..] else { panic!("one lamp") };
+        let [lamp] = ShadedLight::equal(&[Light::point([0.0, 4.0, 0.0]).unwrap()])[..] else {
+            panic!("one lamp")
+        };
         let [endless, ending] = [None, Some(8.0)].map(|range| lamp.with_physical_falloff(range, &bounds));
         for distance in [1.0, 2.0, 4.0, 6.0, 8.0, 9.0] {
             assert_eq!(lamp.strength(distance), 1.0);
@@ -229,7 +232,9 @@ mod tests {
         }
         assert_eq!((endless.strength(4.0), ending.strength(8.0), ending.strength(1e300)), (1.0, 0.0, 0.0));
         assert_eq!((ending.strength(0.0), endless.strength(1e-300)), (MOST_FALLOFF, MOST_FALLOFF));
-        let [sun] = ShadedLight::equal(&[Light::directional([0.0, -1.0, 0.0]).unwrap()])[..] else { panic!("a sun") };
+        let [sun] = ShadedLight::equal(&[Light::directional([0.0, -1.0, 0.0]).unwrap()])[..] else {
+            panic!("a sun")
+        };
         assert_eq!(sun.with_physical_falloff(Some(1.0), &bounds).strength(100.0), 1.0);
     }
 

@@ -58,9 +58,8 @@ pub fn verdicts(
             let verdict = comparison.verdicts[y * width + x];
             let position = [x, y].map(|i| i as f64 + 0.5);
             let part = position[1] / f64::from(size.height());
-            *pixel = agreeing(oracle, &rays, near, position, verdict).unwrap_or_else(|| {
-                color::encode(BELOW.lerp(ABOVE, (1.0 - part) as f32))
-            });
+            *pixel = agreeing(oracle, &rays, near, position, verdict)
+                .unwrap_or_else(|| color::encode(BELOW.lerp(ABOVE, (1.0 - part) as f32)));
         }
         progress(1);
     });

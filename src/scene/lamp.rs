@@ -108,7 +108,9 @@ impl Lamp {
     #[must_use]
     pub fn light(&self) -> &Light {
         match &self.shape {
-            LampShape::Hard(center) | LampShape::Disk { center, .. } | LampShape::Sun { center, .. } => center,
+            LampShape::Hard(center) | LampShape::Disk { center, .. } | LampShape::Sun { center, .. } => {
+                center
+            }
             LampShape::Rectangle(rectangle) => &rectangle.center,
         }
     }
@@ -132,19 +134,19 @@ impl Rectangle {
     ///
     /// # Errors
     ///
-    /// [`LampError::Light`] if a number, or the center, is not a finite `f32`; [`LampError::NoArea`] if the edges
-    /// are parallel.
+    /// [`LampError::Light`] if a number, or the center, is not a finite `f32`; [`LampError::NoArea`] if the
+    /// edges are parallel.
     pub fn new(corner: [f32; 3], edges: [[f32; 3]; 2]) -> Result<Self, LampError> {
         // −0 becomes 0.
         let [corner, a, b] = [corner, edges[0], edges[1]].map(|v| v.map(|x| x + 0.0));
         for v in [corner, a, b] {
             Light::point(v)?;
         }
-        let center = Light::point([0, 1, 2].map(|i| {
-            (f64::from(corner[i]) + 0.5 * (f64::from(a[i]) + f64::from(b[i]))) as f32
-        }))?;
-        // Products of two f32 are exact in f64, and none underflows: a cross product of 0 is of parallel vectors,
-        // or of vectors so close to parallel that f64 does not separate them.
+        let center = Light::point(
+            [0, 1, 2].map(|i| (f64::from(corner[i]) + 0.5 * (f64::from(a[i]) + f64::from(b[i]))) as f32),
+        )?;
+        // Products of two f32 are exact in f64, and none underflows: a cross product of 0 is of parallel
+        // vectors, or of vectors so close to parallel that f64 does not separate them.
         let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
         if wide(a).cross(wide(b)) == DVec3::ZERO {
             return Err(LampError::NoArea(a, b));
@@ -171,11 +173,12 @@ impl Rectangle {
     }
 }
 
-/// `v` at unit length, and unchanged if it already is one, as far as `f32` can say; `None` of the null vector.
+/// `v` at unit length, and unchanged if it already is one, as far as `f32` can say; `None` of the null
+/// vector.
 ///
-/// Rounding a unit vector moves each component by at most 2⁻²⁵, so its length by less than 2⁻²⁴ and the square of
-/// its length by less than 2⁻²². What is within that bound is kept, so that a direction survives being written
-/// and read.
+/// Rounding a unit vector moves each component by at most 2⁻²⁵, so its length by less than 2⁻²⁴ and the
+/// square of its length by less than 2⁻²². What is within that bound is kept, so that a direction survives
+/// being written and read.
 fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
     let wide = DVec3::from(v.map(f64::from));
     let squared = wide.length_squared();

@@ -17,7 +17,7 @@ pub struct Material {
     pub textured: bool,
 }
 
-/// What alpha does to a face.
+/// The effect of alpha on faces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum AlphaMode {
@@ -45,8 +45,8 @@ impl Default for Material {
 }
 
 impl Material {
-    /// Whether nothing of a face is ever seen: a mask whose alpha is below the cutoff everywhere, or a blend of 0. A
-    /// texture cannot change that: it multiplies alpha by 1 at most.
+    /// Whether a face of it is never seen: a mask whose alpha is below the cutoff everywhere, or a blend of
+    /// 0. A texture cannot change that: it multiplies alpha by 1 at most.
     #[must_use]
     pub fn is_invisible(&self) -> bool {
         match self.alpha_mode {
@@ -56,7 +56,7 @@ impl Material {
         }
     }
 
-    /// Whether a texture that is not read may make parts of a face invisible.
+    /// Whether a texture that is not read may make parts of faces invisible.
     #[must_use]
     pub fn may_be_cut_out(&self) -> bool {
         self.textured && self.alpha_mode != AlphaMode::Opaque && !self.is_invisible()
@@ -69,7 +69,8 @@ mod tests {
 
     #[test]
     fn material_is_invisible_by_its_mode() {
-        let material = |alpha_mode, alpha| Material { alpha_mode, alpha, textured: true, ..Material::default() };
+        let material =
+            |alpha_mode, alpha| Material { alpha_mode, alpha, textured: true, ..Material::default() };
         for (mode, alpha, invisible) in [
             (AlphaMode::Opaque, 0.0, false),
             (AlphaMode::Mask, 0.49, true),

@@ -1,4 +1,4 @@
-//! A scene: meshes, where their instances stand, lights and a camera; baked once into world space.
+//! A scene: meshes and their instances, materials, lamps and cameras; baked once into world space.
 
 mod format;
 mod lamp;
@@ -17,7 +17,7 @@ pub use visible::PlacedPart;
 use crate::mesh::{Mesh, MeshError, Part};
 use crate::view::{Camera, Up};
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// What the file was read as; `None` for a generated scene.
@@ -34,7 +34,7 @@ pub struct Scene {
     pub lamps: Vec<Lamp>,
     /// The file's own cameras, in world space.
     pub cameras: Vec<NamedCamera>,
-    /// What the reader did that a person should know of: n-gons cut into fans, lines ignored.
+    /// What the reader changed or left out, for people: n-gons cut into fans, lines ignored.
     pub notes: Vec<String>,
 }
 
@@ -47,34 +47,34 @@ pub struct NamedCamera {
     pub camera: Camera,
 }
 
-/// One standing of a mesh in the world.
+/// A mesh placed in the world.
 #[derive(Clone, Debug)]
 pub struct Instance {
     /// Index into [`Scene::meshes`].
     pub mesh: usize,
-    /// What the file calls the node; may be empty.
+    /// The name of the node in the file; may be empty.
     pub name: String,
     /// Column-major, column vectors; may mirror and scale unevenly.
     pub world_from_mesh: Mat4,
 }
 
-/// How far welding and counting reach.
+/// The extent of one mesh in welding and counting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scope {
-    /// Every part (primitive, group) of a mesh for itself.
+    /// Every part (primitive, group) of a mesh is a mesh of its own.
     Primitive,
-    /// Every mesh instance for itself.
+    /// Every instance is a mesh of its own.
     #[default]
     Mesh,
     /// The whole file as one mesh.
     Scene,
 }
 
-/// How many triangles or vertices instancing may multiply a scene to: 2²⁷, some gigabytes.
+/// The most triangles, or vertices, that a scene may have through instancing: 2²⁷, some gigabytes.
 pub const MOST_INSTANCED: usize = 1 << 27;
 
 impl Scene {
-    /// A scene of one mesh where it is.
+    /// A scene of one mesh, in place.
     #[must_use]
     pub fn of(mesh: Mesh) -> Self {
         let instance = Instance { mesh: 0, name: String::new(), world_from_mesh: Mat4::IDENTITY };
@@ -84,13 +84,14 @@ impl Scene {
     /// The meshes in world space, one for each `scope`. From here on everything is exact with respect to
     /// these positions. A mirrored instance has its winding turned, so that its front stays its front.
     ///
-    /// A mesh whose only instance stands at the identity is moved, not copied.
+    /// A mesh with a single instance, at the identity, is moved, not copied.
     ///
     /// # Errors
     ///
     /// [`MeshError`] if a transform carries a position beyond `f32`, if all instances together have more than
-    /// [`MOST_INSTANCED`] triangles or vertices (those of all frames), or a sixteenth of that in parts, where the meshes themselves have fewer (a small file must not fill
-    /// the memory), or if a scene-wide mesh has too many for 32-bit ids.
+    /// [`MOST_INSTANCED`] triangles or vertices (those of all frames), or a sixteenth of that in parts, where
+    /// the meshes themselves have fewer (a small file must not fill the memory), or if a scene-wide mesh has
+    /// too many for 32-bit ids.
     pub fn bake(mut self, scope: Scope) -> Result<Vec<Mesh>, MeshError> {
         // Every frame has all vertices again.
         let vertices = |mesh: &Mesh| mesh.vertex_count() * (1 + mesh.frames().len());
@@ -134,7 +135,7 @@ impl Scene {
     }
 }
 
-/// `mesh` where `instance` stands, named after the node (and the mesh, where the two differ).
+/// `mesh` transformed by `instance`, and named after the node (and the mesh, where the two differ).
 fn place(mesh: Mesh, instance: &Instance) -> Result<Mesh, MeshError> {
     let name = match (instance.name.as_str(), mesh.name.as_str()) {
         ("", name) | (name, "") => name.to_owned(),
@@ -172,8 +173,8 @@ fn split(mesh: Mesh) -> Result<Vec<Mesh>, MeshError> {
     Ok(pieces)
 }
 
-/// Some faces of `mesh` with only the vertices that they use, in the order of their first use. `new_of_old` has an
-/// entry per vertex, `u32::MAX`, and is left so.
+/// Some faces of `mesh` with only the vertices that they use, in the order of their first use. `new_of_old`
+/// has an entry per vertex, `u32::MAX`, and is left so.
 fn pick(mesh: &Mesh, faces: &[[u32; 3]], new_of_old: &mut [u32]) -> Result<Mesh, MeshError> {
     let mut old_of_new: Vec<u32> = Vec::new();
     let triangles = faces
@@ -182,7 +183,7 @@ fn pick(mesh: &Mesh, faces: &[[u32; 3]], new_of_old: &mut [u32]) -> Result<Mesh,
             corners.map(|old| {
                 let new = &mut new_of_old[old as usize];
                 if *new == u32::MAX {
-                    *new = old_of_new.len() as u32; // at most three a face, and faces fit 32 bits
+                    *new = old_of_new.len() as u32; // at most three per face, and faces fit 32 bits
                     old_of_new.push(old);
                 }
                 *new

@@ -23,8 +23,8 @@ impl Pattern {
     #[must_use]
     pub fn matches(&self, name: &str) -> bool {
         let (mut pattern, mut rest) = (self.0.chars(), name.chars());
-        // Behind the last star, and what of the name was left there: the only position to go back to, since whatever
-        // an earlier star could still take, the last one can take too.
+        // Behind the last star, and what of the name was left there: the only position to go back to, since
+        // whatever an earlier star could still take, the last one can take too.
         let mut retry = None;
         loop {
             let before = (pattern.clone(), rest.clone());

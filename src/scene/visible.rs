@@ -5,22 +5,22 @@ use std::collections::HashMap;
 use super::{Instance, Material, Scene, pick};
 use crate::mesh::{Mesh, MeshError, Part};
 
-/// A part of a mesh as an instance shows it; a mesh without parts is one part.
+/// A part of a mesh in one instance. A mesh without parts counts as one part.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedPart<'a> {
-    /// Where it is.
+    /// The instance.
     pub instance: &'a Instance,
-    /// What it belongs to.
+    /// The mesh of the instance.
     pub mesh: &'a Mesh,
     /// `None` if the mesh has no parts.
     pub part: Option<&'a Part>,
-    /// What it is made of, where the file says so.
+    /// The material, if the file names one.
     pub material: Option<&'a Material>,
 }
 
 impl<'a> PlacedPart<'a> {
-    /// The names of node, mesh, part and material, without empty ones. A part of an OBJ file has several: those of its
-    /// object, group and material.
+    /// The names of node, mesh, part and material, without empty ones. A part of an OBJ file has several:
+    /// those of its object, group and material.
     pub fn names(self) -> impl Iterator<Item = &'a str> {
         let part = self.part.map_or("", |part| part.name.as_str());
         let material = self.material.map_or("", |material| material.name.as_str());
@@ -39,8 +39,8 @@ impl Scene {
 
     /// Leaves out the parts that `keep` is false for, and instances and meshes of which nothing is left.
     ///
-    /// Linear in the faces of all meshes that something is left out of; an instance of which other parts are left out
-    /// than of the others gets a mesh of its own.
+    /// Linear in the faces of all meshes that something is left out of; instances of a mesh that differ in
+    /// what is left out get meshes of their own.
     ///
     /// # Errors
     ///
@@ -81,7 +81,8 @@ impl Scene {
     }
 }
 
-/// `mesh` without the parts that are not kept, and without the vertices that only those use. Faces of no part stay.
+/// `mesh` without the parts that are not kept, and without the vertices that only those use. Faces of no part
+/// stay.
 fn subset(mesh: &Mesh, kept: &[bool]) -> Result<Mesh, MeshError> {
     if kept.iter().all(|&keep| keep) {
         return Ok(mesh.clone());
@@ -113,10 +114,16 @@ mod tests {
 
     /// Two instances of a mesh of a cube and a sphere, the sphere of glass, and a sheet without parts.
     fn scene() -> Scene {
-        let both = Mesh::concat(&[shapes::cube().with_name("cube"), shapes::icosphere(1).with_name("ball")]).unwrap();
+        let both = Mesh::concat(&[shapes::cube().with_name("cube"), shapes::icosphere(1).with_name("ball")])
+            .unwrap();
         let mut parts = both.parts().to_vec();
         parts[1].material = Some(0);
-        let glass = Material { alpha: 0.0, alpha_mode: AlphaMode::Blend, name: "glass".to_owned(), ..Material::default() };
+        let glass = Material {
+            alpha: 0.0,
+            alpha_mode: AlphaMode::Blend,
+            name: "glass".to_owned(),
+            ..Material::default()
+        };
         let instance =
             |mesh, name: &str| Instance { mesh, name: name.to_owned(), world_from_mesh: Mat4::IDENTITY };
         Scene {

@@ -45,7 +45,7 @@ pub enum CameraError {
     /// A coordinate is NaN or infinite.
     #[error("the camera's eye and target need finite coordinates, not {0}")]
     NotFinite(f32),
-    /// The eye is where it looks to.
+    /// Eye and target are the same.
     #[error("the camera's eye is its target, {0},{1},{2}")]
     EyeIsTarget(f32, f32, f32),
     /// The field of view is not an angle that a plane picture can have.
@@ -59,14 +59,14 @@ pub enum CameraError {
     Near(f32),
 }
 
-/// The field of view where nothing else is said: 35 degrees, that of a mild telephoto lens.
+/// The default field of view: 35 degrees, that of a mild telephoto lens.
 const FOV_Y_RAD: f32 = 35.0 * PI / 180.0;
 
-/// From the middle of things towards the eye of a fitted camera, as right, up, back: three-quarter from the
-/// front, 21 degrees above the horizon.
+/// The direction from the center towards the eye of a fitted camera, as right, up, back: three-quarter from
+/// the front, 21 degrees above the horizon.
 const THREE_QUARTER: [f64; 3] = [0.6, 0.45, 1.0];
 
-/// How much wider than its content a fitted picture is.
+/// The size of a fitted picture, as a multiple of that of its content.
 const MARGIN: f64 = 1.08;
 
 impl Camera {
@@ -77,7 +77,8 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`CameraError`] if a coordinate is not finite, the two places are one, or `fov_y_rad` is not in (0, π).
+    /// [`CameraError`] if a coordinate is not finite, eye and target are the same, or `fov_y_rad` is not in
+    /// (0, π).
     pub fn look_at(eye: [f32; 3], target: [f32; 3], fov_y_rad: f32, up: Up) -> Result<Self, CameraError> {
         if let Some(&x) = eye.iter().chain(&target).find(|x| !x.is_finite()) {
             return Err(CameraError::NotFinite(x));
@@ -122,11 +123,11 @@ impl Camera {
         }
     }
 
-    /// A camera that shows all of `bounds`: the default view, three-quarter from the front, from the right and
-    /// from 21 degrees above, 35 degrees of field of view, as near as leaves a margin of 8 %.
+    /// A camera that shows all of `bounds`: the default view, three-quarter from the front, from the right
+    /// and from 21 degrees above, 35 degrees of field of view, as near as leaves a margin of 8 %.
     ///
-    /// `aspect` is width over height. An empty box is taken as the origin, a point as a box one unit around it.
-    /// A box so large that the eye would leave `f32` is seen from the nearest place within.
+    /// `aspect` is width over height. An empty box is taken as the origin, a point as a box one unit around
+    /// it. For a box so large that the eye would leave `f32`, the eye is clamped to its range.
     #[must_use]
     pub fn fit(bounds: &Aabb, up: Up, aspect: f64) -> Self {
         let center = wide(bounds.center());
@@ -144,8 +145,8 @@ impl Camera {
                 half * DVec3::new(sign(0), sign(1), sign(2))
             })
         };
-        // Two opposite sides of the picture ask for a distance each, that of their nearest corner. The eye moves
-        // aside until both ask for the same.
+        // Each side of the picture needs a distance, that of its nearest corner. The eye moves sideways until
+        // two opposite sides need the same.
         let fit = |aside: DVec3, tan: f64| {
             let ask = |sign: f64| {
                 corners()
@@ -169,7 +170,8 @@ impl Camera {
         }
     }
 
-    /// The ray through the position `x_px`, `y_px` of a picture of `size`: see [`Rays`], also for many of them.
+    /// The ray through the position `x_px`, `y_px` of a picture of `size`: see [`Rays`], also for many of
+    /// them.
     #[must_use]
     pub fn ray(&self, x_px: f64, y_px: f64, size: Size) -> Ray {
         self.rays(size).ray(x_px, y_px)
@@ -182,8 +184,8 @@ impl Camera {
         Rays::new(&self.projection(size, 1.0), size)
     }
 
-    /// The projection of this camera for a picture of `size`, cut at `near` mesh units before the eye. An orthographic
-    /// one has its far plane at the end of `f32`: choose another for a depth buffer.
+    /// The projection of this camera for a picture of `size`, cut at `near` mesh units before the eye. An
+    /// orthographic one has its far plane at the end of `f32`: choose another for a depth buffer.
     #[must_use]
     pub fn projection(&self, size: Size, near: f32) -> Projection {
         let (right, up) = self.basis();
@@ -203,10 +205,10 @@ impl Camera {
         }
     }
 
-    /// The distance of the near plane, in mesh units: the camera's own, or else one so near that no corner of its
-    /// rectangle is farther from the eye than half the distance to `bounds`, or than 1/1024 of their diagonal for an eye
-    /// that is inside or almost. With parallel rays it is the plane that is half as far as the nearest corner of
-    /// `bounds`, with the same minimum.
+    /// The distance of the near plane, in mesh units: the camera's own, or else one so near that no corner of
+    /// its rectangle is farther from the eye than half the distance to `bounds`, or than 1/1024 of their
+    /// diagonal for an eye that is inside or almost. With parallel rays it is the plane that is half as far
+    /// as the nearest corner of `bounds`, with the same minimum.
     ///
     /// From outside it cuts nothing that is seen, however wide the view. Finite and above 0 for every box.
     #[must_use]
@@ -250,8 +252,8 @@ fn tan_half(fov_y_rad: f32) -> f64 {
     (0.5 * f64::from(fov_y_rad)).tan()
 }
 
-/// Whether two directions tell right from left. `f32` components of unit length are off by up to 2⁻²⁵: a sine
-/// below 2⁻²⁰ would leave the roll of the picture to rounding.
+/// Whether two directions determine left and right. `f32` components of unit length are off by up to 2⁻²⁵: a
+/// sine below 2⁻²⁰ would leave the roll of the picture to rounding.
 fn spans(forward: DVec3, up: DVec3) -> bool {
     forward.cross(up.normalize_or_zero()).length() >= (-20_f64).exp2()
 }

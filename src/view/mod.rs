@@ -1,4 +1,4 @@
-//! Where a picture is taken from: cameras, projections, the rays of pixels.
+//! Views of a scene: cameras, projections, the rays of pixels.
 
 mod camera;
 mod projection;

@@ -1,17 +1,17 @@
 //! From the world to clip space, with reversed depth: 1 at the near plane, 0 at the far plane or at infinity.
 //!
-//! Without a far plane depth is `near / distance`, so that a vertex at infinity (`w = 0`) gets exactly 0 and nothing
-//! has to be pushed off the far plane. (An infinite far plane: Cass Everitt and Mark J. Kilgard, *Practical and Robust
-//! Stenciled Shadow Volumes for Hardware-Accelerated Rendering*, 2002, §3.2; reversed, so that the spacing of floats
-//! cancels that of `1/z`: Eric Lengyel, *Projection Matrix Tricks*, 2007.)
+//! Without a far plane depth is `near / distance`, so that a vertex at infinity (`w = 0`) gets exactly 0 and
+//! nothing has to be pushed off the far plane. (An infinite far plane: Cass Everitt and Mark J. Kilgard,
+//! *Practical and Robust Stenciled Shadow Volumes for Hardware-Accelerated Rendering*, 2002, §3.2; reversed,
+//! so that the spacing of floats cancels that of `1/z`: Eric Lengyel, *Projection Matrix Tricks*, 2007.)
 
 use glam::{DMat3, DVec2, DVec3, DVec4, Mat4};
 
 /// An eye, the three rows of a projection, and its depth range: the very `f32` values that shaders use.
 ///
-/// A homogeneous point `(p, w)` has the clip coordinates `x = right·q` and `y = up·q` with `q = p − w·eye`; the other
-/// two are those of its [`Depth`](ProjectionKind). Subtracting the eye first, from coordinates that are exact, costs one
-/// rounding; a matrix with the translation in it would cost the distance to the origin.
+/// A homogeneous point `(p, w)` has the clip coordinates `x = right·q` and `y = up·q` with `q = p − w·eye`;
+/// the other two are those of its [`Depth`](ProjectionKind). Subtracting the eye first, from coordinates that
+/// are exact, costs one rounding; a matrix with the translation in it would cost the distance to the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
     /// Where the rays begin, in world space; for parallel rays, the one through the center of the picture.
@@ -28,7 +28,8 @@ pub struct Projection {
     pub kind: ProjectionKind,
 }
 
-/// Clip `z` and `w`, as functions of the distance `d = forward·q` and the homogeneous coordinate `w` of a point.
+/// Clip `z` and `w`, as functions of the distance `d = forward·q` and the homogeneous coordinate `w` of a
+/// point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum ProjectionKind {
@@ -61,7 +62,9 @@ pub enum ProjectionError {
     #[error("clip_from_view is neither perspective (last row 0, 0, ±c, 0) nor orthographic (0, 0, 0, 1)")]
     Kind,
     /// The rows for x and y do not have the form of a picture around an axis.
-    #[error("clip_from_view flattens the picture, or moves the center of a perspective one away from the eye")]
+    #[error(
+        "clip_from_view flattens the picture, or moves the center of a perspective one away from the eye"
+    )]
     Picture,
     /// Depth depends on x or y, as with a near plane that is tilted.
     #[error("clip_from_view has a depth that depends on x or y: tilted near planes are not supported")]
@@ -80,11 +83,12 @@ pub enum ProjectionError {
 }
 
 impl Projection {
-    /// The projection of a view matrix and a projection matrix, as engines have them: perspective with or without a far
-    /// plane, or orthographic; depth from 0 to 1 as in wgpu, Direct3D, Metal and Vulkan, reversed or not. The result
-    /// always has reversed depth: whoever shares a depth buffer with it has to reverse theirs. The center of the picture
-    /// may be off the axis. The space between the two matrices is right-handed for an orthographic projection (the camera
-    /// looks along −z), and either for a perspective one.
+    /// The projection of a view matrix and a projection matrix, as engines have them: perspective with or
+    /// without a far plane, or orthographic; depth from 0 to 1 as in wgpu, Direct3D, Metal and Vulkan,
+    /// reversed or not. The result always has reversed depth: whoever shares a depth buffer with it has to
+    /// reverse theirs. The center of the picture may be off the axis. The space between the two matrices is
+    /// right-handed for an orthographic projection (the camera looks along −z), and either for a perspective
+    /// one.
     ///
     /// ```
     /// use glam::{Vec3, camera::rh};
@@ -100,8 +104,8 @@ impl Projection {
     ///
     /// # Errors
     ///
-    /// [`ProjectionError`] for what this type cannot represent: mirrored pictures, tilted near planes, depth from −1 to
-    /// 1 where it shows.
+    /// [`ProjectionError`] for what this type cannot represent: mirrored pictures, tilted near planes, depth
+    /// from −1 to 1 where it shows.
     pub fn from_matrices(view_from_world: Mat4, clip_from_view: Mat4) -> Result<Self, ProjectionError> {
         for (name, matrix) in [("view_from_world", view_from_world), ("clip_from_view", clip_from_view)] {
             if !matrix.is_finite() {
@@ -109,7 +113,8 @@ impl Projection {
             }
         }
         let (view, clip) = (view_from_world.as_dmat4(), clip_from_view.as_dmat4());
-        // The inverse of a camera's matrix has a last entry that is 1 but for rounding: a factor of all coordinates.
+        // The inverse of a camera's matrix has a last entry that is 1 but for rounding: a factor of all
+        // coordinates.
         let view = match view.row(3).to_array() {
             [0.0, 0.0, 0.0, w] if w != 0.0 && view.determinant() != 0.0 => view * w.recip(),
             _ => return Err(ProjectionError::View),
@@ -211,9 +216,9 @@ impl Projection {
         [wide(self.right).dot(q), wide(self.up).dot(q), z, w]
     }
 
-    /// The direction, at depth 1 (`forward·direction = 1`), of the ray through a position of the picture in normalized
-    /// device coordinates: −1 to 1 from left to right and from bottom to top. Inverts a matrix; for many rays there is
-    /// [`Rays`](super::Rays).
+    /// The direction, at depth 1 (`forward·direction = 1`), of the ray through a position of the picture in
+    /// normalized device coordinates: −1 to 1 from left to right and from bottom to top. Inverts a matrix;
+    /// for many rays there is [`Rays`](super::Rays).
     #[must_use]
     pub fn ray(&self, ndc: DVec2) -> DVec3 {
         match self.is_orthographic() {
@@ -232,8 +237,8 @@ impl Projection {
         })
     }
 
-    /// The inverse of the three rows: what is from the eye at the given `x`, `y` and distance, where clip coordinates
-    /// are not divided.
+    /// The inverse of the three rows: what is from the eye at the given `x`, `y` and distance, where clip
+    /// coordinates are not divided.
     pub(super) fn depth_one(&self) -> DMat3 {
         self.rows().transpose().inverse()
     }
@@ -276,7 +281,10 @@ mod tests {
             for corner in projection.near_corners() {
                 let [x, y, z, w] = projection.clip(corner.extend(1.0).to_array());
                 assert!((z / w - 1.0).abs() < error, "{kind:?}");
-                assert!(((x / w).abs() - 1.0).abs() < error && ((y / w).abs() - 1.0).abs() < error, "{kind:?}");
+                assert!(
+                    ((x / w).abs() - 1.0).abs() < error && ((y / w).abs() - 1.0).abs() < error,
+                    "{kind:?}"
+                );
             }
             if kind == ProjectionKind::InfinitePerspective {
                 assert_eq!(projection.clip([-3.0, 1.0, -4.0, 0.0])[2], 0.0);
@@ -375,7 +383,10 @@ mod tests {
         assert_eq!(refused(view, Mat4::ZERO), ProjectionError::Kind);
         let flipped = Mat4::from_scale(Vec3::new(1.0, -1.0, 1.0));
         assert_eq!(refused(view, flipped * clip), ProjectionError::Mirrored);
-        assert_eq!(refused(view, rh::proj::vulkan::perspective(1.0, 1.0, 0.1, 9.0)), ProjectionError::Mirrored);
+        assert_eq!(
+            refused(view, rh::proj::vulkan::perspective(1.0, 1.0, 0.1, 9.0)),
+            ProjectionError::Mirrored
+        );
         let left_handed = lh::view::look_at_mat4(Vec3::splat(5.0), Vec3::ZERO, Vec3::Y);
         let mirrored = lh::proj::directx::perspective(1.0, 1.0, 0.1, 9.0);
         assert_eq!(refused(left_handed, mirrored), ProjectionError::Mirrored);
@@ -419,8 +430,9 @@ mod tests {
             let p = turn.as_dquat() * local + wide(eye);
             let [x, y, _, w] = projection.clip(p.extend(1.0).to_array());
             let there = clip.as_dmat4() * view.as_dmat4() * p.extend(1.0);
-            // Entries of the view matrix are rounded to f32 about 16 times on their way; what they are multiplied with is
-            // at most 50 long, and so is the eye. The rows make of it what is over the distance, or over half a picture.
+            // Entries of the view matrix are rounded to f32 about 16 times on their way; what they are
+            // multiplied with is at most 50 long, and so is the eye. The rows make of it what is over the
+            // distance, or over half a picture.
             let rows = 1.0 + 1.0 / half.min(half * f64::from(aspect));
             let bound = 16.0 * f64::from(f32::EPSILON) * 50.0 * rows;
             prop_assert!((x / w - there.x / there.w).abs() <= bound, "{} {}", x / w, there.x / there.w);

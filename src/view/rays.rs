@@ -6,7 +6,8 @@ use super::{Projection, Size};
 
 /// A projection and the size of its picture, ready for many rays.
 ///
-/// Whatever casts rays through pixels takes them from here: pictures and their verification look along the same ones.
+/// Whatever casts rays through pixels takes them from here: pictures and their verification look along the
+/// same ones.
 #[derive(Clone, Copy, Debug)]
 pub struct Rays {
     projection: Projection,
@@ -18,7 +19,8 @@ pub struct Rays {
 /// A ray through a position of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// The eye; of an orthographic camera the `f32` point nearest to the one beside it.
+    /// The eye; of an orthographic camera the point of its plane that is seen at this position, rounded to
+    /// `f32`.
     pub origin: [f32; 3],
     /// One unit of distance along the camera's forward direction.
     pub direction: [f32; 3],
@@ -46,8 +48,8 @@ impl Rays {
         }
     }
 
-    /// The ray through the position `x_px`, `y_px` of the picture: from 0, 0 at its upper left corner; the center of a
-    /// pixel lies half a pixel further.
+    /// The ray through the position `x_px`, `y_px` of the picture: from 0, 0 at its upper left corner; the
+    /// center of a pixel lies half a pixel further.
     #[must_use]
     pub fn ray(&self, x_px: f64, y_px: f64) -> Ray {
         let (offset, direction) = self.wide(x_px, y_px);
@@ -106,8 +108,8 @@ impl Rays {
     /// Clip x and y, the distance, and clip w: the picture is where x and y are within ± w.
     fn homogeneous(&self, point: [f32; 3]) -> DVec4 {
         let at = wide(point) - wide(self.projection.eye);
-        let [x, y, depth] = [self.projection.right, self.projection.up, self.projection.forward]
-            .map(|row| wide(row).dot(at));
+        let [x, y, depth] =
+            [self.projection.right, self.projection.up, self.projection.forward].map(|row| wide(row).dot(at));
         DVec4::new(x, y, depth, if self.projection.is_orthographic() { 1.0 } else { depth })
     }
 

@@ -64,12 +64,7 @@ enum Stand {
 }
 
 /// The shading model, written down once more: linear light of one ray, or `None` for the background.
-fn naive_light(
-    mesh: &Mesh,
-    view: &View<'_>,
-    ray: Ray,
-    stand: Stand,
-) -> Option<Vec3> {
+fn naive_light(mesh: &Mesh, view: &View<'_>, ray: Ray, stand: Stand) -> Option<Vec3> {
     let (eye, direction) = (ray.origin, ray.direction);
     let away = Light::directional(direction.map(|x| -x)).unwrap();
     let (face, t) = (0..mesh.face_count())

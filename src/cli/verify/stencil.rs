@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use umbrage::caster::Caster;
 use umbrage::geom::Light;
-use umbrage::gpu::Gpu;
+use umbrage::gpu::{Gpu, GpuError};
 use umbrage::render::{MemoryError, verdict_color, verdicts};
 use umbrage::scene::Lamp;
 use umbrage::shadow::stencil::{
@@ -38,10 +38,14 @@ impl Graphics {
         let size = args.size.unwrap_or(Size::new(SIDE, SIDE).expect("in range"));
         let Source { cameras, bounds, up, .. } = source;
         let camera = args.view.choose(cameras, &args.source.file, bounds, *up, size)?;
+        let projection = camera.projection(size, camera.near(&source.bounds, size));
+        if projection.is_orthographic() {
+            return Err(GpuError::NotBuilt("an orthographic camera").into());
+        }
         let job = Job {
             caster: &source.caster,
             lights: &source.lights,
-            projection: camera.projection(size, camera.near(&source.bounds, size)),
+            projection,
             size,
             pictures: &pictures(args, source.lights.len())?,
         };

@@ -11,8 +11,9 @@ use crate::read::ReadError;
 use crate::scene::NamedCamera;
 use crate::view::{Camera, Lens};
 
-/// The node's camera in world space. A perspective camera has the vertical field of view of the file, an orthographic
-/// one its height; how wide the picture is decides its size. The planes of the file are not read.
+/// The node's camera in world space. A perspective camera has the vertical field of view of the file, an
+/// orthographic one its height; how wide the picture is decides its size. The planes of the file are not
+/// read.
 pub(super) fn read(
     document: &Document,
     node: &Object,

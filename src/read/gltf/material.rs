@@ -5,8 +5,8 @@ use super::document::{Document, Kind, Object};
 use crate::read::ReadError;
 use crate::scene::{AlphaMode, Material};
 
-/// Material `index` of the document. One that is malformed is noted and taken for an opaque one: it changes no
-/// geometry.
+/// Material `index` of the document. One that is malformed is noted and taken for an opaque one: it changes
+/// no geometry.
 pub(super) fn read(document: &Document, index: usize, notes: &mut Notes) -> Material {
     document.item(Kind::Material, index).and_then(|object| material(&object)).unwrap_or_else(|_| {
         notes.add("malformed material taken for an opaque one", &Object::place(Kind::Material, index));

@@ -148,7 +148,7 @@ fn read_primitive(
     Ok(Some(Primitive { positions, triangles, displacements }))
 }
 
-/// The triangles that indices stand for, wound as §3.7.2.1 of the specification says.
+/// The triangles that indices describe, wound as §3.7.2.1 of the specification says.
 fn triangles(mode: Mode, indices: &[u32], primitive: &Object, notes: &mut Notes) -> Vec<[u32; 3]> {
     match mode {
         Mode::List => {
@@ -159,12 +159,12 @@ fn triangles(mode: Mode, indices: &[u32], primitive: &Object, notes: &mut Notes)
             triangles.to_vec()
         }
         Mode::Strip => {
-            // Every other triangle is wound the other way, so that all of them face one side.
+            // Every second triangle is reversed, so that all of them face the same side.
             let strip = indices.windows(3).enumerate().map(|(index, corners)| match index % 2 {
                 0 => [corners[0], corners[1], corners[2]],
                 _ => [corners[0], corners[2], corners[1]],
             });
-            // A strip turns a corner by naming a vertex twice; what that yields was never meant as a face.
+            // A strip turns a corner by naming a vertex twice; the resulting triangles are not faces.
             let is_face = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
             let triangles: Vec<_> = strip.filter(is_face).collect();
             let stitches = indices.len().saturating_sub(2) - triangles.len();

@@ -1,7 +1,8 @@
-//! glTF 2.0, as JSON or binary: the default scene's meshes, where they stand, its lamps and cameras.
+//! glTF 2.0, as JSON or binary: the meshes of the default scene, their instances, its materials, lamps and
+//! cameras.
 //!
 //! Source: Khronos, *glTF 2.0 Specification*, and the extensions KHR_lights_punctual and
-//! KHR_mesh_quantization. Only what the scene shows is read: a mesh that stands nowhere is noted, not decoded.
+//! KHR_mesh_quantization. Only what the scene shows is read: a mesh that no node names is noted, not decoded.
 //!
 //! A skinned mesh is read in its bind pose, and its node's transform is ignored, as the specification says
 //! (§3.7.3). Morph targets become frames of the mesh, each target at full weight on its own.
@@ -61,7 +62,7 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
     let document = asset.document;
     let mut scene = Scene::default();
     let mut notes = Notes::default();
-    // (mesh of the document, name, where it stands)
+    // (mesh of the document, name, transform)
     let mut standing = Vec::new();
     for (index, world) in node::scene_nodes(document, &mut notes)? {
         let node = document.item(Kind::Node, index)?;
@@ -98,7 +99,7 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
         }
     }
     let instance = |(mesh, name, world_from_mesh): (usize, String, Mat4)| {
-        let mesh = slot_of_mesh[mesh].expect("every mesh that stands somewhere was read");
+        let mesh = slot_of_mesh[mesh].expect("every mesh of an instance was read");
         Instance { mesh, name, world_from_mesh }
     };
     let materials = 0..document.list(Kind::Material).len();
@@ -109,7 +110,7 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
     Ok(scene)
 }
 
-/// What a person should know, one line a kind, however often it occurs.
+/// Notes for people, one line per kind, however often it occurs.
 #[derive(Default)]
 struct Notes {
     /// (what, where first, how often), in order of first occurrence.

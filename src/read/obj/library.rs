@@ -1,4 +1,4 @@
-//! Material libraries of OBJ files: `mtllib` names files beside the OBJ file.
+//! Material libraries of OBJ files: `mtllib` names files in its folder.
 //!
 //! The parser is that of `tobj`. A library that is missing or malformed is noted: it changes no geometry.
 
@@ -78,12 +78,14 @@ impl Libraries {
 fn read(name: &str, folder: Option<&Path>) -> Result<Vec<u8>, String> {
     let folder = folder.ok_or("it cannot be reached when reading from memory")?;
     let path = PathBuf::from(name.replace('\\', "/"));
-    if path.as_os_str().is_empty() || !path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
+    if path.as_os_str().is_empty()
+        || !path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+    {
         return Err("its path leaves the folder of the file".to_owned());
     }
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let path = folder.join(path);
-    // Asked before opening: opening a pipe would wait for its other end.
+    // Checked before opening, which would block on a pipe.
     let metadata = fs::metadata(&path).map_err(|error| error.to_string())?;
     if !metadata.is_file() {
         return Err("it is not a regular file".to_owned());

@@ -95,7 +95,12 @@ impl<'a> Parts<'a> {
         let numbers = last.iter().position(|item| item.contains('=')).unwrap_or(last.len());
         let options = last.split_off(numbers);
         let options = options.into_iter().map(|item| item.split_once('=').unwrap_or((item, "")));
-        Self { text, remedy, groups, options: options.map(|(key, value)| (key.trim(), value.trim())).collect() }
+        Self {
+            text,
+            remedy,
+            groups,
+            options: options.map(|(key, value)| (key.trim(), value.trim())).collect(),
+        }
     }
 
     fn wrong(&self, problem: String) -> LampError {
@@ -111,9 +116,8 @@ impl<'a> Parts<'a> {
     }
 
     fn numbers<T: FromStr>(&self, name: &str, group: &[&str]) -> Result<Vec<T>, LampError> {
-        let number = |word: &&str| {
-            word.parse().map_err(|_| self.wrong(format!("{name}: `{word}` is not a number")))
-        };
+        let number =
+            |word: &&str| word.parse().map_err(|_| self.wrong(format!("{name}: `{word}` is not a number")));
         group.iter().map(number).collect()
     }
 
@@ -179,7 +183,8 @@ impl fmt::Display for Degrees {
         let short = (degrees as f32).to_string();
         match short.parse().map(radians) == Ok(self.0) {
             true => f.write_str(&short),
-            // An f64 is off by 2⁻⁵¹ of itself at most, there and back: the nearest f32 is the one it came from.
+            // An f64 is off by 2⁻⁵¹ of itself at most, there and back: the nearest f32 is the one it came
+            // from.
             false => degrees.fmt(f),
         }
     }
@@ -278,7 +283,9 @@ mod tests {
             let error = text.parse::<Lamp>().expect_err(text).to_string();
             assert!(error.contains(part) && error.contains("; write "), "{text}: {error}");
         }
-        for text in ["point:nan,0,0", "directional:0,0,0", "rect:0,0,0:1,0,0:2,0,0", "rect:inf,0,0:1,0,0:0,1,0"] {
+        for text in
+            ["point:nan,0,0", "directional:0,0,0", "rect:0,0,0:1,0,0:2,0,0", "rect:inf,0,0:1,0,0:0,1,0"]
+        {
             assert!(text.parse::<Lamp>().is_err(), "{text}");
         }
     }

@@ -21,8 +21,8 @@ use crate::gpu::raster::Target;
 use crate::gpu::{Gpu, GpuError, wgpu};
 use crate::mesh::FaceId;
 use crate::shadow::volume::{GpuVolume, Part};
-use crate::view::{Projection, ProjectionKind};
 use crate::view::Size;
+use crate::view::{Projection, ProjectionKind};
 
 /// Where the depth of a fragment comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -9,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 use crate::read::text;
 use crate::scene::{AlphaMode, Material};
 
-/// Bytes that are read of a library; a thousand materials take about 200 kB.
+/// Bytes of all libraries of a file together; a thousand materials take about 200 kB.
 const MOST_BYTES: u64 = 1 << 24;
 
 /// Libraries that are read of one file.
@@ -21,8 +21,10 @@ pub(super) struct Libraries {
     /// Without those that no library defines; in the order of the files.
     pub(super) materials: Vec<Material>,
     pub(super) notes: Vec<String>,
-    /// What was named already.
+    /// Lines that were followed already.
     seen: Vec<String>,
+    /// Bytes that were read.
+    bytes: u64,
 }
 
 impl Libraries {
@@ -32,15 +34,18 @@ impl Libraries {
             return;
         }
         self.seen.push(line.to_owned());
-        let whole = read(line, folder);
+        let whole = read(line, folder, MOST_BYTES - self.bytes);
         let names: Vec<&str> = match &whole {
             Err(_) if line.contains(char::is_whitespace) => line.split_whitespace().collect(),
             _ => vec![line],
         };
         for name in names {
             let quoted = text::quote(name.as_bytes());
-            match read(name, folder) {
-                Ok(bytes) => self.parse(&String::from_utf8_lossy(&bytes), &quoted),
+            match read(name, folder, MOST_BYTES - self.bytes) {
+                Ok(bytes) => {
+                    self.bytes += bytes.len() as u64;
+                    self.parse(&String::from_utf8_lossy(&bytes), &quoted);
+                }
                 Err(problem) => self.notes.push(format!(
                     "material library {quoted} not read: {problem}; put it into the folder of the file for colors"
                 )),
@@ -75,7 +80,7 @@ impl Libraries {
 }
 
 /// The bytes of a file in `folder` or below it.
-fn read(name: &str, folder: Option<&Path>) -> Result<Vec<u8>, String> {
+fn read(name: &str, folder: Option<&Path>, most: u64) -> Result<Vec<u8>, String> {
     let folder = folder.ok_or("it cannot be reached when reading from memory")?;
     let path = PathBuf::from(name.replace('\\', "/"));
     if path.as_os_str().is_empty()
@@ -90,11 +95,11 @@ fn read(name: &str, folder: Option<&Path>) -> Result<Vec<u8>, String> {
     if !metadata.is_file() {
         return Err("it is not a regular file".to_owned());
     }
-    if metadata.len() > MOST_BYTES {
-        return Err(format!("it is longer than {MOST_BYTES} bytes"));
+    if metadata.len() > most {
+        return Err(format!("it takes more than {MOST_BYTES} bytes, with those read before"));
     }
     let mut bytes = Vec::new();
-    let read = File::open(&path).and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes));
+    let read = File::open(&path).and_then(|file| file.take(most).read_to_end(&mut bytes));
     read.map(|_| bytes).map_err(|error| error.to_string())
 }
 
@@ -111,5 +116,61 @@ fn material(read: tobj::Material) -> Material {
         alpha_mode: if alpha < 1.0 || textured { AlphaMode::Blend } else { AlphaMode::Opaque },
         textured,
         ..Material::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn libraries_give_colors_and_alpha_and_note_what_they_cannot() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+        write("a b.mtl", "newmtl red one\nKd 1 0 0\nnewmtl clear\nd 0\nmap_d a.png\n");
+        write("c.mtl", "Kd 9 9 9\nnewmtl half\nTr 0.5\nnewmtl odd\nKd 2 nan -1\nnewmtl bad\nKd 1\nnewmtl\n");
+        let mut libraries = Libraries::default();
+        for line in ["a b.mtl", "c.mtl d.mtl", "c.mtl d.mtl", "/etc/passwd", "..\\x.mtl", ""] {
+            libraries.add(line, Some(folder.path()));
+        }
+        let found: Vec<_> = (libraries.materials.iter())
+            .map(|material| (material.name.as_str(), material.base_color, material.alpha, material.textured))
+            .collect();
+        let wanted = [
+            ("red one", Some([1.0, 0.0, 0.0]), 1.0, false),
+            ("clear", None, 0.0, true),
+            ("half", None, 0.5, false),
+            ("odd", Some([1.0, 1.0, 0.0]), 1.0, false),
+        ];
+        assert_eq!(found, wanted);
+        assert!(libraries.materials[1].is_invisible() && !libraries.materials[2].is_invisible());
+        let starts = [
+            "material `bad` of `c.mtl` not read: ",
+            "material `` of `c.mtl` not read: ",
+            "material library `d.mtl` not read: ",
+            "material library `/etc/passwd` not read: its path leaves the folder of the file; put it into",
+            "material library `..\\x.mtl` not read: its path leaves the folder",
+            "material library `` not read: its path leaves the folder",
+        ];
+        assert_eq!(libraries.notes.len(), starts.len(), "{:?}", libraries.notes);
+        for (note, start) in libraries.notes.iter().zip(starts) {
+            assert!(note.starts_with(start), "{note}");
+        }
+        let mut from_memory = Libraries::default();
+        from_memory.add("c.mtl", None);
+        assert!(from_memory.notes[0].contains("cannot be reached when reading from memory"));
+    }
+
+    #[test]
+    fn libraries_end_at_their_limits() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("long.mtl"), vec![b'#'; MOST_BYTES as usize + 1]).unwrap();
+        let mut libraries = Libraries::default();
+        libraries.add("long.mtl", Some(folder.path()));
+        assert!(libraries.notes[0].contains("it takes more than 16777216 bytes"), "{:?}", libraries.notes);
+        for i in 0..1000 {
+            libraries.add(&format!("{i}.mtl"), Some(folder.path()));
+        }
+        assert_eq!(libraries.notes.len(), MOST_LIBRARIES);
     }
 }

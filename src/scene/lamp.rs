@@ -79,6 +79,9 @@ pub struct SpotCone {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LampError {
+    /// The text does not begin with a kind of light.
+    #[error("`{0}` is not a light; write {any}", any = syntax::ANY)]
+    Kind(String),
     /// Part of the text is not what its syntax asks for.
     #[error("`{text}`: {problem}; write {remedy}")]
     Syntax {

@@ -10,7 +10,7 @@ const POINT: &str = "point:X,Y,Z[,radius=R][,range=D]";
 const DIRECTIONAL: &str = "directional:X,Y,Z[,angle=DEG] (the way the light travels)";
 const SPOT: &str = "spot:X,Y,Z:DX,DY,DZ:OUTER[,INNER][,radius=R][,range=D] (angles in degrees)";
 const RECTANGLE: &str = "rect:X,Y,Z:X,Y,Z:X,Y,Z[,range=D] (a corner and two edges)";
-const ANY: &str = "point:X,Y,Z, directional:X,Y,Z (the way the light travels), \
+pub(super) const ANY: &str = "point:X,Y,Z, directional:X,Y,Z (the way the light travels), \
                    spot:X,Y,Z:DX,DY,DZ:OUTER[,INNER] or rect:X,Y,Z:X,Y,Z:X,Y,Z";
 
 impl FromStr for Lamp {
@@ -23,10 +23,7 @@ impl FromStr for Lamp {
             "directional" => directional(&Parts::new(text, rest, DIRECTIONAL)),
             "spot" => spot(&Parts::new(text, rest, SPOT)),
             "rect" => rectangle(&Parts::new(text, rest, RECTANGLE)),
-            _ => {
-                let problem = "is not a light".to_owned();
-                Err(LampError::Syntax { text: text.to_owned(), problem, remedy: ANY })
-            }
+            _ => Err(LampError::Kind(text.to_owned())),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Which lights a command works with.
+//! The lights of a command.
 
 use serde_json::Value;
 use umbrage::geom::{Aabb, Light};

@@ -1,4 +1,4 @@
-//! From a file to welded meshes, as every command that reads a mesh does it.
+//! From a file to welded meshes: shared by every command that reads a mesh.
 
 use std::convert::Infallible;
 use std::path::Path;
@@ -37,9 +37,9 @@ pub(crate) struct MeshArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum ScopeArg {
-    /// Each instance of a mesh in the scene
+    /// Each mesh instance, where the scene places it
     Mesh,
-    /// Each part of a mesh (primitive, group) for itself
+    /// Each part of a mesh (primitive, group) separately
     Primitive,
     /// The whole file; for solids that are stored in pieces
     Scene,
@@ -150,8 +150,8 @@ impl MeshArgs {
         WeldedMesh { mesh: welded.mesh, vertices, unreferenced }
     }
 
-    /// Whether a mesh is balanced as it would be welded, with the probability of error of [`Screen`]; `None`
-    /// for a weld within a distance, which has to be done to know.
+    /// Whether a mesh would be balanced once it is welded, with the probability of error of [`Screen`];
+    /// `None` for a weld within a distance, which cannot be decided without welding.
     pub(crate) fn screen(&self, mesh: &Mesh) -> Option<bool> {
         match self.weld {
             Weld::Exact => Some(Screen::default().positions(mesh)),

@@ -163,7 +163,7 @@ pub(crate) fn parse_samples(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Whether a picture can be written under this name, as far as the name shows.
+/// Refuses a name that no picture can be written under, judging by the extension.
 pub(crate) fn require_png(path: &Path) -> Result<(), Failure> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         return Ok(());

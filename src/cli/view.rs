@@ -1,4 +1,4 @@
-//! The camera of a picture: asked for, the file's, or one that shows everything.
+//! The camera of a picture.
 
 use std::path::Path;
 

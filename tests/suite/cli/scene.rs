@@ -103,18 +103,18 @@ fn falloff_is_plain_unless_asked_for() {
         assert_eq!(run.code, 0, "{}", run.stderr);
         png(&folder, "a.png").2
     };
-    let light = "--light point:0.7,0.9,0.8";
+    let light = "--light point:1.4,1.8,1.6";
     let plain = picture(light);
     assert!(plain == picture(&format!("{light} --falloff plain")));
-    assert!(plain == picture(&format!("{light},range=1")), "a range is for physical falloff");
+    assert!(plain == picture(&format!("{light},range=2")), "a range is for physical falloff");
     let physical = picture(&format!("{light} --falloff physical"));
-    let ending = picture(&format!("{light},range=1 --falloff physical"));
+    let ending = picture(&format!("{light},range=2 --falloff physical"));
     let sum = |pixels: &[u8]| pixels.iter().map(|&byte| u64::from(byte)).sum::<u64>();
     assert!(physical != plain);
     let (whole, cut) = (sum(&physical), sum(&ending));
     assert!(cut < whole, "{cut} {whole}");
     // A spot light lights less than the point that it shines from.
-    assert!(sum(&picture("--light spot:0.7,0.9,0.8:-1,-1,-1:10")) < sum(&plain));
+    assert!(sum(&picture("--light spot:1.4,1.8,1.6:-1,-1,-1:10")) < sum(&plain));
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn camera_of_the_file_is_chosen_and_an_orthographic_one_drawn_by_rays() {
     document["buffers"][0]["uri"] = "cube.bin".into();
     document["cameras"] = serde_json::json!([
         {"type": "perspective", "name": "front", "perspective": {"yfov": 0.6, "znear": 0.1}},
-        {"type": "orthographic", "name": "plan", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 9}}
+        {"type": "orthographic", "name": "plan", "orthographic": {"xmag": 2, "ymag": 2, "znear": 0.1, "zfar": 9}}
     ]);
     let nodes = document["nodes"].as_array_mut().unwrap();
     let first = nodes.len();
@@ -174,8 +174,8 @@ fn camera_of_the_file_is_chosen_and_an_orthographic_one_drawn_by_rays() {
     assert!(front == picture("--camera front") && front == picture("--camera 1"));
     let plan = picture("--camera plan");
     assert!(plan != front && plan == picture("--camera 2"));
-    assert!(plan == picture("--eye 0,0,4 --target 0,0,0 --ortho 2"));
-    // The cube is one unit wide and the picture shows two: a quarter of the pixels differs from the background.
+    assert!(plan == picture("--eye 0,0,4 --target 0,0,0 --ortho 4"));
+    // The cube is two units wide and the picture shows four: a quarter of the pixels differs from the background.
     let empty = picture("--camera plan --near 6");
     let covered = plan.chunks(4).zip(empty.chunks(4)).filter(|(a, b)| a != b).count();
     assert!((31 * 31..=33 * 33).contains(&covered), "{covered}");

@@ -9,7 +9,7 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use umbrage::check::{Counts, CrackReport, Defect, DefectKind, NearMiss, ShellReport};
+use umbrage::check::{Counts, CrackReport, Defect, DefectKind, NearMiss, ShellReport, Verdict};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::read::Format;
 use umbrage::topology::Topology;
@@ -132,32 +132,12 @@ struct MeshReport {
     verdict: Verdict,
 }
 
-/// What is said of a mesh or of a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Verdict {
-    Sound,
-    /// Nothing is wrong, but which shell lies in which was not decided within the limit.
-    NotProven,
-    Cracked,
-}
-
-impl Verdict {
-    fn of(require: Option<Require>, counts: &Counts) -> Self {
-        if holds(require, counts) {
-            Self::Sound
-        } else if require.is_none() && counts.may_be_sound() {
-            Self::NotProven
-        } else {
-            Self::Cracked
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Sound => "sound",
-            Self::NotProven => "not proven sound",
-            Self::Cracked => "cracked",
-        }
+/// The verdict on a mesh of which a property is asked.
+fn verdict(require: Option<Require>, counts: &Counts) -> Verdict {
+    match require {
+        None => counts.verdict(),
+        Some(_) if holds(require, counts) => Verdict::Sound,
+        Some(_) => Verdict::Cracked,
     }
 }
 
@@ -287,7 +267,7 @@ fn examine(
     let mut meshes = Vec::with_capacity(baked.meshes.len());
     for mesh in baked.meshes {
         let WeldedMesh { mesh, vertices, unreferenced } = args.mesh.weld(mesh);
-        let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.shared_triangles());
+        let topology = Topology::of(&mesh);
         let mut report = CrackReport::of(&mesh, &topology);
         for (complete, note) in [
             (
@@ -333,7 +313,7 @@ fn examine(
             defects,
             nesting_complete,
             t_junctions_complete,
-            verdict: Verdict::of(args.require, &counts),
+            verdict: verdict(args.require, &counts),
         });
     }
     let total = |of: fn(&Counts) -> usize| meshes.iter().map(|mesh| of(&mesh.counts)).sum();
@@ -422,9 +402,9 @@ mod tests {
         (cavity.depth, cavity.parent, cavity.depth_known) = (0, None, false);
         mesh.counts.undecided_shells = 1;
         (mesh.nesting_complete, mesh.t_junctions_complete) = (false, false);
-        mesh.verdict = Verdict::of(None, &mesh.counts);
+        mesh.verdict = verdict(None, &mesh.counts);
         assert_eq!(mesh.verdict, Verdict::NotProven);
-        assert_eq!(Verdict::of(Some(Require::Watertight), &mesh.counts), Verdict::Sound);
+        assert_eq!(verdict(Some(Require::Watertight), &mesh.counts), Verdict::Sound);
         let text = text::Report { report: &report, limit: 5 }.to_string();
         let line = "not proven sound: the mesh is watertight, but nesting not decided within the limit: 1 shell \
                     may be inside out";

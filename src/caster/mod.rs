@@ -19,11 +19,11 @@ use crate::oracle::Oracle;
 use crate::silhouette::Silhouette;
 use crate::topology::{Shells, Topology};
 
-/// A mesh in world space and everything that is known of it before any light: topology, crack report, shells,
-/// planes, proofs, ray cast.
+/// A mesh in world space and everything that is known of it before any light: topology, crack report, shells, planes,
+/// proofs, ray cast.
 ///
-/// Each part is made once, when it is first asked for, from any thread; a caster is `Sync`. Parts share the
-/// list of triangles with the mesh. The functions that make the parts ([`Topology::of`], [`CrackReport::of`],
+/// Each part is made once, when it is first asked for, from any thread; a caster is `Sync`. Parts share the list of
+/// triangles with the mesh. The functions that make the parts ([`Topology::of`], [`CrackReport::of`],
 /// [`FacePlanes::new`], …) are the reference, for those who want one of them alone.
 ///
 /// ```
@@ -67,13 +67,13 @@ impl Caster {
         Self { mesh, topology: OnceLock::new(), shells: OnceLock::new(), parts: Parts::default() }
     }
 
-    /// Copies vertex and index arrays, three indices per face, and welds vertices of equal positions, as
-    /// those that are split for normals or texture coordinates are.
+    /// Copies vertex and index arrays, three indices per face, and welds vertices of equal positions, as those that are
+    /// split for normals or texture coordinates are.
     ///
     /// # Errors
     ///
-    /// [`MeshError`] if a coordinate is not finite, an index is out of range, or the number of indices is not
-    /// divisible by 3.
+    /// [`MeshError`] if a coordinate is not finite, an index is out of range, or the number of indices is not divisible
+    /// by 3.
     pub fn from_indexed(positions: &[[f32; 3]], indices: &[u32]) -> Result<Self, MeshError> {
         let mesh = Mesh::from_indexed(positions, indices)?;
         Ok(Self::new(weld_in_place(mesh, Weld::Exact).mesh))
@@ -85,8 +85,8 @@ impl Caster {
         &self.mesh
     }
 
-    /// The edge table: some 20 ns per face when first asked for; what shells and crack report need of it, as
-    /// much again.
+    /// The edge table: some 20 ns per face when first asked for; what shells and crack report need besides takes
+    /// as long.
     #[must_use]
     pub fn topology(&self) -> &Topology {
         self.topology.get_or_init(|| Topology::of(&self.mesh))
@@ -110,9 +110,8 @@ impl Caster {
         self.parts.planes.get_or_init(|| FacePlanes::new(&self.mesh))
     }
 
-    /// What is proven of each shell: whether half its faces cast the same shadow. Looks for
-    /// self-intersections, which takes some microseconds per face when first asked for; see
-    /// [`ShellProof::of`].
+    /// What is proven of each shell: whether half its faces cast the same shadow. Looks for self-intersections, which
+    /// takes some microseconds per face when first asked for; see [`ShellProof::of`].
     #[must_use]
     pub fn proofs(&self) -> &[ShellProof] {
         self.parts.proofs.get_or_init(|| {
@@ -157,13 +156,13 @@ impl Caster {
         Silhouette::extract(self.topology(), &faces.signs(&self.facing(light)))
     }
 
-    /// Moves the vertices. Topology and shells stay; whatever depends on positions is made again when it is
-    /// next asked for.
+    /// Moves the vertices. Topology and shells stay; whatever depends on positions is made again when it is next asked
+    /// for.
     ///
     /// # Errors
     ///
-    /// [`MeshError`] if there are more or fewer positions than vertices, or a coordinate is not finite; then
-    /// nothing has changed.
+    /// [`MeshError`] if there are more or fewer positions than vertices, or a coordinate is not finite; then nothing has
+    /// changed.
     ///
     /// ```
     /// use umbrage::caster::Caster;

@@ -379,11 +379,9 @@ impl FileReport {
 mod tests {
     use super::*;
 
-    #[test]
-    fn check_that_did_not_decide_the_nesting_proves_nothing_and_says_so() {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/nested/hollow_cube.obj");
-        let args = Args {
-            files: vec![file.clone()],
+    fn args(file: &Path) -> Args {
+        Args {
+            files: vec![file.to_owned()],
             mesh: MeshArgs::default(),
             require: None,
             fast: false,
@@ -393,7 +391,42 @@ mod tests {
             threads: ThreadArgs::default(),
             picture: None,
             mark: None,
-        };
+        }
+    }
+
+    #[test]
+    fn check_prints_every_line_of_the_librarys_report_in_its_order() {
+        for name in [
+            "closed/cube",
+            "seam/seam_1",
+            "open/t_junction",
+            "non_manifold/book_5",
+            "non_manifold/double_sheet",
+            "winding/inside_out_cube",
+            "winding/mobius_12",
+            "degenerate/collinear_face",
+        ] {
+            let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(format!("{name}.obj"));
+            let args = args(&file);
+            let report = examine(&file, &args, None, None).ok().unwrap();
+            let printed = text::Report { report: &report, limit: 5 }.to_string();
+            let mesh = args.mesh.read(&file).ok().unwrap().meshes.remove(0);
+            let mesh = args.mesh.weld(mesh).mesh;
+            let of_library = CrackReport::of(&mesh, &Topology::of(&mesh)).to_string();
+            let comes_in_order = |report: &str| {
+                let mut lines = printed.lines();
+                report.lines().all(|line| lines.any(|printed| printed == line))
+            };
+            assert!(comes_in_order(&of_library), "{name}:\n{of_library}\n{printed}");
+            // Fault injected: one letter.
+            assert!(!comes_in_order(&of_library.replacen('e', "E", 1)), "{name}");
+        }
+    }
+
+    #[test]
+    fn check_that_did_not_decide_the_nesting_proves_nothing_and_says_so() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/nested/hollow_cube.obj");
+        let args = args(&file);
         // As the report is where the search gave up before the cavity, and before all T-junctions were found.
         let mut report = examine(&file, &args, None, None).ok().unwrap();
         assert_eq!(report.verdict(), Verdict::Sound);

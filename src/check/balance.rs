@@ -6,10 +6,10 @@
 //! f(a, b) = x(a) y(b) − y(a) x(b) = −f(b, a)
 //! ```
 //!
-//! Where the two directions of an edge are used equally often they cancel, so the sum over a balanced mesh is
-//! 0, always. Let n(a, b) be the surplus of the direction from a to b. The sum over any mesh is that of
-//! n(a, b) (x(a) y(b) − x(b) y(a)) over its edges a < b: a polynomial whose monomials are all different, and so
-//! not the zero polynomial unless the mesh is balanced. It vanishes at few points: Schwartz, *Fast
+//! If the two directions of an edge are used equally often they cancel, so the sum over a balanced mesh is
+//! always 0. Let n(a, b) be the surplus of the direction from a to b. The sum over any mesh is that of
+//! n(a, b) (x(a) y(b) − x(b) y(a)) over its edges a < b: a polynomial whose monomials are all different, and
+//! so not the zero polynomial unless the mesh is balanced. It vanishes at few points: Schwartz, *Fast
 //! Probabilistic Algorithms for Verification of Polynomial Identities*, 1980; Zippel, *Probabilistic
 //! Algorithms for Sparse Polynomials*, 1979.
 //!

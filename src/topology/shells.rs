@@ -61,7 +61,7 @@ impl Topology {
     /// The shells: the connected components of the faces through edges.
     ///
     /// Memory: 8 bytes per face, 12 at its peak. The first call on a table also surveys the one-rings of its
-    /// vertices: about the time of the build, and up to 36 bytes per face of a closed mesh for that time.
+    /// vertices: about the time of the build, and 28 to 34 bytes per face of a closed mesh for that time.
     #[must_use]
     pub fn shells(&self) -> Shells {
         let survey = self.survey();

@@ -50,7 +50,7 @@ const ORDINARY: [(&str, usize); 8] = [
     ("weld", 24),
     ("weld in place", 20),
     ("edge table", 41),
-    ("survey", 36),
+    ("survey", 40),
     ("shells", 8),
     ("crack report", 12),
     ("proofs", 129),

@@ -121,8 +121,8 @@ pub mod oracle;
 pub mod topology;
 pub mod check;
 pub mod facing;
-pub mod silhouette;
 pub mod caster;
+pub mod silhouette;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod shadow;

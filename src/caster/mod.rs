@@ -1,20 +1,23 @@
 //! A mesh and all that is known of it before any light.
 
+#[cfg(feature = "gpu")]
+mod gpu;
 mod proofs;
 mod shell_boxes;
 
 use std::sync::OnceLock;
 
+#[cfg(feature = "gpu")]
+pub use gpu::GpuCaster;
 pub use proofs::ShellProof;
 pub(crate) use shell_boxes::ShellBox;
 pub use shell_boxes::ShellBoxes;
 
 use crate::check::CrackReport;
-use crate::facing::{CasterFaces, FacePlanes};
+use crate::facing::FacePlanes;
 use crate::geom::{Facing, Light};
 use crate::mesh::{Mesh, MeshError, Weld, weld_in_place};
 use crate::oracle::Oracle;
-use crate::silhouette::Silhouette;
 use crate::topology::{Shells, Topology};
 
 /// A mesh in world space and everything that is known of it before any light: topology, crack report, shells, planes,
@@ -145,13 +148,6 @@ impl Caster {
     #[must_use]
     pub fn facing(&self, light: &Light) -> Vec<Facing> {
         self.planes().classify(&self.mesh, light)
-    }
-
-    /// The silhouette edges for the faces that cast. For light after light, a
-    /// [`SilhouetteFinder`](crate::silhouette::SilhouetteFinder) is faster.
-    #[must_use]
-    pub fn silhouette(&self, light: &Light, faces: CasterFaces) -> Silhouette {
-        Silhouette::extract(self.topology(), &faces.signs(&self.facing(light)))
     }
 
     /// Moves the vertices. Topology and shells stay; whatever depends on positions is made again when it is next asked

@@ -1,5 +1,5 @@
 //! Pictures by exact ray cast: every pixel's visible point, its verdict for each lamp, and plain shading. Then the
-//! same picture with the shadows that a stencil pass counts.
+//! same picture on a graphics device, with the visibility that any technique computes.
 
 mod color;
 #[cfg(feature = "gpu")]
@@ -13,7 +13,7 @@ mod verdicts;
 use glam::Vec3;
 
 #[cfg(feature = "gpu")]
-pub use gpu::{LampShadow, render_stencil};
+pub use gpu::render_visibility;
 pub use ground::Ground;
 pub use overlay::{Line, Marker, Overlay};
 pub use shade::ShadedLight;

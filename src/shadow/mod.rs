@@ -2,3 +2,6 @@
 
 pub mod stencil;
 pub mod volume;
+
+#[cfg(feature = "gpu")]
+pub use crate::gpu::raster::{Depth, GpuSamples, GpuVisibility};

@@ -17,10 +17,13 @@ mod tree;
 
 pub use finder::{SilhouetteFinder, SilhouetteMethod};
 #[cfg(feature = "gpu")]
-pub use gpu::{FoundSilhouette, GpuCaster, GpuSilhouette, SilhouetteShaders};
+pub use gpu::{FoundSilhouette, GpuSilhouette, SilhouetteShaders};
 pub use kinetic::{EdgeChange, KineticSilhouette, KineticStep};
 pub use tree::{SilhouetteTree, TreeSearch};
 
+use crate::caster::Caster;
+use crate::facing::CasterFaces;
+use crate::geom::Light;
 use crate::mesh::EdgeId;
 use crate::topology::Topology;
 
@@ -95,5 +98,14 @@ impl Silhouette {
     #[must_use]
     pub fn max_multiplicity(&self) -> u32 {
         self.edges.iter().map(|edge| edge.multiplicity.unsigned_abs()).max().unwrap_or(0)
+    }
+}
+
+impl Caster {
+    /// The silhouette edges for the faces that cast. For light after light, a
+    /// [`SilhouetteFinder`] is faster.
+    #[must_use]
+    pub fn silhouette(&self, light: &Light, faces: CasterFaces) -> Silhouette {
+        Silhouette::extract(self.topology(), &faces.signs(&self.facing(light)))
     }
 }

@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use umbrage::caster::Caster;
+use umbrage::caster::{Caster, GpuCaster};
 use umbrage::geom::Light;
 use umbrage::gpu::Gpu;
 use umbrage::render::{MemoryError, verdict_color, verdicts};
 use umbrage::scene::SceneLight;
-use umbrage::shadow::stencil::{
-    Counting, Depth, Receivers, ShadowMask, ShellMethods, StencilMethod, StencilPass, StencilVolumes,
-};
+use umbrage::shadow::Depth;
+use umbrage::shadow::stencil::{ShadowMask, ShellMethods, StencilMethod, StencilPass, StencilVolumes};
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
 use umbrage::view::Projection;
 use umbrage::view::{Camera, Size};
@@ -104,7 +103,7 @@ fn judge(gpu: &Gpu, job: &Job<'_>) -> Result<Pixels, Failure> {
         gpu,
         job,
         pass: StencilPass::new(gpu, Depth::Plane)?,
-        receivers: Receivers::upload(gpu, job.caster)?,
+        receivers: GpuCaster::upload(gpu, job.caster)?,
     };
     drop(progress);
     let mut lights = Vec::new();
@@ -123,7 +122,7 @@ struct Bench<'a> {
     gpu: &'a Gpu,
     job: &'a Job<'a>,
     pass: StencilPass,
-    receivers: Receivers,
+    receivers: GpuCaster,
 }
 
 impl Bench<'_> {
@@ -188,10 +187,7 @@ fn describe(asked: &'static str, casting: &StencilVolumes, comparison: &Comparis
         asked,
         method: method(&casting.methods),
         reason: casting.methods.summary(),
-        counting: match casting.counting() {
-            Counting::Stencil => "stencil",
-            Counting::Integer => "integer",
-        },
+        counting: casting.counting().name(),
         counting_reason: casting.layers.to_string(),
         counts: counts(comparison),
         mismatches: comparison.mismatches.clone(),

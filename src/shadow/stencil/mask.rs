@@ -2,13 +2,25 @@
 
 use crate::view::Size;
 
-/// How a pixel's count was kept.
+/// The type of the counts of a stencil pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Counting {
     /// In eight bits of a stencil: right modulo 256.
     Stencil,
     /// In 32 bits of memory.
     Integer,
+}
+
+impl Counting {
+    /// Lower-case name, as in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stencil => "stencil",
+            Self::Integer => "integer",
+        }
+    }
 }
 
 /// How many volumes of one light the visible point of each pixel is in.

@@ -14,9 +14,7 @@ mod volumes;
 
 pub use depth_complexity::{DepthComplexity, max_depth_complexity};
 #[cfg(feature = "gpu")]
-pub(crate) use gpu::SOURCE;
-#[cfg(feature = "gpu")]
-pub use gpu::{Depth, Draw, Receivers, StencilFrame, StencilPass};
+pub use gpu::{Draw, StencilFrame, StencilPass};
 pub use mask::{Counting, ShadowMask};
 pub use method::ShellMethods;
 #[cfg(feature = "gpu")]

@@ -1,45 +1,5 @@
-// Receivers and shadow volumes without vertex buffers. One invocation a corner, looked up by its number, where triangles
-// have a depth of their own; else one a vertex that corners share, drawn with the triangles as indices.
-// Twin: gpu/frame.rs,
-// whose struct Frame this one mirrors; the exact counterpart of the counts is compare.rs.
-//
-// The struct holds everything scaled by a power of two, which is exact: lengths by `scale` so that the mesh is about
-// as large as 1, and whatever only its direction matters of (the light, vertices at infinity) by `light_scale`.
-
-struct Frame {
-    right: vec3f,
-    scale: f32,
-    up: vec3f,
-    near: f32,
-    forward: vec3f,
-    light_scale: f32,
-    // The direction of the ray through (x, y) in normalized device coordinates is
-    // ray_right·x + ray_up·y + ray_forward, at depth 1.
-    ray_right: vec3f,
-    vertex_count: u32,
-    ray_up: vec3f,
-    light_w: f32,
-    ray_forward: vec3f,
-    width: f32,
-    eye: vec3f,
-    height: f32,
-    light: vec3f,
-    unused: f32,
-}
-
-@group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> vertices: array<f32>;
-@group(0) @binding(2) var<storage, read> triangles: array<u32>;
-// Unit normals of the receivers' faces; zero where there is none.
-@group(0) @binding(3) var<storage, read> normals: array<f32>;
-
-struct Corner {
-    @invariant @builtin(position) clip: vec4f,
-    // Depth as a linear function of x, y, 1 in normalized device coordinates.
-    @location(0) @interpolate(flat) depth: vec3f,
-    // The receiver's face.
-    @location(1) @interpolate(flat) face: u32,
-}
+// Shadow volumes, counted against the depth of the receivers. raster.wgsl comes before it. The exact counterpart of the
+// counts is verify/pixels.
 
 // A corner of a side of a volume.
 struct Side {
@@ -54,47 +14,6 @@ struct Side {
     @location(3) @interpolate(flat) end_b: vec3f,
 }
 
-fn vertex(id: u32) -> vec3f {
-    return vec3f(vertices[3u * id], vertices[3u * id + 1u], vertices[3u * id + 2u]);
-}
-
-fn project(q: vec3f, w: f32) -> vec4f {
-    return vec4f(dot(frame.right, q), dot(frame.up, q), frame.near * w, dot(frame.forward, q));
-}
-
-// The depth near/t at which rays meet the plane through `place` (from the eye) with `normal`; 0, at infinity, where
-// the eye is in the plane and it covers nothing.
-fn plane_depth(normal: vec3f, place: vec3f) -> vec3f {
-    let distance = dot(normal, place);
-    if distance == 0.0 { return vec3f(0.0); }
-    let slope = vec3f(dot(normal, frame.ray_right), dot(normal, frame.ray_up), dot(normal, frame.ray_forward));
-    return slope * (frame.near / distance);
-}
-
-fn normalized(position: vec2f) -> vec2f {
-    return vec2f(2.0 * position.x / frame.width - 1.0, 1.0 - 2.0 * position.y / frame.height);
-}
-
-fn depth_at(position: vec2f, depth: vec3f) -> f32 {
-    return clamp(dot(depth, vec3f(normalized(position), 1.0)), 0.0, 1.0);
-}
-
-// Flat values are those of a triangle's first corner; the others need none.
-@vertex
-fn receiver(@builtin(vertex_index) index: u32) -> Corner {
-    let face = index / 3u;
-    let q = vertex(triangles[index]) * frame.scale - frame.eye;
-    if index % 3u != 0u { return Corner(project(q, 1.0), vec3f(0.0), face); }
-    let normal = vec3f(normals[3u * face], normals[3u * face + 1u], normals[3u * face + 2u]);
-    return Corner(project(q, 1.0), plane_depth(normal, q), face);
-}
-
-// A vertex of receivers, for triangles that share it: no depth is asked of it but its own.
-@vertex
-fn receiver_vertex(@builtin(vertex_index) id: u32) -> Corner {
-    return Corner(project(vertex(id) * frame.scale - frame.eye, 1.0), vec3f(0.0), 0u);
-}
-
 // Which vertex of the caster an id stands for, finite or not.
 fn base(id: u32) -> u32 {
     return select(id, id - frame.vertex_count, id >= frame.vertex_count);
@@ -104,7 +23,7 @@ fn is_direction(id: u32) -> bool {
     return frame.light_w == 0.0 && id >= frame.vertex_count;
 }
 
-// Bit patterns in the order of their numbers: subnormal ones may be flushed where floats are compared.
+// Integers in the order of the floats: a comparison of floats may flush subnormal ones.
 fn ordered(v: vec3f) -> vec3i {
     let bits = bitcast<vec3i>(v);
     return bits ^ ((bits >> vec3u(31u)) & vec3i(0x7fffffff));
@@ -118,13 +37,7 @@ fn less(v: vec3f, w: vec3f) -> bool {
     return a.z < b.z;
 }
 
-// The same direction with a largest component of 1, so that products of several keep their digits.
-fn direction(v: vec3f) -> vec3f {
-    let largest = max(max(abs(v.x), abs(v.y)), abs(v.z));
-    return select(v / largest, vec3f(0.0), largest == 0.0);
-}
-
-// From the light to a vertex, or the way a directional light travels.
+// From the light to a vertex, or the direction in which a directional light travels.
 fn away(v: vec3f) -> vec3f {
     return v * (frame.light_scale * frame.light_w) - frame.light;
 }
@@ -168,7 +81,7 @@ fn volume(@builtin(vertex_index) index: u32) -> Side {
     if is_direction(ids.z) || base(ids.z) == base(one) { other = ids.y; }
     var a = vertex(base(one));
     var b = vertex(base(other));
-    // The same order for every side on these two places, whatever their numbers.
+    // The same order for every side on these two positions, whatever their ids.
     if less(b, a) {
         let swapped = a;
         a = b;
@@ -188,14 +101,9 @@ fn volume_vertex(@builtin(vertex_index) id: u32) -> Corner {
     return Corner(volume_clip(id), vec3f(0.0), 0u);
 }
 
-@fragment
-fn plane(corner: Corner) -> @builtin(frag_depth) f32 {
-    return depth_at(corner.clip.xy, corner.depth);
-}
-
 // A rasterizer rounds corners to 1/256 pixel, and so may cover a pixel that is just beyond a line where the side ends.
 // There the plane of a side that is seen nearly edge-on is far in front of the side, or behind it: so the depth is that
-// of the nearest place of the side. No farther than 1/128 pixel: a line that is seen nearly end-on is not well known.
+// of the nearest point of the side, at most 1/128 pixel away: a line that is seen nearly end-on is not well known.
 fn side_depth(side: Side) -> f32 {
     let most = 1.0 / (64.0 * max(frame.width, frame.height));
     var p = normalized(side.clip.xy);
@@ -210,14 +118,16 @@ fn side_plane(side: Side) -> @builtin(frag_depth) f32 {
     return side_depth(side);
 }
 
-// Counting in whole numbers, for scenes that could overflow the stencil.
+// Counting in 32-bit integers, for scenes that could overflow the stencil.
 
-@group(0) @binding(4) var<storage, read_write> counts: array<atomic<i32>>;
-@group(0) @binding(5) var receiver_depth: texture_depth_2d;
+@group(0) @binding(5) var<storage, read_write> counts: array<atomic<i32>>;
+
+fn pixel(position: vec4f) -> u32 {
+    return u32(position.y) * u32(frame.width) + u32(position.x);
+}
 
 fn count(position: vec4f, by: i32) {
-    let place = u32(position.y) * u32(frame.width) + u32(position.x);
-    atomicAdd(&counts[place], by);
+    atomicAdd(&counts[pixel(position)], by);
 }
 
 @fragment
@@ -239,4 +149,16 @@ fn count_before(side: Side, @builtin(front_facing) front: bool) {
     if depth > textureLoad(receiver_depth, vec2u(side.clip.xy), 0) {
         count(side.clip, select(-1, 1, front));
     }
+}
+
+// The visibility of a sample whose count in the stencil is 0, which the stencil test ensures.
+@fragment
+fn lit() -> @location(0) f32 {
+    return 1.0;
+}
+
+// The visibility of a sample by its integer count.
+@fragment
+fn lit_by_count(@builtin(position) position: vec4f) -> @location(0) f32 {
+    return select(0.0, 1.0, atomicLoad(&counts[pixel(position)]) == 0);
 }

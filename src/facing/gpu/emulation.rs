@@ -15,7 +15,7 @@
 //! the side twice, once to compare it and once for its sign (a compiler that contracts one use of a value and not the
 //! other does): a pair is right only if, where any evaluation passes the bound, *every* evaluation has the true sign.
 
-use super::filter::{ALWAYS_EDGE_ON, EVALUATION, Filter, LightParameters};
+use super::{ALWAYS_EDGE_ON, EVALUATION, Filter, LightParameters};
 use crate::facing::planes::{EVALUATION as EVALUATION_OF_PLANES, UNDERFLOW};
 use crate::facing::{FacePlanes, classify};
 use crate::geom::{Light, predicate};

@@ -1,7 +1,11 @@
-//! The filter that a shader can evaluate: planes and lights in units in which nothing overflows, and their bound.
+//! The filter for the sides of faces that a shader can evaluate: planes and lights scaled so that nothing overflows,
+//! and an error bound.
 
-use crate::facing::FacePlanes;
-use crate::facing::planes::UNDERFLOW;
+#[cfg(test)]
+mod emulation;
+
+use super::FacePlanes;
+use super::planes::UNDERFLOW;
 use crate::geom::Light;
 use crate::geom::predicate::collinear;
 use crate::mesh::{FaceId, Mesh};
@@ -10,27 +14,27 @@ use crate::mesh::{FaceId, Mesh};
 ///
 /// Of 10⁶ near ties none is certified wrong down to 2·2⁻²³; 1.25·2⁻²³ is caught. The roundings of five operations do
 /// not all fall the same way.
-pub(super) const EVALUATION: f32 = 8.5 * f32::EPSILON;
+pub(crate) const EVALUATION: f32 = 8.5 * f32::EPSILON;
 /// More than everything that is lost below the normal range, 2⁻¹²⁰; itself a normal number.
 const FLOOR: f64 = 1e-36;
 /// An `e` with which a face is always unsure: the bound is then four times the largest possible side.
-pub(super) const ALWAYS_UNSURE: f32 = 4.0;
+pub(crate) const ALWAYS_UNSURE: f32 = 4.0;
 /// An `e` with which a face is surely edge-on: a bound below zero is passed by every side, 0 too.
-pub(super) const ALWAYS_EDGE_ON: f32 = -4.0;
+pub(crate) const ALWAYS_EDGE_ON: f32 = -4.0;
 
 /// What a shader is told of a light; `Light` in `silhouette.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-pub(super) struct LightParameters {
-    pub(super) xyz: [f32; 3],
-    pub(super) w: f32,
+pub(crate) struct LightParameters {
+    pub(crate) xyz: [f32; 3],
+    pub(crate) w: f32,
     /// What a plane's `e` is multiplied with.
-    pub(super) reach: f32,
+    pub(crate) reach: f32,
     /// What is added to every bound.
-    pub(super) floor: f32,
+    pub(crate) floor: f32,
     /// How many faces there are.
-    pub(super) faces: u32,
-    pub(super) padding: u32,
+    pub(crate) faces: u32,
+    pub(crate) padding: u32,
 }
 
 /// The planes of a mesh in units of its own size: a shader's twin of [`FacePlanes`].
@@ -69,7 +73,7 @@ pub(super) struct LightParameters {
 /// A mesh whose reach is not finite has no finite `e` anywhere, so every face is unsure. A face without area is
 /// edge-on for every light; that is proven here, once, and [`ALWAYS_EDGE_ON`] says so.
 #[derive(Clone, Debug)]
-pub(super) struct Filter {
+pub(crate) struct Filter {
     origin: [f32; 3],
     /// `k`.
     exponent: i32,
@@ -81,7 +85,7 @@ pub(super) struct Filter {
 impl Filter {
     /// The units of a mesh, and its planes in them: five runs (x, y, z of the normals, offsets, `e`) with four
     /// faces an entry, the last filled up with faces that are edge-on.
-    pub(super) fn new(mesh: &Mesh, planes: &FacePlanes) -> (Self, Vec<[f32; 4]>) {
+    pub(crate) fn new(mesh: &Mesh, planes: &FacePlanes) -> (Self, Vec<[f32; 4]>) {
         let reach = f64::from(planes.reach());
         let (exponent, reach) = match reach {
             0.0 => (0, 1.0),
@@ -115,8 +119,13 @@ impl Filter {
         (Self { origin: planes.origin(), exponent, reach, faces }, values)
     }
 
+    /// The length of a run in numbers.
+    pub(crate) fn stride(&self) -> u32 {
+        self.faces.next_multiple_of(4).max(4)
+    }
+
     /// A light in the units of the mesh.
-    pub(super) fn light(&self, light: &Light) -> LightParameters {
+    pub(crate) fn light(&self, light: &Light) -> LightParameters {
         let xyz = light.xyz();
         let (l, w) = if light.is_directional() {
             (xyz.map(f64::from), 0.0)

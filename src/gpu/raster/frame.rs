@@ -1,4 +1,4 @@
-//! What the shaders know of the camera and the light.
+//! The camera and light that shaders are given.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3};
@@ -7,11 +7,12 @@ use crate::geom::Light;
 use crate::view::Projection;
 use crate::view::Size;
 
-/// Mirrors `struct Frame` in stencil.wgsl.
+/// Mirrors `struct Frame` in raster.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Frame {
     right: [f32; 3],
+    /// The power of two that coordinates are multiplied by.
     pub(crate) scale: f32,
     up: [f32; 3],
     near: f32,
@@ -26,49 +27,53 @@ pub(crate) struct Frame {
     eye: [f32; 3],
     height: f32,
     light: [f32; 3],
-    unused: f32,
+    plane_stride: u32,
 }
 
 impl Frame {
-    /// For receivers and volumes whose coordinates are `largest` at most. Without a light for receivers alone.
-    pub(super) fn new(
-        projection: &Projection,
-        size: Size,
-        largest: f32,
-        light: Option<&Light>,
-        vertex_count: u32,
-    ) -> Self {
+    /// For triangles whose coordinates are at most `largest` in magnitude, without a light.
+    pub(crate) fn new(projection: &Projection, size: Size, largest: f32) -> Self {
         let reach = projection.eye.iter().fold(largest, |most, x| most.max(x.abs()));
         let scale = to_one(reach);
         let ray = |x, y| projection.ray(DVec2::new(x, y));
         let middle = ray(0.0, 0.0);
         let narrow = |v: DVec3| v.as_vec3().into();
-        let [lx, ly, lz, light_w] = light.map_or([0.0; 4], Light::homogeneous);
-        // A directional light needs no common scale with the vertices.
-        let light_reach = [lx, ly, lz].iter().fold(light_w * largest, |most, x| most.max(x.abs()));
-        let light_scale = to_one(light_reach);
         Self {
             right: projection.right,
             scale,
             up: projection.up,
             near: projection.near * scale,
             forward: projection.forward,
-            light_scale,
+            light_scale: to_one(0.0),
             ray_right: narrow(ray(1.0, 0.0) - middle),
-            vertex_count,
+            vertex_count: 0,
             ray_up: narrow(ray(0.0, 1.0) - middle),
-            light_w,
+            light_w: 0.0,
             ray_forward: narrow(middle),
             width: size.width() as f32, // at most 2¹⁴
             eye: projection.eye.map(|x| x * scale),
             height: size.height() as f32,
-            light: [lx, ly, lz].map(|x| x * light_scale),
-            unused: 0.0,
+            light: [0.0; 3],
+            plane_stride: 0,
         }
+    }
+
+    /// With normals of faces, whose components are stored `stride` numbers apart.
+    pub(crate) fn with_planes(self, stride: u32) -> Self {
+        Self { plane_stride: stride, ..self }
+    }
+
+    /// With a light, for a volume of `vertex_count` finite vertices whose coordinates are at most `largest`.
+    pub(crate) fn with_light(self, light: &Light, largest: f32, vertex_count: u32) -> Self {
+        let [lx, ly, lz, light_w] = light.homogeneous();
+        // A directional light needs no common scale with the vertices.
+        let reach = [lx, ly, lz].iter().fold(light_w * largest, |most, x| most.max(x.abs()));
+        let light_scale = to_one(reach);
+        Self { light_scale, vertex_count, light_w, light: [lx, ly, lz].map(|x| x * light_scale), ..self }
     }
 }
 
-/// The power of two that brings `x` to between 1 and 2; as near to it as a normal number can.
+/// The power of two that scales `x` to between 1 and 2, or the nearest one that is a normal number.
 fn to_one(x: f32) -> f32 {
     let exponent = (x.to_bits() >> 23 & 0xff) as i32 - 127;
     f32::from_bits(((127 - exponent).clamp(1, 254) as u32) << 23)
@@ -77,6 +82,7 @@ fn to_one(x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gpu::layout::assert_layout;
 
     #[test]
     fn frame_scales_to_one_by_powers_of_two() {
@@ -91,33 +97,12 @@ mod tests {
     }
 
     #[test]
-    fn frame_stands_in_the_shader_as_it_does_here() {
-        let module = naga::front::wgsl::parse_str(include_str!("../stencil.wgsl")).unwrap();
-        let (_, frame) = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some("Frame")).unwrap();
-        let naga::TypeInner::Struct { members, span } = &frame.inner else { panic!("a struct") };
-        assert_eq!(*span as usize, size_of::<Frame>());
-        macro_rules! offsets {
-            ($($field:ident),*) => { [$((stringify!($field), std::mem::offset_of!(Frame, $field))),*] };
-        }
-        let here = offsets![
-            right,
-            scale,
-            up,
-            near,
-            forward,
-            light_scale,
-            ray_right,
-            vertex_count,
-            ray_up,
-            light_w,
-            ray_forward,
-            width,
-            eye,
-            height,
-            light,
-            unused
-        ];
-        let there = members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize));
-        assert_eq!(there.collect::<Vec<_>>(), here);
+    fn frame_has_one_layout_in_rust_and_wgsl() {
+        assert_layout!(
+            crate::gpu::raster::SOURCE,
+            "Frame",
+            Frame: right, scale, up, near, forward, light_scale, ray_right, vertex_count, ray_up, light_w,
+            ray_forward, width, eye, height, light, plane_stride
+        );
     }
 }

@@ -1,5 +1,5 @@
-//! Whole frames of 512 × 512 pixels on a graphics adapter, which the rows name: what shadows cost, and what of it is
-//! the silhouette.
+//! Whole frames of 512 × 512 pixels on a graphics adapter, which the rows name: what shadows cost, and what
+//! of it is the silhouette.
 
 use std::cell::RefCell;
 
@@ -31,7 +31,7 @@ const SIDE: u32 = 512;
 /// Segments of torus knots of 364 to 200,000 triangles.
 const KNOTS: [[u32; 2]; 7] = [[26, 7], [50, 10], [150, 10], [250, 20], [500, 30], [1000, 50], [1250, 80]];
 
-/// How many places the light moves through, again and again.
+/// Number of light positions, which frames cycle through.
 const PLACES: u16 = 8;
 
 /// Where the silhouette of a frame comes from.
@@ -139,7 +139,7 @@ impl<'a> Stage<'a> {
                     assert_eq!(off, 0, "pixels of a frame are not those of the mask");
                     format!("off={off} {accuracy}")
                 }
-                // Where `f32` cannot tell a side, the adapter may take the other one: reported, not refused.
+                // Where `f32` cannot decide a side, the adapter may choose the other: reported, not refused.
                 Kind::Gpu => format!("off={off} {accuracy}"),
             };
             let (lights, mut turn) = (&lights, (0..lights.len()).cycle());
@@ -203,8 +203,8 @@ impl<'a> Stage<'a> {
         (volume, mask.expect("it fits"))
     }
 
-    /// How many pixels are not what the exact oracle says: for which their footprint is the reason, and for which there
-    /// is none.
+    /// How many pixels are not what the exact oracle says: for which their footprint is the reason, and for
+    /// which there is none.
     fn accuracy(&self, light: &Light, mask: &ShadowMask) -> String {
         let signs = CasterFaces::All.signs(&self.caster.facing(light));
         let (caster, projection) = (&self.caster, &self.view.projection);
@@ -237,7 +237,7 @@ impl View {
         Self { bounds, size, projection: camera.projection(size, 0.1 * distance) }
     }
 
-    /// A point light above and outside, turned by so many radians.
+    /// A point light above and outside, turned by `turned` radians.
     fn light(&self, turned: f32) -> Light {
         let (center, reach) = (self.bounds.center(), self.bounds.diagonal() as f32);
         let (sin, cos) = (0.5 + turned).sin_cos();

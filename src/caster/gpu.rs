@@ -11,8 +11,9 @@ use crate::mesh::Mesh;
 use crate::topology::{GpuTopology, Topology};
 use crate::view::{Projection, Size};
 
-/// A mesh on a graphics device, with what silhouettes, volumes and techniques need of it: positions, triangles, edge
-/// table, and a plane per face. [The buffers](crate::gpu#buffers) lists what they hold. Clones share the buffers.
+/// A mesh on a graphics device, with what silhouettes, volumes and techniques need of it: positions,
+/// triangles, edge table, and a plane per face. [The buffers](crate::gpu#buffers) lists what they hold.
+/// Clones share the buffers.
 #[derive(Clone, Debug)]
 pub struct GpuCaster {
     gpu: Gpu,
@@ -31,7 +32,8 @@ struct GpuPlanes {
 }
 
 impl GpuCaster {
-    /// Copies a caster to the device, each part once: 12 bytes per vertex and, for a closed mesh, 50 bytes per face.
+    /// Copies a caster to the device, each part once: 12 bytes per vertex and, for a closed mesh, 50 bytes
+    /// per face.
     ///
     /// # Errors
     ///
@@ -60,10 +62,10 @@ impl GpuCaster {
 
     /// A caster whose vertices change, none of whose coordinates is much larger than `largest`.
     ///
-    /// `vertices` is the caller's buffer of usage `STORAGE`, three `f32` per vertex, which may be written anew before
-    /// each frame is recorded. Sides are then those of the plain `f32` cross product, which overflows for coordinates
-    /// beyond about 10¹². A topology that was built on the device draws with [`Depth::Interpolated`] only if its
-    /// triangle buffer has usage `INDEX`.
+    /// `vertices` is the caller's buffer of usage `STORAGE`, three `f32` per vertex, which may be written
+    /// anew before each frame is recorded. Sides are then those of the plain `f32` cross product, which
+    /// overflows for coordinates beyond about 10¹². A topology that was built on the device draws with
+    /// [`Depth::Interpolated`] only if its triangle buffer has usage `INDEX`.
     #[must_use]
     pub fn deforming(gpu: &Gpu, vertices: wgpu::Buffer, largest: f32, topology: GpuTopology) -> Self {
         Self { gpu: gpu.clone(), vertices, largest, topology, planes: None }
@@ -103,8 +105,8 @@ impl GpuCaster {
     ///
     /// # Errors
     ///
-    /// [`GpuError::Subnormal`] if the mesh is too small to be drawn; [`GpuError::Picture`] if the samples do not fit the
-    /// device's limits; [`GpuError::OutOfMemory`]; [`GpuError::Lost`].
+    /// [`GpuError::Subnormal`] if the mesh is too small to be drawn; [`GpuError::Picture`] if the samples do
+    /// not fit the device's limits; [`GpuError::OutOfMemory`]; [`GpuError::Lost`].
     pub fn samples(&self, projection: &Projection, size: Size, depth: Depth) -> Result<GpuSamples, GpuError> {
         GpuSamples::draw(&self.gpu, self.receivers()?, projection, size, depth)
     }

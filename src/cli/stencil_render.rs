@@ -1,4 +1,4 @@
-//! A picture by stencil shadows: from a mesh and a view to pixels, and what can be said of each light.
+//! A picture by stencil shadows: from a mesh and a view to pixels, and to the counts of each light.
 
 use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::CasterFaces;
@@ -9,21 +9,21 @@ use umbrage::shadow::Depth;
 use umbrage::shadow::stencil::{GpuStencilVolumes, ShadowMask, StencilMethod, StencilPass, StencilVolumes};
 use umbrage::view::Projection;
 
-/// A mesh before an eye, with the volumes of each lamp.
+/// A mesh and a view, with the volumes of each lamp.
 pub(crate) struct Stage<'a> {
     caster: &'a Caster,
     view: View<'a>,
     pass: StencilPass,
     on_device: GpuCaster,
     pub(crate) projection: Projection,
-    /// One a lamp.
+    /// One per lamp.
     pub(crate) castings: Vec<StencilVolumes>,
     volumes: Vec<GpuStencilVolumes>,
 }
 
 impl<'a> Stage<'a> {
-    /// `bounds` are those of what the eye looks at, without a ground. All faces cast: proving that half of them are
-    /// enough takes longer than drawing the others once.
+    /// `bounds` are those of the mesh without a ground. All faces cast: proving that half of them are enough
+    /// takes longer than drawing the others once.
     pub(crate) fn new(
         gpu: &Gpu,
         caster: &'a Caster,
@@ -49,7 +49,7 @@ impl<'a> Stage<'a> {
         })
     }
 
-    /// What is counted for one lamp, without its light.
+    /// The counts of one lamp.
     pub(crate) fn mask(&self, lamp: usize) -> Result<ShadowMask, GpuError> {
         let (draws, counting) = (self.volumes[lamp].draws(), self.castings[lamp].counting());
         self.pass.mask(&self.projection, self.view.size, &self.on_device, &draws, counting)

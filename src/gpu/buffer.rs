@@ -122,7 +122,8 @@ impl Gpu {
         })
     }
 
-    /// Waits for all work, then passes the bytes of a staging buffer to `read`. The buffer can be used again afterwards.
+    /// Waits for all work, then passes the bytes of a staging buffer to `read`. The buffer can be used again
+    /// afterwards.
     pub(crate) fn mapped<T>(
         &self,
         staging: &wgpu::Buffer,

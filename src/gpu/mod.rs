@@ -1,13 +1,14 @@
 //! A graphics device: opened by umbrage or by the caller; its limits are kept, and its failures are errors.
 //!
-//! Everything runs headless. [`Gpu::from_device`] takes a caller's own device and queue: whatever records into a
-//! [`wgpu::CommandEncoder`] then runs in the caller's frame, without waiting for the device.
+//! Everything runs headless. [`Gpu::from_device`] takes a caller's own device and queue: whatever records
+//! into a [`wgpu::CommandEncoder`] then runs in the caller's frame, without waiting for the device.
 //!
 //! # An engine's frame
 //!
 //! Once per device: [`Gpu::from_device`], [`VolumeShaders`](crate::shadow::volume::VolumeShaders),
-//! [`StencilPass`](crate::shadow::stencil::StencilPass). Once per mesh: [`GpuCaster`](crate::caster::GpuCaster),
-//! [`GpuExtrusion`](crate::shadow::volume::GpuExtrusion). Once per frame: `record`, `prepare`, and two draws.
+//! [`StencilPass`](crate::shadow::stencil::StencilPass). Once per mesh:
+//! [`GpuCaster`](crate::caster::GpuCaster), [`GpuExtrusion`](crate::shadow::volume::GpuExtrusion). Once per
+//! frame: `record`, `prepare`, and two draws.
 //!
 //! ```
 //! # use umbrage::gpu::{Gpu, GpuError};
@@ -68,22 +69,40 @@
 //!
 //! The layouts of all buffers that the caller's own shaders may read. Words are `u32` unless said otherwise.
 //!
-//! | buffer | contents |
-//! |---|---|
-//! | [`GpuCaster::vertices`](crate::caster::GpuCaster::vertices) | positions, three `f32` per vertex |
-//! | [`GpuCaster::planes`](crate::caster::GpuCaster::planes) | five runs of `f32`, each with one number per face and then up to three more to a multiple of four (at least four): x, y and z of the unit normals, the offsets from a local origin in local units, and the error bounds of the filter for sides |
-//! | [`GpuTopology::triangles`](crate::topology::GpuTopology::triangles) | vertex ids, three per face; usage `INDEX` too |
-//! | [`GpuTopology::offsets`](crate::topology::GpuTopology::offsets) | one more than there are edges: the entries of edge `e` are those from `offsets[e]` up to `offsets[e + 1]`. Edges are numbered in the order of their vertices `(a, b)`, `a < b` |
-//! | [`GpuTopology::entries`](crate::topology::GpuTopology::entries) | three for each face that has not collapsed (four meaningless bytes if there is none), ascending per edge: a half-edge `entry >> 1`, and its direction `entry & 1`, 0 from the edge's smaller vertex to its larger, 1 back. Half-edge `h` belongs to face `h / 3` and leaves vertex `triangles[h]` |
-//! | [`GpuSilhouette::facing`](crate::silhouette::GpuSilhouette::facing) | four faces per word, the first in the lowest byte: 1 in front, 255 (−1) behind, 0 edge-on |
-//! | [`GpuSilhouette::signs`](crate::silhouette::GpuSilhouette::signs) | the same, with 0 for faces that do not cast |
-//! | [`GpuSilhouette::edges`](crate::silhouette::GpuSilhouette::edges) | the number of silhouette edges, the sum of their `∣m∣`, then for each edge, ascending, its id and its multiplicity `m` (`i32`) |
-//! | [`GpuSilhouette::quads`](crate::silhouette::GpuSilhouette::quads) | for each silhouette edge the sum of `∣m∣` over those before it |
-//! | [`GpuSilhouette::unsure`](crate::silhouette::GpuSilhouette::unsure) | the number of unsure faces, then their ids in no particular order; 0 for a deforming caster |
-//! | [`GpuVolume::vertices`](crate::shadow::volume::GpuVolume::vertices) | finite positions, three `f32` per vertex |
-//! | [`GpuVolume::triangles`](crate::shadow::volume::GpuVolume::triangles) | vertex ids, three per triangle: `v` below the vertex count `n` is a finite vertex, `n + v` the same vertex at infinity, `v·w − L` with the light's homogeneous `(L, w)`. A directional light has one such point, whichever `v` it is written with. Usage `INDEX` too |
-//! | [`GpuVolume::arguments`](crate::shadow::volume::GpuVolume::arguments) | a [`wgpu::util::DrawIndexedIndirectArgs`] for each part (light cap, sides, dark cap): number of corners, 1 instance, first corner, 0, 0. It starts with a [`wgpu::util::DrawIndirectArgs`]. Usage `INDIRECT` too |
-//! | [`GpuExtrusion::demand`](crate::shadow::volume::GpuExtrusion::demand) | a [`Demand`](crate::shadow::volume::Demand) |
+//! - [`GpuCaster::vertices`](crate::caster::GpuCaster::vertices): positions, three `f32` per vertex.
+//! - [`GpuCaster::planes`](crate::caster::GpuCaster::planes): five runs of `f32`, each with one number per
+//!   face and then up to three more to a multiple of four (at least four): x, y and z of the unit normals,
+//!   the offsets from a local origin in local units, and the error bounds of the filter for sides.
+//! - [`GpuTopology::triangles`](crate::topology::GpuTopology::triangles): vertex ids, three per face; usage
+//!   `INDEX` too.
+//! - [`GpuTopology::offsets`](crate::topology::GpuTopology::offsets): one more than there are edges: the
+//!   entries of edge `e` are those from `offsets[e]` up to `offsets[e + 1]`. Edges are numbered in the order
+//!   of their vertices `(a, b)`, `a < b`.
+//! - [`GpuTopology::entries`](crate::topology::GpuTopology::entries): three for each face that has not
+//!   collapsed (four meaningless bytes if there is none), ascending per edge: a half-edge `entry >> 1`, and
+//!   its direction `entry & 1`, 0 from the edge's smaller vertex to its larger, 1 back. Half-edge `h` belongs
+//!   to face `h / 3` and leaves vertex `triangles[h]`.
+//! - [`GpuSilhouette::facing`](crate::silhouette::GpuSilhouette::facing): four faces per word, the first in
+//!   the lowest byte: 1 in front, 255 (−1) behind, 0 edge-on.
+//! - [`GpuSilhouette::signs`](crate::silhouette::GpuSilhouette::signs): the same, with 0 for faces that do
+//!   not cast.
+//! - [`GpuSilhouette::edges`](crate::silhouette::GpuSilhouette::edges): the number of silhouette edges, the
+//!   sum of their `|m|`, then for each edge, ascending, its id and its multiplicity `m` (`i32`).
+//! - [`GpuSilhouette::quads`](crate::silhouette::GpuSilhouette::quads): for each silhouette edge the sum of
+//!   `|m|` over those before it.
+//! - [`GpuSilhouette::unsure`](crate::silhouette::GpuSilhouette::unsure): the number of unsure faces, then
+//!   their ids in no particular order; 0 for a deforming caster.
+//! - [`GpuVolume::vertices`](crate::shadow::volume::GpuVolume::vertices): finite positions, three `f32` per
+//!   vertex.
+//! - [`GpuVolume::triangles`](crate::shadow::volume::GpuVolume::triangles): vertex ids, three per triangle:
+//!   `v` below the vertex count `n` is a finite vertex, `n + v` the same vertex at infinity, `v·w − L` with
+//!   the light's homogeneous `(L, w)`. A directional light has one such point, whichever `v` it is written
+//!   with. Usage `INDEX` too.
+//! - [`GpuVolume::arguments`](crate::shadow::volume::GpuVolume::arguments): a
+//!   [`wgpu::util::DrawIndexedIndirectArgs`] for each part (light cap, sides, dark cap): number of corners, 1
+//!   instance, first corner, 0, 0. It starts with a [`wgpu::util::DrawIndirectArgs`]. Usage `INDIRECT` too.
+//! - [`GpuExtrusion::demand`](crate::shadow::volume::GpuExtrusion::demand): a
+//!   [`Demand`](crate::shadow::volume::Demand).
 
 mod buffer;
 mod error;
@@ -128,15 +147,16 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens the adapter whose name contains `adapter`, ignoring case. Without one, the adapter that the environment
-    /// variable [`ADAPTER_VARIABLE`] names; without that, the fastest kind available: discrete before integrated before
-    /// virtual before software.
+    /// Opens the adapter whose name contains `adapter`, ignoring case. Without one, the adapter that the
+    /// environment variable [`ADAPTER_VARIABLE`] names; without that, the fastest kind available: discrete
+    /// before integrated before virtual before software.
     ///
     /// Requests all of the adapter's limits. Takes some tens of milliseconds.
     ///
     /// # Errors
     ///
-    /// [`GpuError::NoAdapter`], which says what to install; [`GpuError::NoSuchAdapter`]; [`GpuError::Device`].
+    /// [`GpuError::NoAdapter`], which says what to install; [`GpuError::NoSuchAdapter`];
+    /// [`GpuError::Device`].
     pub fn new(adapter: Option<&str>) -> Result<Self, GpuError> {
         let variable = std::env::var(ADAPTER_VARIABLE).ok().filter(|name| !name.is_empty());
         let wanted = adapter.map(str::to_owned).or(variable);
@@ -183,8 +203,8 @@ impl Gpu {
     /// # Errors
     ///
     /// [`GpuError::Device`] if the device has no depth of 32 bits with a stencil (ask for
-    /// [`wgpu::Features::DEPTH32FLOAT_STENCIL8`]), or cannot run compute shaders with 256 invocations and six storage
-    /// buffers.
+    /// [`wgpu::Features::DEPTH32FLOAT_STENCIL8`]), or cannot run compute shaders with 256 invocations and six
+    /// storage buffers.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, GpuError> {
         let (limits, info) = (device.limits(), device.adapter_info());
         let wanted = [

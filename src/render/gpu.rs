@@ -1,8 +1,9 @@
-//! The lit picture on a graphics device: ambient light everywhere, then the light of each lamp times its visibility.
+//! The lit picture on a graphics device: ambient light everywhere, then the light of each lamp times its
+//! visibility.
 //!
-//! The shading is that of the exact picture, constant for constant, so that the two can be compared. It starts from the
-//! visible face of every sample, so that coinciding faces are not lit twice; every pass is one triangle over the whole
-//! picture, and none knows how visibility is computed.
+//! The shading is that of the exact picture, constant for constant, so that the two can be compared. It
+//! starts from the visible face of every sample, so that coinciding faces are not lit twice; every pass is
+//! one triangle over the whole picture, and none knows how visibility is computed.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
@@ -21,13 +22,14 @@ use crate::view::Projection;
 use crate::view::Size;
 
 impl View<'_> {
-    /// The samples of this picture on the device: `edge_samples`² per pixel of what `projection` sees of `caster`.
+    /// The samples of this picture on the device: `edge_samples`² per pixel of what `projection` sees of
+    /// `caster`.
     ///
     /// # Errors
     ///
-    /// [`GpuError::Picture`] or [`GpuError::TooLarge`] if the samples do not fit the device's limits, or are more than
-    /// 2²⁶; [`GpuError::Subnormal`] if the mesh is too small to be drawn; [`GpuError::OutOfMemory`];
-    /// [`GpuError::Lost`].
+    /// [`GpuError::Picture`] or [`GpuError::TooLarge`] if the samples do not fit the device's limits, or are
+    /// more than 2²⁶; [`GpuError::Subnormal`] if the mesh is too small to be drawn;
+    /// [`GpuError::OutOfMemory`]; [`GpuError::Lost`].
     pub fn samples(
         &self,
         caster: &GpuCaster,
@@ -54,23 +56,26 @@ impl View<'_> {
     }
 }
 
-/// Renders `caster` as [`render`](super::render) does, with the visibility of each lamp that a technique computed.
+/// Renders `caster` as [`render`](super::render) does, with the visibility of each lamp that a technique
+/// computed.
 ///
-/// `samples` are those of [`View::samples`] for the same caster, and `visibility` is asked once for each lamp, by its
-/// index. What it returns is dropped before the next lamp. Faces that turn away from a lamp are dark, whatever their
-/// visibility. Every pixel is the mean of its samples. What is nearer than the near plane is not seen.
+/// `samples` are those of [`View::samples`] for the same caster, and `visibility` is asked once for each
+/// lamp, by its index. What it returns is dropped before the next lamp. Faces that turn away from a lamp are
+/// dark, whatever their visibility. Every pixel is the mean of its samples. What is nearer than the near
+/// plane is not seen.
 ///
-/// Compiling the shaders takes some tens of milliseconds. On the device a sample takes 20 bytes with its depth and face,
-/// and 1 or 2 more for a hard or soft visibility; a pixel takes 16.
+/// Compiling the shaders takes some tens of milliseconds. On the device a sample takes 20 bytes with its
+/// depth and face, and 1 or 2 more for a hard or soft visibility; a pixel takes 16.
 ///
 /// # Errors
 ///
-/// Those of `visibility`; [`GpuError::TooLarge`] if the picture or a color per face do not fit the device's limits;
-/// [`GpuError::OutOfMemory`], of the host too; [`GpuError::Lost`].
+/// Those of `visibility`; [`GpuError::TooLarge`] if the picture or a color per face do not fit the device's
+/// limits; [`GpuError::OutOfMemory`], of the host too; [`GpuError::Lost`].
 ///
 /// # Panics
 ///
-/// Panics if `samples` or a visibility are of another size, or `samples` are of a mesh with another number of faces.
+/// Panics if `samples` or a visibility are of another size, or `samples` are of a mesh with another number of
+/// faces.
 pub fn render_visibility(
     samples: &GpuSamples,
     caster: &Caster,
@@ -197,7 +202,8 @@ struct Stage<'a> {
 /// Depth and stencil, face, light.
 const SAMPLE_BYTES: u64 = 8 + 4 + 8;
 
-/// The most that a picture may take on the device, but for one visibility: a software device takes it from the host.
+/// The most that a picture may take on the device, but for one visibility: a software device takes it from
+/// the host.
 const MOST_BYTES: u64 = SAMPLE_BYTES << 26;
 
 const LIGHT: TextureFormat = TextureFormat::Rgba16Float;

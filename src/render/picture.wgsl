@@ -1,5 +1,5 @@
-// The lit picture: one invocation per sample of a triangle that covers everything, after the visible faces and their
-// depth are drawn. raster.wgsl comes before it. Twin: shade.rs; gpu.rs has the structs.
+// The lit picture: one invocation per sample of a triangle that covers everything, after the visible faces
+// and their depth are drawn. raster.wgsl comes before it. Twin: shade.rs; gpu.rs has the structs.
 //
 // Points are relative to the eye and scaled as in Frame.
 
@@ -19,7 +19,8 @@ struct Lamp {
     towards: vec3f,
     approach: f32,
     color: vec3f,
-    // The cosine of the angle where a spot light ends, and the inverse of its difference to that of full light.
+    // The cosine of the angle where a spot light ends, and the inverse of its difference to that of full
+    // light.
     outer: f32,
     spot: vec3f,
     slope: f32,
@@ -99,7 +100,8 @@ fn lit(position: vec2f) -> vec4f {
     return vec4f(light * (1.0 - seen.fade), 0.0);
 }
 
-// The light of a lamp that reaches a sample. The shading of a dark sample does not count, even if it is infinite.
+// The light of a lamp that reaches a sample. The shading of a dark sample does not count, even if it is
+// infinite.
 @fragment
 fn add_lamp(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let part = textureLoad(visibility, vec2u(position.xy), 0).r;
@@ -107,8 +109,8 @@ fn add_lamp(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return lit(position.xy) * part;
 }
 
-// The mean of a pixel's samples. Each is cut at white first, lest one highlight outweigh its neighbors, unless all
-// are brighter.
+// The mean of a pixel's samples. Each is cut at white first, lest one highlight outweigh its neighbors,
+// unless all are brighter.
 @fragment
 fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let n = scene.samples;

@@ -92,7 +92,7 @@ fn compare_finds_one_face_that_casts_no_shadow() {
     let mesh = torus();
     let scene = Scene::new(&mesh, [3.0, 4.0, 5.0], [2.0, -5.0, 4.0], [0.0; 3]);
     let signs = scene.signs();
-    // The face that shadows most of what is in view, and one that is nowhere on the way.
+    // The face that shadows most of what is in view, and one that no shadow ray meets.
     let camera = Camera::look_at([2.0, -5.0, 4.0], [0.0; 3], 0.7, Up::Y).unwrap();
     let mut met = vec![0; mesh.face_count()];
     for place in 0..scene.size.pixels() {

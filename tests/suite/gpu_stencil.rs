@@ -1,6 +1,8 @@
-//! The stencil pass against the exact oracle, pixel by pixel: on the real meshes, and on what is hard to draw.
+//! The stencil pass against the exact oracle, pixel by pixel: on the real meshes, and on what is hard to
+//! draw.
 //!
-//! `UMBRAGE_STENCIL_SIZE=512 cargo test --release --test suite stencil_pass_counts -- --nocapture` is the long form.
+//! `UMBRAGE_STENCIL_SIZE=512 cargo test --release --test suite stencil_pass_counts -- --nocapture` is the
+//! long form.
 
 use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::CasterFaces;
@@ -60,8 +62,8 @@ impl<'a> Stage<'a> {
         compare(&rendered, 5, &|_| {})
     }
 
-    /// The pixels of each verdict, by z-fail, and by the chosen method where that is another for any shell. Nothing may
-    /// be real.
+    /// The pixels of each verdict, by z-fail, and by the chosen method where that is another for any shell.
+    /// Nothing may be real.
     fn judge(&self, light: &Light, projection: &Projection, what: &str) -> [usize; 7] {
         let mut sum = [0; 7];
         for asked in [Some(StencilMethod::ZFail), None] {
@@ -95,7 +97,8 @@ fn lights(bounds: &Aabb) -> [Light; 3] {
     .map(|light| light.expect("finite and not zero"))
 }
 
-/// An eye outside, one in a shadow, one whose near plane cuts the mesh and its volume, and a wide view from close by.
+/// An eye outside, one in a shadow, one whose near plane cuts the mesh and its volume, and a wide view from
+/// close by.
 fn projections(oracle: &Oracle, light: &Light, size: Size) -> [(&'static str, Projection); 4] {
     let bounds = oracle.bounds();
     let (center, diagonal) = (bounds.center(), bounds.diagonal() as f32);
@@ -243,8 +246,8 @@ fn stencil_pass_holds_where_drawing_is_hard() {
             .map(Result::unwrap),
         );
         for (number, light) in all.into_iter().enumerate() {
-            // So far away from both, the light cannot be moved together with the mesh without rounding, and the visible
-            // points are judged where the next `f32` is a sixteenth of the mesh away.
+            // So far away from both, the light cannot be moved together with the mesh without rounding, and
+            // the visible points are judged where the next `f32` is a sixteenth of the mesh away.
             if *what == "far from the origin" && number == 7 {
                 continue;
             }

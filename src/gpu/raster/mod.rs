@@ -1,8 +1,8 @@
 //! Rasterization: what every technique that draws triangles needs, and nothing that knows of a technique.
 //!
-//! [`Receivers`] are triangles in storage buffers, [`Frame`] is the camera and light that shaders are given, and
-//! [`GpuSamples`] is what the camera sees of the receivers: depth and face of every sample. A technique turns samples
-//! into a [`GpuVisibility`], which the picture multiplies into the light of its lamp.
+//! [`Receivers`] are triangles in storage buffers, [`Frame`] is the camera and light that shaders are given,
+//! and [`GpuSamples`] is what the camera sees of the receivers: depth and face of every sample. A technique
+//! turns samples into a [`GpuVisibility`], which the picture multiplies into the light of its lamp.
 
 mod frame;
 mod pipeline;

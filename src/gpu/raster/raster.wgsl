@@ -1,9 +1,10 @@
-// Triangles without vertex buffers, as a camera sees them. One invocation per corner, looked up by its number, where
-// triangles get their depth from their plane; otherwise one per vertex, drawn with the triangles as indices.
-// Twin: frame.rs, whose struct Frame this one mirrors.
+// Triangles without vertex buffers, as a camera sees them. One invocation per corner, looked up by its
+// number, where triangles get their depth from their plane; otherwise one per vertex, drawn with the
+// triangles as indices. Twin: frame.rs, whose struct Frame this one mirrors.
 //
-// The struct holds everything scaled by a power of two, which is exact: lengths by `scale` so that the mesh is about
-// as large as 1, and whatever only its direction matters of (the light, vertices at infinity) by `light_scale`.
+// The struct holds everything scaled by a power of two, which is exact: lengths by `scale` so that the mesh
+// is about as large as 1, and whatever only its direction matters of (the light, vertices at infinity) by
+// `light_scale`.
 
 struct Frame {
     right: vec3f,
@@ -68,8 +69,8 @@ fn project(q: vec3f, w: f32) -> vec4f {
     return vec4f(dot(frame.right, q), dot(frame.up, q), frame.near * w, dot(frame.forward, q));
 }
 
-// The depth near/t at which rays meet the plane through `point` (from the eye) with `normal`; 0, at infinity, where
-// the eye is in the plane and it covers nothing.
+// The depth near/t at which rays meet the plane through `point` (from the eye) with `normal`; 0, at infinity,
+// where the eye is in the plane and it covers nothing.
 fn plane_depth(normal: vec3f, point: vec3f) -> vec3f {
     let distance = dot(normal, point);
     if distance == 0.0 { return vec3f(0.0); }

@@ -12,11 +12,11 @@ use crate::view::Size;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Depth {
-    /// From the plane of its face or volume side, in the fragment: off by some units in the last place, even where a
-    /// side runs from near the eye to infinity. The depth is never that of a point beyond the lines where the side ends
-    /// (its silhouette edge, and the two lines on which that edge's ends are extruded): a rasterizer may cover a pixel
-    /// there. Only the side of an edge nearly in line with the light has a plane that is itself inexact, by the inverse
-    /// of the sine of that angle; it is as thin as the angle is small.
+    /// From the plane of its face or volume side, in the fragment: off by some units in the last place, even
+    /// where a side runs from near the eye to infinity. The depth is never that of a point beyond the lines
+    /// where the side ends (its silhouette edge, and the two lines on which that edge's ends are extruded): a
+    /// rasterizer may cover a pixel there. Only the side of an edge nearly in line with the light has a plane
+    /// that is itself inexact, by the inverse of the sine of that angle; it is as thin as the angle is small.
     #[default]
     Plane,
     /// Interpolated from the corners by the rasterizer: fewer instructions, and an error that scales with the

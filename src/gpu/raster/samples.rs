@@ -8,10 +8,11 @@ use crate::gpu::{Gpu, GpuError, Shader, Texture, wgpu};
 use crate::view::Projection;
 use crate::view::Size;
 
-/// The visible point and face of every sample of a picture, on the device: depth and a face id, 12 bytes per sample.
+/// The visible point and face of every sample of a picture, on the device: depth and a face id, 12 bytes per
+/// sample.
 ///
-/// Techniques compute a [`GpuVisibility`](super::GpuVisibility) from it for each lamp. Coinciding faces have one visible
-/// face.
+/// Techniques compute a [`GpuVisibility`](super::GpuVisibility) from it for each lamp. Coinciding faces have
+/// one visible face.
 #[derive(Clone, Debug)]
 pub struct GpuSamples {
     pub(crate) gpu: Gpu,

@@ -7,9 +7,9 @@ use crate::view::Size;
 
 /// The visibility of one lamp on the device: a texture with one number per sample, 0 dark to 1 lit.
 ///
-/// Techniques fill it, and the picture multiplies it into the light of the lamp. A sample of the sky is 0. The value of
-/// a face that turns away from the lamp is up to the technique: whoever shades decides those by the exact sides of
-/// faces. Clones share the texture.
+/// Techniques fill it, and the picture multiplies it into the light of the lamp. A sample of the sky is 0.
+/// The value of a face that turns away from the lamp is up to the technique: whoever shades decides those by
+/// the exact sides of faces. Clones share the texture.
 ///
 /// A technique of your own renders into [`GpuVisibility::view`].
 #[derive(Clone, Debug)]
@@ -21,11 +21,13 @@ impl GpuVisibility {
     /// The format of [`GpuVisibility::soft`].
     pub const SOFT: TextureFormat = TextureFormat::R16Float;
 
-    /// A texture for a hard technique, whose values are 0 or 1: 1 byte per sample. All 0 until it is drawn into.
+    /// A texture for a hard technique, whose values are 0 or 1: 1 byte per sample. All 0 until it is drawn
+    /// into.
     ///
     /// # Errors
     ///
-    /// [`GpuError::Picture`] if it does not fit the device's limits, [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    /// [`GpuError::Picture`] if it does not fit the device's limits, [`GpuError::OutOfMemory`],
+    /// [`GpuError::Lost`].
     pub fn hard(gpu: &Gpu, size: Size) -> Result<Self, GpuError> {
         Ok(Self(gpu.texture("hard visibility", size, Self::HARD)?))
     }
@@ -122,7 +124,7 @@ mod tests {
     #[test]
     fn visibility_comes_back_as_it_was_filled() {
         let Some(gpu) = gpu() else { return };
-        // Rows that are padded on the way.
+        // Rows that are padded for the copy.
         let size = Size::new(67, 3).unwrap();
         for value in [0.0, 0.5, 0.75, 1.0] {
             let back = GpuVisibility::constant(&gpu, size, value).unwrap().download(&gpu).unwrap();

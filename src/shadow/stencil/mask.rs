@@ -1,4 +1,4 @@
-//! The result of a stencil pass: a count for each pixel.
+//! The result of a stencil pass: a count per pixel.
 
 use crate::view::Size;
 
@@ -23,7 +23,7 @@ impl Counting {
     }
 }
 
-/// How many volumes of one light the visible point of each pixel is in.
+/// The number of volumes of one light that the visible point of each pixel is in.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShadowMask {
     size: Size,
@@ -33,32 +33,32 @@ pub struct ShadowMask {
 }
 
 impl ShadowMask {
-    /// A mask from counts and from whether a pixel has anything to receive a shadow: row after row from the top. A pass
-    /// of this crate makes them; so may any other renderer that wants to be judged.
+    /// A mask from counts, and from whether a pixel has a receiver: row after row from the top. Passes of
+    /// this crate make masks; so may any other renderer, to be verified.
     ///
     /// # Panics
     ///
-    /// Panics if there is not one entry of each a pixel.
+    /// Panics if there is not one entry of each per pixel.
     #[must_use]
     pub fn new(size: Size, counting: Counting, counts: Vec<i32>, receiver: Vec<bool>) -> Self {
-        assert!(counts.len() == size.pixels() && receiver.len() == size.pixels(), "one entry a pixel");
+        assert!(counts.len() == size.pixels() && receiver.len() == size.pixels(), "one entry per pixel");
         Self { size, counting, counts, receiver }
     }
 
-    /// How many pixels there are.
+    /// Pixels per row and column.
     #[must_use]
     pub fn size(&self) -> Size {
         self.size
     }
 
-    /// How the counts were kept.
+    /// The type of the counts.
     #[must_use]
     pub fn counting(&self) -> Counting {
         self.counting
     }
 
-    /// The count of a pixel, from the upper left corner: in shadow where it is not 0. `None` where nothing receives a
-    /// shadow, the sky.
+    /// The count of a pixel, from the upper left corner: in shadow where it is not 0. `None` where nothing
+    /// receives a shadow, the sky.
     ///
     /// # Panics
     ///
@@ -67,8 +67,8 @@ impl ShadowMask {
     #[must_use]
     pub fn count(&self, x: u32, y: u32) -> Option<i32> {
         assert!(x < self.size.width(), "pixel {x} of a row of {}", self.size.width());
-        let place = y as usize * self.size.width() as usize + x as usize;
-        self.receiver[place].then(|| self.counts[place])
+        let index = y as usize * self.size.width() as usize + x as usize;
+        self.receiver[index].then(|| self.counts[index])
     }
 
     /// Every pixel's count before the sky is masked, row after row from the top.

@@ -1,8 +1,8 @@
-//! The stencil pass: counting a shadow volume's faces along the way of every pixel.
+//! The stencil pass: counting the faces of shadow volumes along the ray of every pixel.
 //!
-//! What is decided before anything is drawn stands here, and needs no graphics device: [`ShellMethods`] chooses z-pass
-//! or z-fail for every shell and says why, and [`max_depth_complexity`] bounds the counts, so that one that would not fit the
-//! stencil is known beforehand.
+//! What is decided before anything is drawn needs no graphics device: [`ShellMethods`] chooses z-pass or
+//! z-fail for every shell, with the reason, and [`max_depth_complexity`] bounds the counts, so that an
+//! overflow of the stencil is known beforehand.
 
 mod depth_complexity;
 #[cfg(feature = "gpu")]
@@ -21,11 +21,12 @@ pub use method::ShellMethods;
 pub use volumes::GpuStencilVolumes;
 pub use volumes::StencilVolumes;
 
-/// Which faces of a shadow volume the stencil counts at a pixel.
+/// The faces of a shadow volume that the stencil counts at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum StencilMethod {
-    /// Those in front of the visible surface: no caps, but wrong if the near rectangle of the camera is in a volume
-    /// or is cut by one.
+    /// Those in front of the visible surface: no caps, but wrong if the near rectangle of the camera is in a
+    /// volume or is cut by one.
     ZPass,
     /// Those behind it (also known as depth-fail): right wherever the camera is, and needs both caps.
     ZFail,

@@ -1,20 +1,20 @@
-// Shadow volumes, counted against the depth of the receivers. raster.wgsl comes before it. The exact counterpart of the
-// counts is verify/pixels.
+// Shadow volumes, counted against the depth of the receivers. raster.wgsl comes before it. The exact
+// counterpart of the counts is verify/pixels.
 
 // A corner of a side of a volume.
 struct Side {
     @invariant @builtin(position) clip: vec4f,
     // As a receiver's.
     @location(0) @interpolate(flat) depth: vec3f,
-    // Where the side ends: its edge, and the lines on which the edge's two ends are extruded, as functions of x, y, 1 in
-    // normalized device coordinates, which are 0 there and rise by 1 a unit towards the side; zero for one that is seen
-    // end-on.
+    // Where the side ends: its edge, and the lines on which the edge's two ends are extruded, as functions of
+    // x, y, 1 in normalized device coordinates, which are 0 there and rise by 1 a unit towards the side; zero
+    // for one that is seen end-on.
     @location(1) @interpolate(flat) edge: vec3f,
     @location(2) @interpolate(flat) end_a: vec3f,
     @location(3) @interpolate(flat) end_b: vec3f,
 }
 
-// Which vertex of the caster an id stands for, finite or not.
+// The vertex of the caster that an id is, finite or at infinity.
 fn base(id: u32) -> u32 {
     return select(id, id - frame.vertex_count, id >= frame.vertex_count);
 }
@@ -46,7 +46,7 @@ fn volume_clip(id: u32) -> vec4f {
     let v = vertex(base(id));
     if id >= frame.vertex_count {
         let far = away(v);
-        // A vertex exactly at the light has no direction: as long as all agree on where it goes instead, nothing
+        // A vertex exactly at the light has no direction. All triangles keep it where it is: so nothing
         // opens, and what it adds has no area.
         if any(far != vec3f(0.0)) { return project(far, 0.0); }
     }
@@ -55,9 +55,10 @@ fn volume_clip(id: u32) -> vec4f {
 
 // The line from `v` along a direction, as seen, rising towards `inside`, a direction too.
 //
-// A side is the sums of `a`, `b` and, at infinity, away(a) and away(b), with positive weights. away(b) is away(a) plus a
-// multiple, not negative, of b - a: so of those four, two are on the line and two are not, and these are both on the side
-// of `inside`. What of the side is before the eye is seen there then, even if `a` and `b` are behind the eye.
+// A side is the sums of `a`, `b` and, at infinity, away(a) and away(b), with positive weights. away(b) is
+// away(a) plus a multiple, not negative, of b - a: so of those four, two are on the line and two are not, and
+// these are both on the side of `inside`. What of the side is before the eye is seen there then, even if `a`
+// and `b` are behind the eye.
 fn line(v: vec3f, along: vec3f, inside: vec3f) -> vec3f {
     // The plane of the line and the eye.
     let normal = cross(direction(v * frame.scale - frame.eye), direction(along));
@@ -67,15 +68,15 @@ fn line(v: vec3f, along: vec3f, inside: vec3f) -> vec3f {
     return seen * (sign(dot(normal, direction(inside))) / steepness);
 }
 
-// A corner of a volume. Its depth is that of the plane through the light and the silhouette edge, from the edge itself:
-// interpolating from a clipped corner to infinity would lose digits.
+// A corner of a volume. Its depth is that of the plane through the light and the silhouette edge, from the
+// edge itself: interpolating from a clipped corner to infinity would lose digits.
 @vertex
 fn volume(@builtin(vertex_index) index: u32) -> Side {
     let none = vec3f(0.0);
     if index % 3u != 0u { return Side(volume_clip(triangles[index]), none, none, none, none); }
     let ids = vec3u(triangles[index], triangles[index + 1u], triangles[index + 2u]);
-    // The ends of the edge: the two vertices that the triangle is made of, as they are or extruded. A directional
-    // light's one point at infinity is of neither.
+    // The ends of the edge: the two vertices that the triangle is made of, as they are or extruded. A
+    // directional light's one point at infinity is of neither.
     let one = select(ids.x, ids.y, is_direction(ids.x));
     var other = ids.z;
     if is_direction(ids.z) || base(ids.z) == base(one) { other = ids.y; }
@@ -101,9 +102,10 @@ fn volume_vertex(@builtin(vertex_index) id: u32) -> Corner {
     return Corner(volume_clip(id), vec3f(0.0), 0u);
 }
 
-// A rasterizer rounds corners to 1/256 pixel, and so may cover a pixel that is just beyond a line where the side ends.
-// There the plane of a side that is seen nearly edge-on is far in front of the side, or behind it: so the depth is that
-// of the nearest point of the side, at most 1/128 pixel away: a line that is seen nearly end-on is not well known.
+// A rasterizer rounds corners to 1/256 pixel, and so may cover a pixel that is just beyond a line where the
+// side ends. There the plane of a side that is seen nearly edge-on is far in front of the side, or behind it:
+// so the depth is that of the nearest point of the side, at most 1/128 pixel away: a line that is seen nearly
+// end-on is not well known.
 fn side_depth(side: Side) -> f32 {
     let most = 1.0 / (64.0 * max(frame.width, frame.height));
     var p = normalized(side.clip.xy);

@@ -13,8 +13,9 @@ use crate::gpu::{Gpu, GpuError, wgpu};
 
 /// A shadow volume on the device, as [the buffers](crate::gpu#buffers) describes.
 ///
-/// Draw a part without vertex buffer, with [`GpuVolume::arguments`] at [`Part::offset`]: by `draw_indexed_indirect` with
-/// the triangles as index buffer, so that `vertex_index` is the vertex id, or by `draw_indirect`, looking the id up.
+/// Draw a part without vertex buffer, with [`GpuVolume::arguments`] at [`Part::offset`]: by
+/// `draw_indexed_indirect` with the triangles as index buffer, so that `vertex_index` is the vertex id, or by
+/// `draw_indirect`, looking the id up.
 #[derive(Clone, Debug)]
 pub struct GpuVolume {
     vertices: wgpu::Buffer,
@@ -121,8 +122,8 @@ impl GpuVolume {
         Ok(triangles[first as usize / 3..].to_vec())
     }
 
-    /// The certificate that the volume on the device is closed: see [`ShadowVolume::boundary_sum`]. Reads all triangles
-    /// back.
+    /// The certificate that the volume on the device is closed: see [`ShadowVolume::boundary_sum`]. Reads all
+    /// triangles back.
     ///
     /// # Errors
     ///

@@ -3,11 +3,12 @@
 //! [`SilhouetteShaders`] are compiled once per device, a [`GpuCaster`] is uploaded once per mesh, and a
 //! [`GpuSilhouette`] holds the result of one light. There are two methods to compute it:
 //!
-//! - [`GpuSilhouette::find`] is exact. The shader answers front, back or unsure; unsure faces are decided on the
-//!   processor by [`facing_of`] and written back, so the result is that of
-//!   [`classify`](crate::facing::classify) and [`Silhouette::extract`], bit for bit. It waits for the device twice.
-//! - [`GpuSilhouette::record`] writes into a caller's encoder and never waits. Unsure faces keep the sign that `f32`
-//!   gave. Each face still has one stored sign, so that volumes stay closed.
+//! - [`GpuSilhouette::find`] is exact. The shader answers front, back or unsure; unsure faces are decided on
+//!   the processor by [`facing_of`] and written back, so the result is that of
+//!   [`classify`](crate::facing::classify) and [`Silhouette::extract`], bit for bit. It waits for the device
+//!   twice.
+//! - [`GpuSilhouette::record`] writes into a caller's encoder and never waits. Unsure faces keep the sign
+//!   that `f32` gave. Each face still has one stored sign, so that volumes stay closed.
 
 mod shaders;
 #[cfg(test)]
@@ -73,8 +74,8 @@ pub struct FoundSilhouette {
 }
 
 impl GpuSilhouette {
-    /// Allocates the buffers for the result of a light: at most 2 bytes per face and 12 per edge, and 4 more per face
-    /// of a caster at rest. All faces cast until [`GpuSilhouette::set_masks`] says otherwise.
+    /// Allocates the buffers for the result of a light: at most 2 bytes per face and 12 per edge, and 4 more
+    /// per face of a caster at rest. All faces cast until [`GpuSilhouette::set_masks`] says otherwise.
     ///
     /// # Errors
     ///
@@ -176,8 +177,9 @@ impl GpuSilhouette {
         Ok(silhouette)
     }
 
-    /// Sets on which sides each face casts, one entry per face: [`CasterFaces::mask`](crate::facing::CasterFaces::mask),
-    /// or those of [`ShellFaces::masks`](crate::shadow::volume::ShellFaces::masks). Holds for everything found or
+    /// Sets on which sides each face casts, one entry per face:
+    /// [`CasterFaces::mask`](crate::facing::CasterFaces::mask), or those of
+    /// [`ShellFaces::masks`](crate::shadow::volume::ShellFaces::masks). Holds for everything found or
     /// recorded afterwards.
     ///
     /// # Errors
@@ -236,8 +238,9 @@ impl GpuSilhouette {
         &self.unsure
     }
 
-    /// The side of every face for `light`, and the silhouette of those that cast, exactly. `mesh` must be the one that
-    /// was uploaded. Waits for the device. Clones share their buffers: one light at a time, on one thread.
+    /// The side of every face for `light`, and the silhouette of those that cast, exactly. `mesh` must be the
+    /// one that was uploaded. Waits for the device. Clones share their buffers: one light at a time, on one
+    /// thread.
     ///
     /// # Errors
     ///
@@ -245,14 +248,15 @@ impl GpuSilhouette {
     ///
     /// # Panics
     ///
-    /// Panics if `mesh` has another number of faces, or if the caster deforms: then sides have no error bound.
+    /// Panics if `mesh` has another number of faces, or if the caster deforms: then sides have no error
+    /// bound.
     pub fn find(&self, mesh: &Mesh, light: &Light) -> Result<FoundSilhouette, GpuError> {
         let unsure_faces = self.classify(mesh, light)?;
         Ok(FoundSilhouette { silhouette: self.extract()?, unsure_faces })
     }
 
-    /// The first half of [`GpuSilhouette::find`]: the side of every face, in [`GpuSilhouette::facing`]. Returns the
-    /// number of faces that the processor decided.
+    /// The first half of [`GpuSilhouette::find`]: the side of every face, in [`GpuSilhouette::facing`].
+    /// Returns the number of faces that the processor decided.
     ///
     /// # Errors
     ///
@@ -314,7 +318,8 @@ impl GpuSilhouette {
         gpu.submit(|encoder| settle.record(encoder, &bindings, patches.len()))
     }
 
-    /// The second half of [`GpuSilhouette::find`]: the silhouette of the sides that are stored. Waits for the device.
+    /// The second half of [`GpuSilhouette::find`]: the silhouette of the sides that are stored. Waits for the
+    /// device.
     ///
     /// # Errors
     ///
@@ -339,9 +344,10 @@ impl GpuSilhouette {
         Ok(Silhouette { edges: listed(&words[1..]) })
     }
 
-    /// Records sides and silhouette for `light`; unsure faces keep the sign that `f32` gave. Neither submits nor waits.
-    /// [`GpuSilhouette::unsure`] starts with their number, to be read at any time. Several lights may be recorded into
-    /// one encoder: each with its own [`GpuSilhouette`], or with one whose result is used before the next is recorded.
+    /// Records sides and silhouette for `light`; unsure faces keep the sign that `f32` gave. Neither submits
+    /// nor waits. [`GpuSilhouette::unsure`] starts with their number, to be read at any time. Several lights
+    /// may be recorded into one encoder: each with its own [`GpuSilhouette`], or with one whose result is
+    /// used before the next is recorded.
     ///
     /// # Errors
     ///

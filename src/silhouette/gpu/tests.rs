@@ -22,7 +22,7 @@ fn on_device(shaders: &SilhouetteShaders, mesh: &Mesh, planes: &FacePlanes) -> G
     GpuSilhouette::new(shaders, &caster).unwrap()
 }
 
-/// Small grids for ties, places far from the origin, and both ends of the range.
+/// Small grids for ties, positions far from the origin, and both ends of the range.
 fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![
         (-4_i8..=4).prop_map(f32::from),

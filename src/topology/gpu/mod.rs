@@ -9,7 +9,8 @@ pub use build::GpuTopologyBuilder;
 use super::Topology;
 use crate::gpu::{Gpu, GpuError, wgpu};
 
-/// An edge table on the device, the same words as a [`Topology`] holds: see [the buffers](crate::gpu#buffers).
+/// An edge table on the device, the same words as a [`Topology`] holds: see [the
+/// buffers](crate::gpu#buffers).
 #[derive(Clone, Debug)]
 pub struct GpuTopology {
     offsets: wgpu::Buffer,
@@ -21,8 +22,9 @@ pub struct GpuTopology {
 }
 
 impl GpuTopology {
-    /// Copies an edge table to the device, for a [`GpuCaster::deforming`](crate::caster::GpuCaster::deforming) caster. A
-    /// caster at rest is copied whole by [`GpuCaster::upload`](crate::caster::GpuCaster::upload).
+    /// Copies an edge table to the device, for a
+    /// [`GpuCaster::deforming`](crate::caster::GpuCaster::deforming) caster. A caster at rest is copied whole
+    /// by [`GpuCaster::upload`](crate::caster::GpuCaster::upload).
     ///
     /// # Errors
     ///
@@ -75,8 +77,9 @@ impl GpuTopology {
         self.vertex_count
     }
 
-    /// Builds the edge table of a triangle list on the device, bit for bit the one that [`Topology::build`] and
-    /// [`GpuTopology::upload`] give. Compiles the shaders first: keep a [`GpuTopologyBuilder`] to build often.
+    /// Builds the edge table of a triangle list on the device, bit for bit the one that [`Topology::build`]
+    /// and [`GpuTopology::upload`] give. Compiles the shaders first: keep a [`GpuTopologyBuilder`] to build
+    /// often.
     ///
     /// # Errors
     ///

@@ -118,7 +118,7 @@ fn gpu_topology_beyond_the_limits_of_the_device_is_refused() {
     let remedy = "use the processor's method, or a smaller mesh";
     let too_large = |what, bytes| Err(GpuError::TooLarge { what, bytes, limit, remedy });
     assert_eq!(build(1023, 1023), Ok(0));
-    // Three keys a face, and one more.
+    // Three keys per face, and one more.
     assert_eq!(build(1024, 1024), too_large("keys of half-edges", limit + 4));
     assert_eq!(build(1024, 1023), Ok(0));
     assert_eq!(build(1025, 1025), too_large("triangles", limit + 12));

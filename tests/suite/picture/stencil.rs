@@ -224,8 +224,7 @@ fn stencil_picture_multiplies_the_light_of_a_lamp_by_its_visibility() {
             })
         };
         let scaled = |by: f32| {
-            let scale =
-                |lamp: &ShadedLight| ShadedLight { color: lamp.color.map(|x| by * x), ..lamp.clone() };
+            let scale = |lamp: &ShadedLight| ShadedLight { color: lamp.color.map(|x| by * x), ..*lamp };
             subject.lamps.iter().map(scale).collect::<Vec<_>>()
         };
         // Dark: as without lamps. Half: as lamps of half the color, to the bit, since light is linear in the color and

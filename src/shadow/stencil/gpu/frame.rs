@@ -11,9 +11,9 @@ use crate::view::Size;
 
 /// The draws of one camera, for a render pass of the caller's.
 ///
-/// The pass has no color attachment and a depth-stencil attachment of [`StencilFrame::FORMAT`] with one sample, cleared
-/// to depth 0 (infinitely far: depth is reversed) and stencil 0. Afterwards the stencil of a pixel is the number of
-/// volumes that its visible point is in, modulo 256; light the pixel where that is 0.
+/// The pass has no color attachment and a depth-stencil attachment of [`StencilFrame::FORMAT`] with one
+/// sample, cleared to depth 0 (infinitely far: depth is reversed) and stencil 0. Afterwards the stencil of a
+/// pixel is the number of volumes that its visible point is in, modulo 256; light the pixel where that is 0.
 #[derive(Clone, Debug)]
 pub struct StencilFrame {
     pipelines: Pipelines,
@@ -57,8 +57,8 @@ impl StencilFrame {
     /// The format of the depth-stencil attachment.
     pub const FORMAT: wgpu::TextureFormat = FORMAT;
 
-    /// Draws the receivers' depth. Leave it out if the attachment holds the depth already, reversed and of this
-    /// projection; then both sides of every caster must have been drawn.
+    /// Draws the receivers' depth. Leave it out if the attachment holds the depth already, reversed and of
+    /// this projection; then both sides of every caster must have been drawn.
     pub fn draw_receivers(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.pipelines.receivers.draw(pass, &self.receivers, &self.triangles, self.corners);
     }
@@ -72,7 +72,8 @@ impl StencilFrame {
     }
 }
 
-/// Draws the parts of one volume that its method asks for, with the pipelines for z-pass sides, z-fail sides and caps.
+/// Draws the parts of one volume that its method asks for, with the pipelines for z-pass sides, z-fail sides
+/// and caps.
 pub(super) fn draw_volume(
     pass: &mut wgpu::RenderPass<'_>,
     method: StencilMethod,

@@ -1,10 +1,11 @@
 //! The stencil pass on a graphics device, headless.
 //!
-//! First the receivers' depth, two-sided. Then the volumes, which write no depth: one draw for both of their sides,
-//! z-fail (Bilodeau and Songy 1999; John Carmack, 2000; Cass Everitt and Mark J. Kilgard, *Practical and Robust
-//! Stenciled Shadow Volumes for Hardware-Accelerated Rendering*, 2002) or z-pass (Tim Heidmann, *Real Shadows, Real
-//! Time*, 1991) as the caller says. A caster's faces are never in front of the visible surface, so its caps are
-//! drawn with a depth test that always fails: no bias and no polygon offset anywhere.
+//! First the receivers' depth, two-sided. Then the volumes, which write no depth: one draw for both of their
+//! sides, z-fail (Bilodeau and Songy 1999; John Carmack, 2000; Cass Everitt and Mark J. Kilgard, *Practical
+//! and Robust Stenciled Shadow Volumes for Hardware-Accelerated Rendering*, 2002) or z-pass (Tim Heidmann,
+//! *Real Shadows, Real Time*, 1991) as the caller says. A caster's faces are never in front of the visible
+//! surface, so its caps are drawn with a depth test that always fails: no bias and no polygon offset
+//! anywhere.
 
 mod frame;
 mod pipelines;
@@ -47,8 +48,8 @@ impl StencilPass {
         Ok(Self { gpu: gpu.clone(), depth, pipelines: Pipelines::new(gpu, depth)? })
     }
 
-    /// Counts for each pixel of a picture how many of the `volumes` its visible point is in. All volumes of one light
-    /// belong in one call; their counts add up.
+    /// Counts for each pixel of a picture how many of the `volumes` its visible point is in. All volumes of
+    /// one light belong in one call; their counts add up.
     ///
     /// With [`Counting::Stencil`] counts are right modulo 256.
     ///
@@ -88,11 +89,11 @@ impl StencilPass {
         Ok(ShadowMask::new(size, counting, counts, receiver))
     }
 
-    /// The visibility of every sample: 1 where its visible point is in none of the `volumes` of one light, otherwise 0.
-    /// Submits without waiting.
+    /// The visibility of every sample: 1 where its visible point is in none of the `volumes` of one light,
+    /// otherwise 0. Submits without waiting.
     ///
-    /// With [`Counting::Stencil`] a count of 256 passes for 0. The counts go to the stencil of the samples; with
-    /// [`Counting::Integer`] they take 4 bytes per sample for a while.
+    /// With [`Counting::Stencil`] a count of 256 passes for 0. The counts go to the stencil of the samples;
+    /// with [`Counting::Integer`] they take 4 bytes per sample for a while.
     ///
     /// # Errors
     ///
@@ -124,9 +125,9 @@ impl StencilPass {
         Ok(visibility)
     }
 
-    /// The signed sum of all triangles of the volumes at each pixel, in front of the visible point or behind it, modulo
-    /// 256: 0 everywhere if the volumes are closed and the eye is in none of them. A test of what the rasterizer makes
-    /// of them.
+    /// The signed sum of all triangles of the volumes at each pixel, in front of the visible point or behind
+    /// it, modulo 256: 0 everywhere if the volumes are closed and the eye is in none of them. A test of what
+    /// the rasterizer makes of them.
     ///
     /// # Errors
     ///
@@ -189,7 +190,8 @@ impl StencilPass {
         Ok(Counter { volumes, bindings, counts })
     }
 
-    /// Counts in the stencil, which is cleared to 0 first, or in the counter's buffer. The depth is drawn already.
+    /// Counts in the stencil, which is cleared to 0 first, or in the counter's buffer. The depth is drawn
+    /// already.
     fn count(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, counter: &Counter<'_>) {
         let pipelines = &self.pipelines;
         let (mut pass, chosen) = match counter.counts {

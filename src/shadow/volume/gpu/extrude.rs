@@ -139,12 +139,14 @@ struct Bindings {
 }
 
 impl GpuExtrusion {
-    /// Allocates for a silhouette of `caster`, and for a volume of at most `capacity` triangles of 12 bytes. Without a
-    /// capacity, for the largest volume of any light: eight triangles per face, or six without caps.
+    /// Allocates for a silhouette of `caster`, and for a volume of at most `capacity` triangles of 12 bytes.
+    /// Without a capacity, for the largest volume of any light: eight triangles per face, or six without
+    /// caps.
     ///
     /// # Errors
     ///
-    /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`],
+    /// [`GpuError::Lost`].
     pub fn new(
         shaders: &VolumeShaders,
         caster: &GpuCaster,
@@ -250,8 +252,9 @@ impl GpuExtrusion {
         &self.demand
     }
 
-    /// Records silhouette and volume of a light: [`GpuSilhouette::record`], then [`GpuExtrusion::record_volume`].
-    /// Neither submits nor waits. The volume lies in the buffers of this extrusion until the next one is recorded.
+    /// Records silhouette and volume of a light: [`GpuSilhouette::record`], then
+    /// [`GpuExtrusion::record_volume`]. Neither submits nor waits. The volume lies in the buffers of this
+    /// extrusion until the next one is recorded.
     ///
     /// # Errors
     ///
@@ -263,8 +266,8 @@ impl GpuExtrusion {
 
     /// Records the extrusion of the silhouette as it is when the commands run, which must be that of `light`.
     ///
-    /// If the volume exceeds the capacity, its arguments draw nothing and [`Demand::exceeded`] is set; nothing is cut
-    /// off.
+    /// If the volume exceeds the capacity, its arguments draw nothing and [`Demand::exceeded`] is set;
+    /// nothing is cut off.
     ///
     /// # Errors
     ///
@@ -334,12 +337,14 @@ fn runs(faces: u32) -> usize {
 }
 
 impl GpuVolume {
-    /// Extrudes a silhouette, which must be that of `light`, into buffers of exact size: triangle by triangle the volume
-    /// of [`ShadowVolume::extrude`](crate::shadow::volume::ShadowVolume::extrude). Waits for the device.
+    /// Extrudes a silhouette, which must be that of `light`, into buffers of exact size: triangle by triangle
+    /// the volume of [`ShadowVolume::extrude`](crate::shadow::volume::ShadowVolume::extrude). Waits for the
+    /// device.
     ///
     /// # Errors
     ///
-    /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`],
+    /// [`GpuError::Lost`].
     pub fn extrude(
         shaders: &VolumeShaders,
         silhouette: &GpuSilhouette,

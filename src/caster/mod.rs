@@ -2,6 +2,7 @@
 
 #[cfg(feature = "gpu")]
 mod gpu;
+mod group;
 mod proofs;
 mod shell_boxes;
 
@@ -9,6 +10,7 @@ use std::sync::OnceLock;
 
 #[cfg(feature = "gpu")]
 pub use gpu::GpuCaster;
+pub use group::CasterGroup;
 pub use proofs::ShellProof;
 pub(crate) use shell_boxes::ShellBox;
 pub use shell_boxes::ShellBoxes;

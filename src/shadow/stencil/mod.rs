@@ -4,6 +4,7 @@
 //! z-fail for every shell, with the reason, and [`max_depth_complexity`] bounds the counts, so that an
 //! overflow of the stencil is known beforehand.
 
+mod cpu;
 mod depth_complexity;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -12,6 +13,7 @@ mod mask;
 mod method;
 mod volumes;
 
+pub(super) use cpu::StencilCounting;
 pub use depth_complexity::{DepthComplexity, max_depth_complexity};
 #[cfg(feature = "gpu")]
 pub use gpu::{Draw, StencilFrame, StencilPass};
@@ -33,6 +35,9 @@ pub enum StencilMethod {
 }
 
 impl StencilMethod {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::ZPass, Self::ZFail];
+
     /// Lower-case name, as on the command line and in reports.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -9,7 +9,7 @@ use crate::view::Projection;
 use crate::view::Size;
 
 /// The visible point and face of every sample of a picture, on the device: depth and a face id, 12 bytes per
-/// sample.
+/// sample. Twin of [`Samples`](crate::shadow::Samples).
 ///
 /// Techniques compute a [`GpuVisibility`](super::GpuVisibility) from it for each lamp. Coinciding faces have
 /// one visible face.

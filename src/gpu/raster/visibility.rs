@@ -5,7 +5,8 @@ use wgpu::{TextureAspect, TextureFormat};
 use crate::gpu::{Gpu, GpuError, Texture, wgpu};
 use crate::view::Size;
 
-/// The visibility of one lamp on the device: a texture with one number per sample, 0 dark to 1 lit.
+/// The visibility of one lamp on the device: a texture with one number per sample, 0 dark to 1 lit. Twin of
+/// [`Visibility`](crate::shadow::Visibility).
 ///
 /// Techniques fill it, and the picture multiplies it into the light of the lamp. A sample of the sky is 0.
 /// The value of a face that turns away from the lamp is up to the technique: whoever shades decides those by

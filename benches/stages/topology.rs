@@ -1,4 +1,4 @@
-//! The edge table, what is counted with it, and the crack report.
+//! The edge table, the counts derived from it, and the crack report.
 
 use std::collections::HashMap;
 use std::time::Instant;
@@ -20,7 +20,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
     }
 }
 
-/// `targets` are those of the table alone, and of all that is counted with it.
+/// Benches of the edge table. `targets` are those of the table alone, and of the table with all counts.
 fn edge_table(bench: &mut Bench<'_>, mesh: &Mesh, euler: i64, targets: [f64; 2]) {
     let faces = mesh.face_count();
     let table = format!("edges={} boundary=0", 3 * faces / 2);
@@ -115,7 +115,7 @@ fn for_each_edge(mesh: &Mesh, mut visit: impl FnMut([u32; 2])) {
     }
 }
 
-/// Half-edges by their smaller vertex, edges not told apart: what the edge table costs at least.
+/// Half-edges sorted by their smaller vertex, without separating edges: the minimum cost of an edge table.
 fn counting_sort(mesh: &Mesh) -> Vec<u64> {
     let mut places = vec![0_u32; mesh.vertex_count()];
     for_each_edge(mesh, |[low, _]| places[low as usize] += 1);

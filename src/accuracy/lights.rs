@@ -1,4 +1,4 @@
-//! Which lights faces are asked about.
+//! Lights for the facing queries.
 
 use super::{MOST_LIGHTS, Options};
 use crate::geom::Light;
@@ -6,7 +6,8 @@ use crate::mesh::Mesh;
 use crate::random::SplitMix64;
 use crate::testing::torture::lights::Place;
 
-/// The kinds of lights; without a place those that were given. See [`Question::strata`](super::Question::strata).
+/// Names of the light strata, each with the rule that draws its lights. `None` stands for the lights given by
+/// the user. See [`Question::strata`](super::Question::strata).
 pub(super) const STRATA: [(&str, Option<Place>); 8] = [
     ("given", None),
     ("general", Some(Place::Outside)),
@@ -18,10 +19,10 @@ pub(super) const STRATA: [(&str, Option<Place>); 8] = [
     ("along_face", Some(Place::InPlane)),
 ];
 
-/// Most lights of a stratum: enough for a mesh of few faces.
+/// Maximum number of lights per stratum: enough for a mesh of few faces.
 const MOST: u64 = 4096;
 
-/// The lights of each stratum, for `mesh`, which has a face.
+/// The lights of each stratum for `mesh`, which has at least one face.
 pub(super) fn draw(mesh: &Mesh, given: &[Light], options: &Options) -> Vec<Vec<Light>> {
     let count = options.queries.div_ceil(mesh.face_count() as u64).clamp(1, MOST);
     let of_stratum = |(stratum, (_, place)): (usize, (_, Option<Place>))| match place {
@@ -34,13 +35,13 @@ pub(super) fn draw(mesh: &Mesh, given: &[Light], options: &Options) -> Vec<Vec<L
     STRATA.into_iter().enumerate().map(of_stratum).collect()
 }
 
-/// At most [`MOST_LIGHTS`], evenly spread over all of them.
+/// At most [`MOST_LIGHTS`] of the lights, evenly spaced in the list.
 pub(super) fn spread(lights: &[Light]) -> Vec<Light> {
     let count = lights.len().min(MOST_LIGHTS);
     (0..count).map(|i| lights[i * lights.len() / count]).collect()
 }
 
-/// A source for one stratum, unlike that of any other.
+/// A random source for one stratum, different for each stratum.
 pub(super) fn source(seed: u64, stratum: usize) -> SplitMix64 {
     SplitMix64(SplitMix64(SplitMix64(seed).next() ^ stratum as u64).next())
 }

@@ -1,4 +1,4 @@
-//! Which points are asked about.
+//! Points for the visibility queries.
 
 use super::Options;
 use super::lights::source;
@@ -11,7 +11,7 @@ use crate::topology::Topology;
 use crate::verify::points::draw;
 use crate::verify::points::draw::{Sampler, rounded};
 
-/// The kinds of points. See [`Question::strata`](super::Question::strata).
+/// Names of the point strata. See [`Question::strata`](super::Question::strata).
 pub(super) const STRATA: [&str; 7] = [
     draw::STRATA[0],
     draw::STRATA[1],
@@ -22,7 +22,8 @@ pub(super) const STRATA: [&str; 7] = [
     "behind_edge",
 ];
 
-/// The points of each stratum and light, for `mesh`, which has a face: about as many of each light.
+/// The points of each stratum and light for `mesh`, which has at least one face: about the same number for
+/// each light.
 pub(super) fn draw(mesh: &Mesh, lights: &[Light], options: &Options) -> Vec<Vec<Vec<[f32; 3]>>> {
     let topology = Topology::of(mesh);
     let planes = FacePlanes::new(mesh);
@@ -59,7 +60,8 @@ fn draw_one(stratum: usize, sampler: &Sampler<'_>, random: &mut SplitMix64) -> [
     }
 }
 
-/// A point whose way to the light passes `base`, but for rounding: farther away by a simple multiple.
+/// A point whose segment to the light passes through `base` up to rounding. Its distance from `base` is a
+/// simple multiple of the light's.
 fn behind(base: [f64; 3], light: &Light, random: &mut SplitMix64) -> [f32; 3] {
     let reach = [0.25, 0.5, 1.0, 2.0, 3.0][random.below(5)];
     let towards = light.xyz().map(f64::from);

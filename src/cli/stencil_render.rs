@@ -1,4 +1,4 @@
-//! A picture by stencil shadows: from a mesh and a view to pixels, and to the counts of each light.
+//! Pictures with stencil shadows: from a mesh and a view to pixels, with a description per light.
 
 use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::CasterFaces;
@@ -16,14 +16,14 @@ pub(crate) struct Stage<'a> {
     pass: StencilPass,
     on_device: GpuCaster,
     pub(crate) projection: Projection,
-    /// One per lamp.
+    /// One entry per lamp.
     pub(crate) castings: Vec<StencilVolumes>,
     volumes: Vec<GpuStencilVolumes>,
 }
 
 impl<'a> Stage<'a> {
     /// `bounds` are those of the mesh without a ground. All faces cast: proving that half of them are enough
-    /// takes longer than drawing the others once.
+    /// takes longer than drawing the other half once.
     pub(crate) fn new(
         gpu: &Gpu,
         caster: &'a Caster,

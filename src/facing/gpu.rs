@@ -55,8 +55,8 @@ pub(crate) struct LightParameters {
 ///
 /// 1. *Rounding.* On the host `n`, `l` and `d` are rounded to nearest: `u/2` each (forming `l` in `f64` adds
 ///    2⁻⁵³; `w` is a power of two). On the device each product is rounded once, and goes through at most
-///    three additions, in whatever order: `4u`. Together at most `5u·(1 + 5u)` of the sum of magnitudes `M =
-///    |nx·lx| + |ny·ly| + |nz·lz| + |w·d|`. But the shader uses `s` twice, once against the bound and once
+///    three additions, in whatever order: `4u`. Together at most `5u·(1 + 5u)` of the sum of magnitudes
+///    `M = |nx·lx| + |ny·ly| + |nz·lz| + |w·d|`. But the shader uses `s` twice, once against the bound and once
 ///    for its sign, and a compiler may contract or reassociate each use in its own way: two evaluations
 ///    differ by `2 · 4u·(1 + 4u)·M` at most. Where one exceeds `8u·(1 + 4u)·M` in magnitude, every other has
 ///    its sign; where it exceeds `5u·(1 + 5u)·M`, so has `S`. The sum is computed within `5u` of itself, and

@@ -1,7 +1,8 @@
-//! Shading: hemispheric ambient light, Lambert's diffuse term and Blinn's highlight, on flat faces of two sides.
+//! Shading of flat, two-sided faces: hemispheric ambient light, Lambert's diffuse term and Blinn's specular
+//! term.
 //!
-//! Bui Tuong Phong, *Illumination for Computer Generated Pictures*, 1975, with the half vector of James F. Blinn,
-//! *Models of Light Reflection for Computer Synthesized Pictures*, 1977.
+//! Bui Tuong Phong, *Illumination for Computer Generated Pictures*, 1975, with the half vector of James F.
+//! Blinn, *Models of Light Reflection for Computer Synthesized Pictures*, 1977.
 
 use glam::{DVec3, Vec3};
 
@@ -11,43 +12,55 @@ use crate::geom::{Aabb, Light};
 use crate::oracle::{Oracle, PrimaryHit, Verdict};
 use crate::scene::{SceneLight, SpotCone};
 
-/// What all lamps of a picture together give to a white surface: one lamp alone this much, several of equal share
-/// `KEY / √n` each, since few places face them all.
+/// Total light on a white surface. One lamp alone gives this much, n equal lamps `KEY / √n` each, since few
+/// surfaces face all of them.
 const KEY: f32 = 0.95;
 
-/// Ambient light on faces that look sideways, and what looking straight up adds or straight down takes.
+/// Ambient light on faces that look sideways, and the amount added for faces that look straight up or
+/// subtracted for those that look straight down.
 pub(super) const AMBIENT: f32 = 0.17;
 pub(super) const AMBIENT_SLOPE: f32 = 0.07;
 
-/// The highlight's strength, and its exponent as a number of squarings: 2⁵ = 32.
+/// Strength of the specular highlight, and its exponent as a number of squarings: 2⁵ = 32.
 pub(super) const SPECULAR: f32 = 0.12;
 pub(super) const SPECULAR_SQUARINGS: u32 = 5;
 
-/// A light as a picture uses it: the same strength at any distance, so that nothing burns out or drowns.
+/// A light for rendering: its strength does not depend on distance, so that nothing is over- or underexposed.
+///
+/// ```
+/// use umbrage::geom::Light;
+/// use umbrage::render::ShadedLight;
+///
+/// let lights = [Light::point([3.0, 5.0, 4.0])?, Light::directional([0.0, -1.0, 0.0])?];
+/// let one = ShadedLight::equal(&lights[..1])[0];
+/// let two = ShadedLight::equal(&lights);
+/// assert!(two[0].color == two[1].color && two[0].color[0] < one.color[0]);
+/// # Ok::<(), umbrage::geom::LightError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadedLight {
-    /// What casts the shadow.
+    /// The light, as it casts shadows.
     pub light: Light,
-    /// Linear red, green, blue that it gives to a white surface facing it.
+    /// The light's contribution to a white surface facing it, in linear red, green, blue.
     pub color: [f32; 3],
-    /// Where a spot light shines; nothing beyond its cone.
+    /// The cone of a spot light: nothing outside is lit.
     pub spot: Option<SpotCone>,
 }
 
 impl ShadedLight {
-    /// White lamps of equal strength.
+    /// White lights of equal strength.
     #[must_use]
     pub fn equal(lights: &[Light]) -> Vec<Self> {
         let color = [KEY / (lights.len() as f32).sqrt(); 3];
         lights.iter().map(|&light| Self { light, color, spot: None }).collect()
     }
 
-    /// Lamps for the lights of a file, whose candela and lux say nothing about exposure.
+    /// Lights of a file, balanced in exposure, since candela and lux do not determine the exposure.
     ///
-    /// A lamp's share is its illuminance at the center of `bounds`: lux as they are, candela over the square of
-    /// the distance (taken as no less than a quarter of the diagonal). Shares are scaled so that the root of
-    /// their squares' sum is fixed: one light alone is always equally bright. A light whose intensity is not
-    /// above 0 gives nothing.
+    /// A light's share is its illuminance at the center of `bounds`: lux as given, candela divided by the
+    /// square of the distance (taken as no less than a quarter of the diagonal). Shares are scaled so that
+    /// the square root of the sum of their squares is fixed: one light alone is always equally bright. A
+    /// light whose intensity is not above 0 gives nothing.
     #[must_use]
     pub fn balanced(lights: &[SceneLight], bounds: &Aabb) -> Vec<Self> {
         let center = wide(bounds.center());
@@ -74,7 +87,7 @@ impl ShadedLight {
         lights.iter().zip(&shares).map(lamp).collect()
     }
 
-    /// The unit vector from `point` towards the lamp, and what arrives of its color if nothing is between.
+    /// The unit vector from `point` towards the light, and the unoccluded color that arrives there.
     fn reach(&self, point: DVec3) -> (Vec3, Vec3) {
         let to_light = wide(self.light.xyz()) - if self.light.is_directional() { DVec3::ZERO } else { point };
         let to_light = to_light.normalize_or_zero().as_vec3();
@@ -83,20 +96,20 @@ impl ShadedLight {
     }
 }
 
-/// The cosine of the angle where a spot light ends, and how much more it is where it is full; never 0.
+/// The cosine of a spot light's outer angle, and the difference to the cosine of its inner angle; never 0.
 pub(super) fn cosines(cone: SpotCone) -> (f32, f32) {
     let (inner, outer) = (cone.inner_rad.cos(), cone.outer_rad.cos());
     (outer, (inner - outer).max(1e-3))
 }
 
-/// How much of a spot light goes this way: the curve that KHR_lights_punctual recommends.
+/// Fraction of a spot light in the direction of a point: the curve that KHR_lights_punctual recommends.
 fn within(cone: SpotCone, to_light: Vec3) -> f32 {
     let cosine = -Vec3::from(cone.direction).dot(to_light);
     let (outer, width) = cosines(cone);
     ((cosine - outer) / width).clamp(0.0, 1.0).powi(2)
 }
 
-/// The light that goes from what is seen to the eye, without what is between. A grazing verdict counts as lit.
+/// The light reflected from a visible point towards the eye. A grazing verdict counts as lit.
 pub(super) fn shade(
     oracle: &Oracle,
     view: &View<'_>,
@@ -112,7 +125,7 @@ pub(super) fn shade(
     let up = normal[view.up.axis()];
     let mut light = base * (AMBIENT + AMBIENT_SLOPE * up);
     for lamp in view.lamps {
-        // From behind, the face itself is in the way.
+        // The light is behind the seen side of the face: the face itself blocks it.
         if side_of_light(seen.corners, &lamp.light) != seen.side {
             continue;
         }

@@ -1,4 +1,4 @@
-//! A comparison of pixels as a picture: what agrees in gray, what does not in colors that stand out.
+//! A pixel comparison as a picture: gray for agreement, colors that stand out for the rest.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -10,9 +10,9 @@ use crate::verify::pixels::{Comparison, PixelVerdict};
 use crate::view::Projection;
 use crate::view::Size;
 
-/// A color's name and its sRGB bytes: grays for what agrees, light blue for the sky; for the others hues that
-/// differ in brightness too, so that nobody needs to tell red from green. (Masataka Okabe and Kei Ito, *Color
-/// Universal Design*, 2002.)
+/// Name and sRGB bytes of a verdict's color: grays for agreement, light blue for the sky. The hues of the
+/// others differ in brightness too, so that nobody needs to distinguish red from green (Masataka Okabe and
+/// Kei Ito, *Color Universal Design*, 2002).
 #[must_use]
 pub fn verdict_color(verdict: PixelVerdict) -> (&'static str, [u8; 3]) {
     match verdict {
@@ -26,23 +26,26 @@ pub fn verdict_color(verdict: PixelVerdict) -> (&'static str, [u8; 3]) {
     }
 }
 
-/// How dark what an eye sees edge-on is drawn against what faces it.
+/// Brightness of a surface seen edge-on, relative to one seen from the front.
 const EDGE_ON: f32 = 0.55;
 
-/// Half the sides of the squares and of the rings that are drawn around pixels, in pixels.
+/// Half the side of the square drawn at a pixel, in pixels.
 const DOT_PX: u32 = 1;
+/// Outer radius of the ring drawn around a real mismatch, in pixels.
 const RING_PX: u32 = 7;
 
-/// Draws the pixels of `comparison`: the faces of `oracle` as `projection` sees them, light where both agree on lit,
-/// dark where they agree on shadowed; every other pixel as a square of 3 × 3 in its verdict's color, the gravest on
-/// top, those that nothing explains with a dark-rimmed ring around them. Swatches in the lower left corner show the
-/// colors of the verdicts that occur, in the order of [`PixelVerdict::ALL`], the sky left out.
+/// Draws the pixels of `comparison`. The faces of `oracle` are seen by `projection`, light where both methods
+/// agree on lit, dark where they agree on shadowed. Every other pixel is a square of 3 × 3 in its verdict's
+/// color, the most serious on top. A real mismatch also gets a ring with dark rims. Swatches in the lower
+/// left corner show the colors of the verdicts that occur, in the order of [`PixelVerdict::ALL`], without the
+/// sky.
 ///
-/// `progress` hears of rows done, from any thread. One ray a pixel; 4 bytes a pixel.
+/// `progress` is called with the number of rows done, from any thread. Cost: one ray per pixel. Memory: 4
+/// bytes per pixel.
 ///
 /// # Errors
 ///
-/// [`MemoryError`] if those bytes are not to be had.
+/// [`MemoryError`] if this memory cannot be allocated.
 pub fn verdicts(
     oracle: &Oracle,
     projection: &Projection,
@@ -63,7 +66,7 @@ pub fn verdicts(
         let places = (0..).zip(&comparison.verdicts).filter(move |(_, other)| **other == verdict);
         places.map(move |(place, _): (u32, _)| [place % size.width(), place / size.width()])
     };
-    // The rims of all rings first: they must not cover each other's color.
+    // The rims of all rings come first: they must not cover the colored part of another ring.
     let reach = i64::from(RING_PX);
     for (color, radii) in
         [([30; 3], reach - 3..reach + 1), (verdict_color(PixelVerdict::Real).1, reach - 2..reach)]
@@ -85,7 +88,7 @@ pub fn verdicts(
     Ok(picture)
 }
 
-/// What is seen through the middle of a pixel, shaded by the angle it is seen at.
+/// The surface seen through a pixel's center, shaded by the angle between surface and ray.
 fn agreeing(
     oracle: &Oracle,
     projection: &Projection,
@@ -108,7 +111,7 @@ fn agreeing(
     [r as u8, g as u8, b as u8, 255]
 }
 
-/// Sets the pixels up to `reach` away in both directions whose squared distance is asked for.
+/// Sets the pixels within `reach` in both directions whose squared distance is `wanted`.
 fn draw(picture: &mut Picture, [x, y]: [u32; 2], reach: u32, color: [u8; 3], wanted: impl Fn(i64) -> bool) {
     let side = |at: u32, most: u32| at.saturating_sub(reach)..(at + reach + 1).min(most);
     let (width, height) = (picture.size.width(), picture.size.height());
@@ -151,7 +154,7 @@ mod tests {
         let count = |color: [u8; 3]| picture.pixels.iter().filter(|pixel| pixel[..3] == color).count();
         let [real, grazing] = [PixelVerdict::Real, PixelVerdict::Grazing].map(|v| verdict_color(v).1);
         assert!(count(real) > 100, "{}", count(real));
-        // A column of the grazing dot is seen beside the real one, and its swatch.
+        // One column of the grazing square shows beside the real one, and the swatch of grazing.
         assert_eq!(count(grazing), 3 + 12 * 12);
         assert_eq!(picture.pixels[at(51, 40)][..3], real);
     }

@@ -102,8 +102,8 @@ impl Silhouette {
 }
 
 impl Caster {
-    /// The silhouette edges for the faces that cast. For light after light, a
-    /// [`SilhouetteFinder`] is faster.
+    /// The silhouette edges for the given casting faces. For a sequence of lights a [`SilhouetteFinder`] is
+    /// faster.
     #[must_use]
     pub fn silhouette(&self, light: &Light, faces: CasterFaces) -> Silhouette {
         Silhouette::extract(self.topology(), &faces.signs(&self.facing(light)))

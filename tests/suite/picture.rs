@@ -1,4 +1,4 @@
-//! Pictures against a renderer that asks every triangle, on known places, and as files.
+//! Pictures against a renderer that tests every triangle, at known positions, and as files.
 
 #[cfg(feature = "gpu")]
 mod stencil;
@@ -42,7 +42,7 @@ fn view<'a>(camera: Camera, size: Size, lamps: &'a [ShadedLight]) -> View<'a> {
     View { camera, size, lamps, up: Up::Y, ground: None, paint: &|_| CLAY, edge_samples: 1 }
 }
 
-/// By a loop over all triangles.
+/// The verdict by a loop over all triangles.
 fn naive_verdict(mesh: &Mesh, p: [f32; 3], light: &Light) -> Verdict {
     let faces = (0..mesh.face_count()).map(|face| intersect(p, light, mesh.corners(FaceId::new(face))));
     faces.fold(Verdict::Lit, |verdict, meeting| match (verdict, meeting) {
@@ -56,14 +56,14 @@ fn wide(p: [f32; 3]) -> DVec3 {
     DVec3::from(p.map(f64::from))
 }
 
-/// Which side of its face a naive shadow query stands on.
+/// The side of the face on which a naive shadow ray starts.
 #[derive(Clone, Copy, PartialEq)]
 enum Stand {
     Before,
     Behind,
 }
 
-/// The shading model, written down once more: linear light of one ray, or `None` for the background.
+/// The shading model, implemented a second time: linear light of one ray, or `None` for the background.
 fn naive_light(
     mesh: &Mesh,
     view: &View<'_>,
@@ -85,7 +85,7 @@ fn naive_light(
     let corners = mesh.corners(face);
     let side = side_of_point(corners, eye);
     let wanted = if stand == Stand::Before { side } else { -side };
-    // Small steps to or from the eye until the point stands where it should.
+    // Small steps along the ray until the point lies on the requested side.
     let step = if stand == Stand::Before { -1e-7 } else { 1e-7 };
     let point = (0..10_000)
         .map(|i| (wide(eye) + wide(direction) * (t + f64::from(i) * step)).as_vec3().to_array())
@@ -114,18 +114,18 @@ fn naive_light(
     Some(sum)
 }
 
-/// Linear light from an sRGB byte below the shoulder, at 0.75 (a byte of 225).
+/// Linear light of an sRGB byte below the shoulder, which starts at 0.75 (a byte of 225).
 fn linear(byte: u8) -> f32 {
     let x = f32::from(byte) / 255.0;
     if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Pictures of a test are small.
+/// Renders a small picture, which must fit the memory.
 fn render(oracle: &Oracle, view: &View<'_>, progress: &(dyn Fn(u64) + Sync)) -> Picture {
     umbrage::render::render(oracle, view, progress).unwrap()
 }
 
-/// How many pixels of `picture` the naive renderer contradicts.
+/// Number of pixels of `picture` that the naive renderer contradicts.
 fn contradictions(mesh: &Mesh, view: &View<'_>, picture: &Picture, stand: Stand) -> usize {
     let pinhole = Pinhole::new(&view.camera, view.size);
     let empty = render(&Oracle::build(&Mesh::default()), view, QUIET);
@@ -163,7 +163,7 @@ fn picture_agrees_with_a_renderer_that_asks_every_triangle() {
         let view = view(Camera::fit(&bounds, Up::Y, size.aspect()), size, &lamps);
         let picture = render(&Oracle::build(&mesh), &view, QUIET);
         assert_eq!(contradictions(&mesh, &view, &picture, Stand::Before), 0);
-        // The sabotage: from behind its face every lit point shadows itself.
+        // Negative test: from behind its face every lit point shadows itself.
         let acne = contradictions(&mesh, &view, &picture, Stand::Behind);
         assert!(acne > 300, "{acne} pixels of acne");
     }
@@ -179,7 +179,7 @@ fn picture_of_a_sphere_over_a_floor_is_dark_where_the_light_is_hidden() {
     let view = view(camera, size, &lamps);
     let picture = render(&Oracle::build(&mesh), &view, QUIET);
     let pinhole = Pinhole::new(&camera, size);
-    // On the line from the light through the sphere's middle the floor is met at (−1/3, 0, −1/3).
+    // The line from the light through the sphere's center meets the floor at (−1/3, 0, −1/3).
     let places = [
         ([-0.33, 0.0, -0.33], Verdict::Shadowed),
         ([-0.8, 0.0, 0.6], Verdict::Shadowed),
@@ -267,7 +267,7 @@ fn overlay_lines_are_bright_in_front_and_dim_behind() {
     let Aabb { low, high } = oracle.bounds();
     let size = size("160x120");
     let red = [255, 0, 0];
-    // The vertical edge nearest to the fitted camera, and the one that is hidden: a part away from corners.
+    // The vertical edge nearest to the fitted camera, and the hidden one: positions away from their corners.
     let heights = [0.25, 0.5].map(|part| low[1] + part * (high[1] - low[1]));
     let edge = |x: f32, z: f32| Line { ends: heights.map(|y| [x, y, z]), color: red };
     let plain = Overlay::default().render(&oracle, Up::Y, size, QUIET).unwrap();

@@ -38,9 +38,9 @@ struct Frame {
 
 struct Corner {
     @invariant @builtin(position) clip: vec4f,
-    // Depth as a linear function of x, y, 1 in normalized device coordinates.
+    // Depth as a linear function of (x, y, 1) in normalized device coordinates.
     @location(0) @interpolate(flat) depth: vec3f,
-    // The receiver's face.
+    // The receiver's face index.
     @location(1) @interpolate(flat) face: u32,
 }
 

@@ -4,17 +4,17 @@
 // A corner of a side of a volume.
 struct Side {
     @invariant @builtin(position) clip: vec4f,
-    // As a receiver's.
+    // Depth, as for a receiver.
     @location(0) @interpolate(flat) depth: vec3f,
-    // Where the side ends: its edge, and the lines on which the edge's two ends are extruded, as functions of
-    // x, y, 1 in normalized device coordinates, which are 0 there and rise by 1 a unit towards the side; zero
-    // for one that is seen end-on.
+    // The lines where the side ends: its edge, and the lines along which the edge's two ends are extruded.
+    // Each is a linear function of (x, y, 1) in normalized device coordinates: 0 on the line, rising by 1 per
+    // unit towards the side. Zero for a line that is seen end-on.
     @location(1) @interpolate(flat) edge: vec3f,
     @location(2) @interpolate(flat) end_a: vec3f,
     @location(3) @interpolate(flat) end_b: vec3f,
 }
 
-// The vertex of the caster that an id is, finite or at infinity.
+// The vertex of the caster that a volume vertex belongs to, finite or at infinity.
 fn base(id: u32) -> u32 {
     return select(id, id - frame.vertex_count, id >= frame.vertex_count);
 }
@@ -23,7 +23,7 @@ fn is_direction(id: u32) -> bool {
     return frame.light_w == 0.0 && id >= frame.vertex_count;
 }
 
-// Integers in the order of the floats: a comparison of floats may flush subnormal ones.
+// Bit patterns in numerical order. Comparing floats directly might flush subnormal numbers.
 fn ordered(v: vec3f) -> vec3i {
     let bits = bitcast<vec3i>(v);
     return bits ^ ((bits >> vec3u(31u)) & vec3i(0x7fffffff));
@@ -37,7 +37,7 @@ fn less(v: vec3f, w: vec3f) -> bool {
     return a.z < b.z;
 }
 
-// From the light to a vertex, or the direction in which a directional light travels.
+// The direction from the light to a vertex, or the travel direction of a directional light.
 fn away(v: vec3f) -> vec3f {
     return v * (frame.light_scale * frame.light_w) - frame.light;
 }
@@ -46,21 +46,21 @@ fn volume_clip(id: u32) -> vec4f {
     let v = vertex(base(id));
     if id >= frame.vertex_count {
         let far = away(v);
-        // A vertex exactly at the light has no direction. All triangles keep it where it is: so nothing
-        // opens, and what it adds has no area.
+        // A vertex exactly at the light has no direction. Such a vertex stays in position for all triangles,
+        // so nothing opens, and the triangles added have no area.
         if any(far != vec3f(0.0)) { return project(far, 0.0); }
     }
     return project(v * frame.scale - frame.eye, 1.0);
 }
 
-// The line from `v` along a direction, as seen, rising towards `inside`, a direction too.
+// The projected line from `v` along a direction, rising towards `inside`, which is a direction too.
 //
-// A side is the sums of `a`, `b` and, at infinity, away(a) and away(b), with positive weights. away(b) is
-// away(a) plus a multiple, not negative, of b - a: so of those four, two are on the line and two are not, and
-// these are both on the side of `inside`. What of the side is before the eye is seen there then, even if `a`
-// and `b` are behind the eye.
+// A side consists of the sums of `a`, `b` and, at infinity, away(a) and away(b), with positive weights.
+// away(b) is away(a) plus a non-negative multiple of b - a. So two of these four lie on the line; the other
+// two do not, and both of those lie on the side of `inside`. Hence the part of the volume's side in front of
+// the eye appears on this side of the line, even if `a` and `b` are behind the eye.
 fn line(v: vec3f, along: vec3f, inside: vec3f) -> vec3f {
-    // The plane of the line and the eye.
+    // Normal of the plane through the line and the eye.
     let normal = cross(direction(v * frame.scale - frame.eye), direction(along));
     let seen = vec3f(dot(normal, frame.ray_right), dot(normal, frame.ray_up), dot(normal, frame.ray_forward));
     let steepness = length(seen.xy);
@@ -68,21 +68,21 @@ fn line(v: vec3f, along: vec3f, inside: vec3f) -> vec3f {
     return seen * (sign(dot(normal, direction(inside))) / steepness);
 }
 
-// A corner of a volume. Its depth is that of the plane through the light and the silhouette edge, from the
-// edge itself: interpolating from a clipped corner to infinity would lose digits.
+// A corner of a volume. Its depth is that of the plane through the light and the silhouette edge, computed
+// from the edge itself. Interpolating from a clipped corner to infinity would lose digits.
 @vertex
 fn volume(@builtin(vertex_index) index: u32) -> Side {
     let none = vec3f(0.0);
     if index % 3u != 0u { return Side(volume_clip(triangles[index]), none, none, none, none); }
     let ids = vec3u(triangles[index], triangles[index + 1u], triangles[index + 2u]);
-    // The ends of the edge: the two vertices that the triangle is made of, as they are or extruded. A
-    // directional light's one point at infinity is of neither.
+    // The ends of the edge: the two vertices that the triangle's corners belong to, finite or extruded. The
+    // single point at infinity of a directional light belongs to neither.
     let one = select(ids.x, ids.y, is_direction(ids.x));
     var other = ids.z;
     if is_direction(ids.z) || base(ids.z) == base(one) { other = ids.y; }
     var a = vertex(base(one));
     var b = vertex(base(other));
-    // The same order for every side on these two positions, whatever their ids.
+    // The same order for every side on these two positions, whatever the vertex indices.
     if less(b, a) {
         let swapped = a;
         a = b;
@@ -96,16 +96,17 @@ fn volume(@builtin(vertex_index) index: u32) -> Side {
     return Side(volume_clip(ids.x), depth, line(a, edge, away(a)), end_a, end_b);
 }
 
-// A vertex of a volume, finite or not, for triangles that share it: no depth is asked of it but its own.
+// A vertex of a volume, finite or not, for triangles that share vertices: no depth is needed except the
+// interpolated one.
 @vertex
 fn volume_vertex(@builtin(vertex_index) id: u32) -> Corner {
     return Corner(volume_clip(id), vec3f(0.0), 0u);
 }
 
-// A rasterizer rounds corners to 1/256 pixel, and so may cover a pixel that is just beyond a line where the
-// side ends. There the plane of a side that is seen nearly edge-on is far in front of the side, or behind it:
-// so the depth is that of the nearest point of the side, at most 1/128 pixel away: a line that is seen nearly
-// end-on is not well known.
+// Depth of a side, clamped to the side's boundary. A rasterizer rounds corners to 1/256 pixel, and so may
+// cover a pixel just beyond a line where the side ends. There the plane of a side that is seen nearly edge-on
+// lies far in front of the side, or far behind. So the depth is that of the nearest point of the side, at
+// most 1/128 pixel away: a line that is seen nearly end-on is not known precisely.
 fn side_depth(side: Side) -> f32 {
     let most = 1.0 / (64.0 * max(frame.width, frame.height));
     var p = normalized(side.clip.xy);
@@ -120,7 +121,7 @@ fn side_plane(side: Side) -> @builtin(frag_depth) f32 {
     return side_depth(side);
 }
 
-// Counting in 32-bit integers, for scenes that could overflow the stencil.
+// Integer counting in a buffer, for scenes that could overflow the stencil.
 
 @group(0) @binding(5) var<storage, read_write> counts: array<atomic<i32>>;
 

@@ -31,7 +31,9 @@ mod stratum;
 #[cfg(test)]
 mod tests;
 
-pub use repro::{Case, CaseError, Ruling};
+#[cfg(feature = "files")]
+pub use repro::CaseError;
+pub use repro::{Case, Ruling};
 
 use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;

@@ -26,12 +26,12 @@ fn names(folder: &std::path::Path) -> Vec<String> {
 #[test]
 fn demo_does_all_of_it_and_its_files_can_be_read() {
     if gpu().is_none() {
-        return; // the next test is about that
+        return; // covered by the next test
     }
     let folder = Folder::new();
     let run = folder.run("demo --out here/and/there");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    for verdict in ["verdict: all judges agree", "verdict: every pixel agrees or grazes"] {
+    for verdict in ["verdict: all methods agree", "verdict: every pixel agrees or grazes"] {
         assert!(run.stdout.contains(verdict), "{}", run.stdout);
     }
     let there = folder.path("here/and/there");
@@ -42,7 +42,7 @@ fn demo_does_all_of_it_and_its_files_can_be_read() {
     }
     let report: serde_json::Value =
         serde_json::from_slice(&std::fs::read(there.join("report.json")).unwrap()).unwrap();
-    // The sheet and the ground are open; the knot and the sphere are not.
+    // The sheet and the ground are open; the knot and the sphere are closed.
     assert_eq!(
         (&report["verdict"], &report["files"][0]["total"]["closed_shells"]),
         (&"cracked".into(), &2.into())
@@ -57,7 +57,7 @@ fn demo_without_an_adapter_says_so_and_does_everything_else() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("note: no stencil pass, the picture comes from the ray cast: "));
     assert!(run.stderr.contains("apt-get install mesa-vulkan-drivers"), "{}", run.stderr);
-    assert!(run.stdout.contains("verdict: all judges agree") && !run.stdout.contains("Pixels: "));
+    assert!(run.stdout.contains("verdict: all methods agree") && !run.stdout.contains("Pixels: "));
     let wanted: Vec<&str> = FILES.into_iter().filter(|&name| name != "verdicts.png").collect();
     assert_eq!(names(&folder.path("there")), wanted);
 }

@@ -1,4 +1,4 @@
-//! Nodes, lights, cameras, and the extensions that a scene may require.
+//! Nodes, lights, cameras, and the extensions that a document may require.
 
 use serde_json::json;
 use umbrage::scene::Scope;
@@ -92,7 +92,7 @@ fn gltf_lights_stand_in_the_world() {
         {"type": "spot", "spot": {"innerConeAngle": 0.25, "outerConeAngle": 9}}
     ]}});
     let holds = |light: u32| json!({"KHR_lights_punctual": {"light": light}});
-    // A quarter turn about x carries −z to −y... and +y to +z.
+    // A quarter turn about x maps −z to −y and +y to +z.
     let down = [-0.707_106_77_f32, 0.0, 0.0, 0.707_106_77];
     builder.doc["nodes"] = json!([
         {"rotation": down, "translation": [1, 2, 3], "scale": [4, 4, 4], "children": [1, 2, 3]},
@@ -105,7 +105,7 @@ fn gltf_lights_stand_in_the_world() {
     let close =
         |a: [f32; 3], b: [f32; 3]| assert!(glam::Vec3::from(a).abs_diff_eq(b.into(), 1e-6), "{a:?} {b:?}");
     assert!(sun.light.is_directional() && !lamp.light.is_directional() && !spot.light.is_directional());
-    close(sun.light.xyz(), [0.0, 1.0, 0.0]); // travels down, so it is up
+    close(sun.light.xyz(), [0.0, 1.0, 0.0]); // travels down, so the direction to it is up
     assert_eq!((sun.name.as_str(), sun.intensity, sun.color), ("sun", 3.0, [1.0, 0.5, 0.25]));
     close(lamp.light.xyz(), [1.0, 6.0, 3.0]);
     assert_eq!((lamp.name.as_str(), lamp.intensity, lamp.color, lamp.spot), ("lamp", 1.0, [1.0; 3], None));
@@ -164,7 +164,7 @@ fn gltf_extensions_that_leave_geometry_alone_are_accepted() {
         "KHR_lights_punctual",
         "KHR_mesh_quantization"
     ]);
-    // The image is only in the extension, and the material is nonsense: neither casts a shadow.
+    // The image is only in the extension, and the material is invalid: neither matters for shadows.
     builder.doc["textures"] = json!([{"extensions": {"KHR_texture_basisu": {"source": 0}}}]);
     builder.doc["materials"] = json!([{"alphaMode": 7}]);
     assert_eq!(builder.read().meshes[0].face_count(), 2);

@@ -1,4 +1,4 @@
-//! The picture by stencil shadows against the exact one of the same view.
+//! Pictures with stencil shadows against exact pictures of the same view.
 
 use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::{CasterFaces, classify};
@@ -20,13 +20,13 @@ use umbrage::view::{Camera, Up};
 use super::{QUIET, bounds, light, render, size};
 use crate::support::gpu;
 
-/// What is left out on purpose.
+/// An injected fault: what is left out.
 #[derive(Clone, Copy, PartialEq)]
 enum Fault {
     None,
-    /// The volumes have no caps.
+    /// The caps of the volumes.
     Caps,
-    /// The first lamp has no volume.
+    /// The volume of the first lamp.
     Volume,
 }
 
@@ -93,7 +93,7 @@ impl Subject {
     }
 }
 
-/// How many pixels differ by more than `most` in any channel.
+/// Number of pixels that differ by more than `most` in any channel.
 fn differing(a: &Picture, b: &Picture, most: u8) -> usize {
     assert_eq!(a.size, b.size);
     let differ = |(a, b): &(&[u8; 4], &[u8; 4])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > most);
@@ -111,16 +111,17 @@ fn subjects() -> [Subject; 4] {
         Subject::new(knot, [3.0, 4.0, 9.0], equal(&["point:3,9,4", "directional:0.3,-1,-0.2"])),
         // The eye is in a shadow.
         Subject::new(shapes::menger_sponge(2), [-1.0, 0.2, 0.6], equal(&["directional:1,-0.6,-0.9"])),
-        // Faces in the light's planes, and an open mesh.
+        // Faces in the lights' planes, and an open mesh.
         Subject::new(shapes::open_cube(), [1.5, 3.0, 3.5], equal(&["directional:0,-1,0", "point:-3,4,0"])),
         Subject::new(shapes::icosphere(3), [1.0, 3.0, 5.0], spot),
     ]
 }
 
-/// Bytes differ by no more than this where nothing but rounding differs: light adds up in half floats.
+/// Bytes may differ by this much where only rounding differs: light is summed in half floats.
 const NOISE: u8 = 2;
 
-/// How many of the 6144 pixels may differ by more: the middle of a pixel is in a rasterizer's footprint of an edge.
+/// Number of the 6144 pixels that may differ by more: a pixel's center lies in a rasterizer's footprint of an
+/// edge.
 const AT_EDGES: usize = 6;
 
 #[test]
@@ -152,11 +153,11 @@ fn stencil_picture_smooths_as_the_exact_one() {
         let exact = render(&Oracle::build(&subject.mesh), &subject.view(2), QUIET);
         for counting in [Counting::Stencil, Counting::Integer] {
             let picture = subject.by_stencil(&gpu, Depth::Plane, counting, 2, Fault::None);
-            // The exact one takes several rays only where a pixel differs from its neighbor by 20.
+            // The exact picture takes several rays only where a pixel differs from its neighbor by 20.
             let [more, edges] = [NOISE, 20].map(|most| differing(&picture, &exact, most));
             assert!(more <= 10 * AT_EDGES && edges <= AT_EDGES, "{number} {counting:?}: {more} {edges}");
         }
-        // The injected fault: without smoothing hundreds of pixels differ.
+        // Negative test: without smoothing hundreds of pixels differ.
         let plain = subject.by_stencil(&gpu, Depth::Plane, Counting::Stencil, 1, Fault::None);
         assert!(differing(&plain, &exact, NOISE) > 10 * AT_EDGES, "{number}");
     }

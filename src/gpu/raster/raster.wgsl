@@ -1,10 +1,10 @@
-// Triangles without vertex buffers, as a camera sees them. One invocation per corner, looked up by its
-// number, where triangles get their depth from their plane; otherwise one per vertex, drawn with the
-// triangles as indices. Twin: frame.rs, whose struct Frame this one mirrors.
+// Triangles as a camera sees them, drawn without vertex buffers. Where triangles get their depth from their
+// plane, there is one invocation per corner, looked up by its index. Otherwise there is one invocation per
+// shared vertex, drawn with the triangles as indices. Twin: `Frame` below mirrors the struct in frame.rs.
 //
-// The struct holds everything scaled by a power of two, which is exact: lengths by `scale` so that the mesh
-// is about as large as 1, and whatever only its direction matters of (the light, vertices at infinity) by
-// `light_scale`.
+// All values in `Frame` are scaled by powers of two, which is exact. Lengths are scaled by `scale`, so that
+// the mesh has a size of about 1. Values of which only the direction matters (the light, vertices at
+// infinity) are scaled by `light_scale`.
 
 struct Frame {
     right: vec3f,

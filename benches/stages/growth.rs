@@ -160,7 +160,8 @@ impl Case<'_, '_> {
     fn shadow(&mut self) {
         let (mesh, right, light) = (self.mesh, self.right, light());
         let vertex_count = mesh.vertex_count();
-        let topology = Topology::build_surveyed(vertex_count, mesh.triangles().to_vec());
+        let topology = Topology::build(vertex_count, mesh.triangles().to_vec());
+        let _ = topology.shells(); // surveys the vertices
         let planes = FacePlanes::new(mesh);
         let signs = CasterFaces::All.signs(&planes.classify(mesh, &light));
         let silhouette = Silhouette::extract(&topology, &signs);
@@ -177,10 +178,10 @@ impl Case<'_, '_> {
                 timed(|| Topology::build(vertex_count, triangles), table)
             })
             .expects(&*right.table),
-            Contender::new("build_surveyed, shells, fans", || {
+            Contender::new("Topology::build, shells, fans", || {
                 let triangles = mesh.triangles().to_vec();
                 let work = || {
-                    let t = Topology::build_surveyed(vertex_count, triangles);
+                    let t = Topology::build(vertex_count, triangles);
                     let found = (t.shells().count, t.boundary_loops().len(), t.non_manifold_vertices().len());
                     (t, found)
                 };
@@ -240,7 +241,7 @@ impl Case<'_, '_> {
             Contender::new("check of a GLB, all of it", || {
                 let work = || {
                     let mesh = weld(&read(&glb), Weld::Exact).mesh;
-                    let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.shared_triangles());
+                    let topology = Topology::of(&mesh);
                     CrackReport::of(&mesh, &topology).counts
                 };
                 timed(work, |counts| format!("faces={} sound={}", counts.faces, counts.sound()))

@@ -26,7 +26,8 @@ fn edge_table(bench: &mut Bench<'_>, mesh: &Mesh, euler: i64, targets: [f64; 2])
     let table = format!("edges={} boundary=0", 3 * faces / 2);
     let counted = format!("{table} shells=1 loops=0 non_manifold_vertices=0");
     let build = |triangles| Topology::build(mesh.vertex_count(), triangles);
-    let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.shared_triangles());
+    let topology = Topology::of(mesh);
+    let _ = topology.shells(); // surveys the vertices
     let mut builder = TopologyBuilder::new();
     let of_map = |edges: &mut dyn Iterator<Item = u32>| {
         let (all, boundary) = edges.fold((0, 0), |(all, once), n| (all + 1, once + usize::from(n == 1)));
@@ -78,10 +79,10 @@ fn edge_table(bench: &mut Bench<'_>, mesh: &Mesh, euler: i64, targets: [f64; 2])
         })
         .expects(&*table)
         .moves(30.0),
-        Contender::new("build_surveyed + counts", || {
+        Contender::new("Topology::build + counts", || {
             let triangles = mesh.triangles().to_vec();
             let work = || {
-                let t = Topology::build_surveyed(mesh.vertex_count(), triangles);
+                let t = Topology::build(mesh.vertex_count(), triangles);
                 let found =
                     (t.edge_counts(), t.shells().count, t.boundary_loops().len(), t.non_manifold_vertices());
                 (t.edge_count(), found)

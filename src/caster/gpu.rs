@@ -169,6 +169,7 @@ mod tests {
                 up: [0.0, 1.0, 0.0],
                 forward: [0.0, 0.0, -1.0],
                 near: 0.1,
+                kind: crate::view::ProjectionKind::InfinitePerspective,
             };
             let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
             let size = Size::new(8, 8).unwrap();

@@ -65,9 +65,9 @@ impl Ground {
         positions.extend([corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)]);
         triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i: u32| vertex.wrapping_add(i))));
         if parts.is_empty() {
-            parts.push(Part { name: name.clone(), faces: 0..face });
+            parts.push(Part::new(name.clone(), 0..face));
         }
-        parts.push(Part { name: "ground".to_owned(), faces: face..triangles.len() as u32 });
+        parts.push(Part::new("ground", face..triangles.len() as u32));
         let mesh = Mesh::new(positions, triangles)?.with_name(name).with_parts(parts);
         Ok((mesh, Self { first_face: FaceId(face), center, diagonal }))
     }

@@ -17,13 +17,13 @@ use glam::Vec3;
 pub use gpu::render_visibility;
 pub use ground::Ground;
 pub use overlay::{Line, Marker, Overlay};
-pub use shade::ShadedLight;
+pub use shade::{Falloff, ShadedLight};
 pub use verdicts::{verdict_color, verdicts};
 
 use crate::mesh::FaceId;
 use crate::oracle::Oracle;
 use crate::parallel;
-use crate::view::{Camera, Pinhole, Size, Up};
+use crate::view::{Camera, Rays, Size, Up};
 
 /// An image of 8-bit sRGB pixels with alpha, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -131,14 +131,14 @@ pub fn render(
     view: &View<'_>,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Picture, MemoryError> {
-    let pinhole = Pinhole::new(&view.camera, view.size);
+    let rays = view.camera.rays(view.size);
     let width = view.size.width() as usize;
     let mut pixels = buffer(view.size, [0; 4])?;
     // Both buffers are allocated before the work, so that failure is early.
     let mut plain = if view.edge_samples > 1 { buffer(view.size, [0; 4])? } else { Vec::new() };
     parallel::rows(&mut pixels, width, |y, row| {
         for (x, pixel) in row.iter_mut().enumerate() {
-            *pixel = color::encode(sample(oracle, view, &pinhole, x as f64 + 0.5, y as f64 + 0.5));
+            *pixel = color::encode(sample(oracle, view, &rays, x as f64 + 0.5, y as f64 + 0.5));
         }
         progress(1);
     });
@@ -147,7 +147,7 @@ pub fn render(
         parallel::rows(&mut pixels, width, |y, row| {
             for (x, pixel) in row.iter_mut().enumerate() {
                 if is_at_edge(&plain, view.size, x, y) {
-                    *pixel = smooth(oracle, view, &pinhole, x, y);
+                    *pixel = smooth(oracle, view, &rays, x, y);
                 }
             }
             progress(1);
@@ -156,12 +156,13 @@ pub fn render(
     Ok(Picture { size: view.size, pixels })
 }
 
-/// The light that arrives along the ray through a position in the picture.
-fn sample(oracle: &Oracle, view: &View<'_>, pinhole: &Pinhole, x_px: f64, y_px: f64) -> Vec3 {
+/// The light that comes along the ray through a position in the picture.
+fn sample(oracle: &Oracle, view: &View<'_>, rays: &Rays, x_px: f64, y_px: f64) -> Vec3 {
     let background = BELOW.lerp(ABOVE, 1.0 - (y_px / f64::from(view.size.height())) as f32);
-    let direction = pinhole.ray(x_px, y_px);
-    let Some(seen) = oracle.first_visible(pinhole.eye(), direction) else { return background };
-    let direction = Vec3::from(direction);
+    let ray = rays.ray(x_px, y_px);
+    let near = view.camera.near.unwrap_or(0.0).into();
+    let Some(seen) = oracle.first_visible_beyond(ray.origin, ray.direction, near) else { return background };
+    let direction = rays.direction(x_px, y_px).normalize().as_vec3();
     match &view.ground {
         Some(ground) if seen.face >= ground.first_face => {
             let fade = ground.fade(seen.point);
@@ -174,14 +175,13 @@ fn sample(oracle: &Oracle, view: &View<'_>, pinhole: &Pinhole, x_px: f64, y_px: 
     }
 }
 
-/// The mean over a grid of rays. Each ray is clamped to white first, so that one highlight does not outweigh
-/// its neighbors.
-fn smooth(oracle: &Oracle, view: &View<'_>, pinhole: &Pinhole, x: usize, y: usize) -> [u8; 4] {
+/// The mean over a grid of rays. Each is cut at white first, lest one highlight outweigh its neighbors.
+fn smooth(oracle: &Oracle, view: &View<'_>, rays: &Rays, x: usize, y: usize) -> [u8; 4] {
     let n = view.edge_samples;
-    let place = |at: usize, i: u32| at as f64 + (f64::from(i) + 0.5) / f64::from(n);
+    let position = |at: usize, i: u32| at as f64 + (f64::from(i) + 0.5) / f64::from(n);
     let mut sum = Vec3::ZERO;
     for i in 0..n * n {
-        let light = sample(oracle, view, pinhole, place(x, i % n), place(y, i / n));
+        let light = sample(oracle, view, rays, position(x, i % n), position(y, i / n));
         sum += light.min(Vec3::ONE);
     }
     color::encode(sum / (n * n) as f32)

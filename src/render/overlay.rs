@@ -9,7 +9,7 @@ use crate::geom::Light;
 use crate::mesh::FaceId;
 use crate::oracle::Oracle;
 use crate::parallel;
-use crate::view::{Camera, Pinhole, Projected, Size, Up};
+use crate::view::{Camera, Projected, Rays, Size, Up};
 
 /// Annotations of a mesh: lines color by color, in the order of the legend, then markers.
 ///
@@ -96,28 +96,25 @@ impl Overlay {
         let mut picture = render(oracle, &view, progress)?;
         let depths = depths(oracle, &camera, size, progress)?;
         let skin = SKIN * oracle.bounds().diagonal();
-        self.draw(
-            Canvas { picture: &mut picture, depths: &depths, skin, mask },
-            &Pinhole::new(&camera, size),
-        );
+        self.draw(Canvas { picture: &mut picture, depths: &depths, skin, mask }, &camera.rays(size));
         Ok(picture)
     }
 
-    fn draw(&self, mut canvas: Canvas<'_>, pinhole: &Pinhole) {
-        // A margin of 5 % keeps the round ends of clipped lines outside of the picture.
+    fn draw(&self, mut canvas: Canvas<'_>, rays: &Rays) {
+        // A margin of 5 % keeps the round ends of cut lines outside of the picture.
         let mut lines = self.lines.clone();
         let rank = |color| self.legend.iter().position(|&other| other == color);
         lines.sort_by_key(|line| (rank(line.color), line.color));
         for lines in lines.chunk_by(|a, b| a.color == b.color) {
             for line in lines {
-                if let Some([a, b]) = pinhole.project_segment(line.ends, 0.05) {
+                if let Some([a, b]) = rays.project_segment(line.ends, 0.05) {
                     canvas.stroke(a, b, LINE_RADIUS_PX);
                 }
             }
             canvas.paint(lines[0].color, 0..canvas.mask.len());
         }
         for spot in &self.spots {
-            if let Some([at, _]) = pinhole.project_segment([spot.at; 2], 0.05) {
+            if let Some([at, _]) = rays.project_segment([spot.at; 2], 0.05) {
                 for (radius, color) in [(SPOT_RADIUS_PX + 1.5, [30; 3]), (SPOT_RADIUS_PX, spot.color)] {
                     let touched = canvas.stroke(at, at, radius);
                     canvas.paint(color, touched);
@@ -147,13 +144,13 @@ fn depths(
     size: Size,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Vec<f32>, MemoryError> {
-    let pinhole = Pinhole::new(camera, size);
+    let rays = camera.rays(size);
     let mut depths = buffer(size, f32::INFINITY)?;
     parallel::rows(&mut depths, size.width() as usize, |y, row| {
         for (x, depth) in row.iter_mut().enumerate() {
-            let direction = pinhole.ray(x as f64 + 0.5, y as f64 + 0.5);
-            if let Some(hit) = oracle.first_hit(pinhole.eye(), direction) {
-                *depth = (hit.t * f64::from(camera.forward.dot(direction.into()))) as f32;
+            let ray = rays.ray(x as f64 + 0.5, y as f64 + 0.5);
+            if let Some(hit) = oracle.first_hit(ray.origin, ray.direction) {
+                *depth = hit.t as f32;
             }
         }
         progress(1);

@@ -10,7 +10,7 @@ use super::View;
 use crate::geom::predicate::{Sign, side_of_light};
 use crate::geom::{Aabb, Light};
 use crate::oracle::{Oracle, PrimaryHit, Verdict};
-use crate::scene::{SceneLight, SpotCone};
+use crate::scene::{Lamp, SpotCone};
 
 /// Total light on a white surface. One lamp alone gives this much, n equal lamps `KEY / √n` each, since few
 /// surfaces face all of them.
@@ -43,16 +43,41 @@ pub struct ShadedLight {
     pub light: Light,
     /// The light's contribution to a white surface facing it, in linear red, green, blue.
     pub color: [f32; 3],
-    /// The cone of a spot light: nothing outside is lit.
-    pub spot: Option<SpotCone>,
+    /// The cone of a spot light; nothing shines beyond it.
+    pub cone: Option<SpotCone>,
+    /// How the light weakens with the distance.
+    pub falloff: Falloff,
 }
+
+/// How light weakens with the distance from a lamp at a position. A directional lamp is as strong everywhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Falloff {
+    /// It does not.
+    #[default]
+    Plain,
+    /// With the inverse square of the distance, windowed as KHR_lights_punctual recommends: at the distance
+    /// `d` a lamp of the range `r` gives `1/d² · clamp(1 − (d/r)⁴, 0, 1)`.
+    Physical {
+        /// The distance at which the color of the lamp holds, without the window; above 0.
+        full_at: f64,
+        /// The distance at which the light ends, above 0.
+        range: Option<f32>,
+    },
+}
+
+/// The most that falloff may strengthen the color of a lamp, so that a half float of the device holds the
+/// product with the color, at most 1, and with what a surface reflects, at most 1 + [`SPECULAR`].
+pub(super) const MOST_FALLOFF: f32 = 32_768.0;
 
 impl ShadedLight {
     /// White lights of equal strength.
     #[must_use]
-    pub fn equal(lights: &[Light]) -> Vec<Self> {
-        let color = [KEY / (lights.len() as f32).sqrt(); 3];
-        lights.iter().map(|&light| Self { light, color, spot: None }).collect()
+    pub fn equal<L: Clone + Into<Lamp>>(lamps: &[L]) -> Vec<Self> {
+        let color = [KEY / (lamps.len() as f32).sqrt(); 3];
+        let shaded =
+            |lamp: Lamp| Self { light: *lamp.light(), color, cone: lamp.cone, falloff: Falloff::Plain };
+        lamps.iter().map(|lamp| shaded(lamp.clone().into())).collect()
     }
 
     /// Lights of a file, balanced in exposure, since candela and lux do not determine the exposure.
@@ -62,37 +87,61 @@ impl ShadedLight {
     /// the square root of the sum of their squares is fixed: one light alone is always equally bright. A
     /// light whose intensity is not above 0 gives nothing.
     #[must_use]
-    pub fn balanced(lights: &[SceneLight], bounds: &Aabb) -> Vec<Self> {
-        let center = wide(bounds.center());
-        let near = 0.25 * bounds.diagonal();
-        let illuminance = |light: &SceneLight| {
-            let distance = match light.light.is_directional() {
-                true => 1.0,
-                false => wide(light.light.xyz()).distance(center).max(near),
-            };
-            let strongest = light.color.iter().fold(0.0_f32, |most, &x| most.max(x));
-            let share = f64::from(light.intensity) * f64::from(strongest) / distance.powi(2);
+    pub fn balanced(lamps: &[Lamp], bounds: &Aabb) -> Vec<Self> {
+        let illuminance = |lamp: &Lamp| {
+            let distance = distance(lamp.light(), bounds);
+            let strongest = lamp.color.iter().fold(0.0_f32, |most, &x| most.max(x));
+            let share = f64::from(lamp.intensity) * f64::from(strongest) / distance.powi(2);
             if share.is_finite() && share > 0.0 { share } else { 0.0 }
         };
-        let shares: Vec<f64> = lights.iter().map(illuminance).collect();
+        let shares: Vec<f64> = lamps.iter().map(illuminance).collect();
         let most = shares.iter().fold(0.0_f64, |most, &x| most.max(x));
         let relative = |share: f64| if most > 0.0 { share / most } else { 0.0 };
         let norm = shares.iter().map(|&share| relative(share).powi(2)).sum::<f64>().sqrt().max(1.0);
-        let lamp = |(light, &share): (&SceneLight, &f64)| {
-            let strongest = light.color.iter().fold(f32::MIN_POSITIVE, |most, &x| most.max(x));
+        let shaded = |(lamp, &share): (&Lamp, &f64)| {
+            let strongest = lamp.color.iter().fold(f32::MIN_POSITIVE, |most, &x| most.max(x));
             let strength = KEY * (relative(share) / norm) as f32;
-            let color = light.color.map(|x| strength * (x.max(0.0) / strongest).min(1.0));
-            Self { light: light.light, color, spot: light.spot }
+            let color = lamp.color.map(|x| strength * (x.max(0.0) / strongest).min(1.0));
+            Self { light: *lamp.light(), color, cone: lamp.cone, falloff: Falloff::Plain }
         };
-        lights.iter().zip(&shares).map(lamp).collect()
+        lamps.iter().zip(&shares).map(shaded).collect()
+    }
+
+    /// The same lamp with physical falloff, as strong as before at the center of `bounds` (no nearer than a
+    /// quarter of the diagonal) if `range` reaches that far.
+    #[must_use]
+    pub fn with_physical_falloff(self, range: Option<f32>, bounds: &Aabb) -> Self {
+        let full_at = distance(&self.light, bounds).max(f64::from(f32::MIN_POSITIVE));
+        Self { falloff: Falloff::Physical { full_at, range }, ..self }
     }
 
     /// The unit vector from `point` towards the light, and the unoccluded color that arrives there.
     fn reach(&self, point: DVec3) -> (Vec3, Vec3) {
         let to_light = wide(self.light.xyz()) - if self.light.is_directional() { DVec3::ZERO } else { point };
+        let color = Vec3::from(self.color) * self.strength(to_light.length());
         let to_light = to_light.normalize_or_zero().as_vec3();
-        let color = Vec3::from(self.color);
-        (to_light, self.spot.map_or(color, |cone| color * within(cone, to_light)))
+        (to_light, self.cone.map_or(color, |cone| color * within(cone, to_light)))
+    }
+
+    /// The factor that falloff has at this distance, at most [`MOST_FALLOFF`].
+    fn strength(&self, distance: f64) -> f32 {
+        match self.falloff {
+            Falloff::Physical { full_at, range } if !self.light.is_directional() => {
+                let part = range.map_or(0.0, |range| distance / f64::from(range));
+                let window = (1.0 - part.powi(4)).clamp(0.0, 1.0);
+                ((full_at / distance).powi(2) * window).min(MOST_FALLOFF.into()) as f32
+            }
+            _ => 1.0,
+        }
+    }
+}
+
+/// The distance from a light to the center of `bounds`, no less than a quarter of the diagonal; 1 for a
+/// directional light.
+fn distance(light: &Light, bounds: &Aabb) -> f64 {
+    match light.is_directional() {
+        true => 1.0,
+        false => wide(light.xyz()).distance(wide(bounds.center())).max(0.25 * bounds.diagonal()),
     }
 }
 
@@ -148,9 +197,8 @@ fn wide(p: [f32; 3]) -> DVec3 {
 mod tests {
     use super::*;
 
-    fn scene_light(light: &str, intensity: f32) -> SceneLight {
-        let light = light.parse().unwrap();
-        SceneLight { name: String::new(), light, color: [1.0, 0.5, 0.0], intensity, spot: None }
+    fn scene_light(light: &str, intensity: f32) -> Lamp {
+        Lamp { color: [1.0, 0.5, 0.0], intensity, ..light.parse().unwrap() }
     }
 
     #[test]
@@ -177,6 +225,28 @@ mod tests {
             }
         }
         assert_eq!(ShadedLight::balanced(&[], &bounds), []);
+    }
+
+    #[test]
+    fn physical_falloff_is_the_inverse_square_within_its_window_and_1_at_the_center() {
+        let bounds = Aabb { low: [-1.0; 3], high: [1.0; 3] };
+        let [lamp] = ShadedLight::equal(&[Light::point([0.0, 4.0, 0.0]).unwrap()])[..] else {
+            panic!("one lamp")
+        };
+        let [endless, ending] = [None, Some(8.0)].map(|range| lamp.with_physical_falloff(range, &bounds));
+        for distance in [1.0, 2.0, 4.0, 6.0, 8.0, 9.0] {
+            assert_eq!(lamp.strength(distance), 1.0);
+            let inverse_square = 16.0 / (distance * distance);
+            assert_eq!(endless.strength(distance), inverse_square as f32);
+            let window = 1.0 - (distance / 8.0).powi(4);
+            assert_eq!(ending.strength(distance), (inverse_square * window.max(0.0)) as f32);
+        }
+        assert_eq!((endless.strength(4.0), ending.strength(8.0), ending.strength(1e300)), (1.0, 0.0, 0.0));
+        assert_eq!((ending.strength(0.0), endless.strength(1e-300)), (MOST_FALLOFF, MOST_FALLOFF));
+        let [sun] = ShadedLight::equal(&[Light::directional([0.0, -1.0, 0.0]).unwrap()])[..] else {
+            panic!("a sun")
+        };
+        assert_eq!(sun.with_physical_falloff(Some(1.0), &bounds).strength(100.0), 1.0);
     }
 
     #[test]

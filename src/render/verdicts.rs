@@ -1,14 +1,13 @@
 //! A pixel comparison as a picture: gray for agreement, colors that stand out for the rest.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::overlay::swatch;
 use super::{ABOVE, BELOW, MemoryError, Picture, buffer, color};
 use crate::oracle::Oracle;
 use crate::parallel;
 use crate::verify::pixels::{Comparison, PixelVerdict};
-use crate::view::Projection;
-use crate::view::Size;
+use crate::view::{Projection, Rays};
 
 /// Name and sRGB bytes of a verdict's color: grays for agreement, light blue for the sky. The hues of the
 /// others differ in brightness too, so that nobody needs to distinguish red from green (Masataka Okabe and
@@ -54,11 +53,16 @@ pub fn verdicts(
 ) -> Result<Picture, MemoryError> {
     let size = comparison.size;
     let width = size.width() as usize;
+    let rays = Rays::new(projection, size);
+    let near = f64::from(projection.near);
     let mut picture = Picture { size, pixels: buffer(size, [0; 4])? };
     parallel::rows(&mut picture.pixels, width, |y, row| {
         for (x, pixel) in row.iter_mut().enumerate() {
             let verdict = comparison.verdicts[y * width + x];
-            *pixel = agreeing(oracle, projection, size, [x, y], verdict);
+            let position = [x, y].map(|i| i as f64 + 0.5);
+            let part = position[1] / f64::from(size.height());
+            *pixel = agreeing(oracle, &rays, near, position, verdict)
+                .unwrap_or_else(|| color::encode(BELOW.lerp(ABOVE, (1.0 - part) as f32)));
         }
         progress(1);
     });
@@ -91,24 +95,19 @@ pub fn verdicts(
 /// The surface seen through a pixel's center, shaded by the angle between surface and ray.
 fn agreeing(
     oracle: &Oracle,
-    projection: &Projection,
-    size: Size,
-    [x, y]: [usize; 2],
+    rays: &Rays,
+    near: f64,
+    [x, y]: [f64; 2],
     verdict: PixelVerdict,
-) -> [u8; 4] {
-    let place = [x, y].map(|i| i as f64 + 0.5);
-    let (width, height) = (f64::from(size.width()), f64::from(size.height()));
-    let ray = projection.ray(DVec2::new(2.0 * place[0] / width - 1.0, 1.0 - 2.0 * place[1] / height));
-    let seen = oracle.first_visible_beyond(projection.eye, ray.as_vec3().into(), projection.near.into());
-    let Some(seen) = seen else {
-        return color::encode(BELOW.lerp(ABOVE, (1.0 - place[1] / height) as f32));
-    };
+) -> Option<[u8; 4]> {
+    let ray = rays.ray(x, y);
+    let seen = oracle.first_visible_beyond(ray.origin, ray.direction, near)?;
     let [a, b, c] = seen.corners.map(|corner| DVec3::from(corner.map(f64::from)));
     let normal = (b - a).cross(c - a).normalize_or_zero();
-    let facing = normal.dot(ray.normalize_or_zero()).abs() as f32;
+    let facing = normal.dot(rays.direction(x, y).normalize_or_zero()).abs() as f32;
     let gray = verdict_color(if verdict == PixelVerdict::Shadowed { verdict } else { PixelVerdict::Lit }).1;
     let [r, g, b] = (Vec3::from(gray.map(f32::from)) * (EDGE_ON + (1.0 - EDGE_ON) * facing)).to_array();
-    [r as u8, g as u8, b as u8, 255]
+    Some([r as u8, g as u8, b as u8, 255])
 }
 
 /// Sets the pixels within `reach` in both directions whose squared distance is `wanted`.
@@ -130,7 +129,7 @@ fn draw(picture: &mut Picture, [x, y]: [u32; 2], reach: u32, color: [u8; 3], wan
 mod tests {
     use super::*;
     use crate::testing::shapes;
-    use crate::view::{Camera, Up};
+    use crate::view::{Camera, Size, Up};
 
     #[test]
     fn verdicts_stand_out_of_what_agrees_and_the_gravest_is_on_top() {

@@ -2,7 +2,7 @@
 
 use crate::caster::CasterGroup;
 use crate::oracle::PrimaryHit;
-use crate::view::{Projection, Size};
+use crate::view::{Projection, Rays, Size};
 
 /// The visible points of a view: one exact primary hit per sample, `per_side`² samples per pixel.
 ///
@@ -41,13 +41,14 @@ impl Samples {
         let mut hits = Vec::new();
         hits.try_reserve_exact(count).map_err(|_| TooManySamples(count))?;
         hits.resize(count, None);
-        let [width, height] = [size.width(), size.height()].map(|side| side as usize * per_side as usize);
+        let width = size.width() as usize * per_side as usize;
+        let rays = Rays::new(projection, size);
         let oracle = casters.oracle();
         crate::parallel::rows(&mut hits, width, |y, row| {
             for (x, hit) in row.iter_mut().enumerate() {
-                let [x, y] = [(x, width), (y, height)].map(|(i, n)| 2.0 * (i as f64 + 0.5) / n as f64 - 1.0);
-                let direction = projection.ray([x, -y].into()).as_vec3().into();
-                *hit = oracle.first_visible_beyond(projection.eye, direction, projection.near.into());
+                let [x, y] = [x, y].map(|i| (i as f64 + 0.5) / f64::from(per_side));
+                let ray = rays.ray(x, y);
+                *hit = oracle.first_visible_beyond(ray.origin, ray.direction, projection.near.into());
             }
         });
         Ok(Self { projection: *projection, size, per_side, hits })

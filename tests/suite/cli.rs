@@ -6,6 +6,7 @@ mod demo;
 mod input;
 mod machine;
 mod render;
+mod scene;
 mod silhouette;
 mod torture;
 mod verify;

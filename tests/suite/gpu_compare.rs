@@ -97,7 +97,8 @@ fn compare_finds_one_face_that_casts_no_shadow() {
     let mut met = vec![0; mesh.face_count()];
     for place in 0..scene.size.pixels() {
         let (x, y) = ((place % 96) as f64 + 0.5, (place / 96) as f64 + 0.5);
-        let seen = scene.caster.oracle().first_visible(camera.eye.into(), camera.ray(x, y, scene.size));
+        let ray = camera.ray(x, y, scene.size);
+        let seen = scene.caster.oracle().first_visible(ray.origin, ray.direction);
         let Some(seen) = seen else { continue };
         met[seen.face.index()] += 1;
         scene.caster.oracle().for_each_meeting(seen.point, &scene.light, |face, _| met[face.index()] += 1);

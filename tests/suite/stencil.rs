@@ -36,7 +36,8 @@ fn wide(p: [f32; 3]) -> DVec3 {
 
 /// A camera at `eye` that looks along −z, with a square picture and a field of view of 90 degrees.
 fn ahead(eye: [f32; 3], near: f32) -> Projection {
-    Projection { eye, right: [1.0, 0.0, 0.0], up: [0.0, 1.0, 0.0], forward: [0.0, 0.0, -1.0], near }
+    let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
+    Projection { eye, right, up, forward, near, kind: Default::default() }
 }
 
 fn turned(projection: &Projection, by: DQuat) -> Projection {

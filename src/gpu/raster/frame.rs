@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3};
 
 use crate::geom::Light;
-use crate::view::Projection;
-use crate::view::Size;
+use crate::gpu::GpuError;
+use crate::view::{Projection, ProjectionKind, Size};
 
 /// Mirrors `struct Frame` in raster.wgsl.
 #[repr(C)]
@@ -31,14 +31,20 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// For triangles whose coordinates are at most `largest` in magnitude, without a light.
-    pub(crate) fn new(projection: &Projection, size: Size, largest: f32) -> Self {
+    /// For triangles whose coordinates are at most `largest` in magnitude, without a light. Refuses
+    /// projections whose depth the shaders do not have.
+    pub(crate) fn new(projection: &Projection, size: Size, largest: f32) -> Result<Self, GpuError> {
+        match projection.kind {
+            ProjectionKind::InfinitePerspective => {}
+            ProjectionKind::Perspective { .. } => return Err(GpuError::NotBuilt("a far plane")),
+            ProjectionKind::Orthographic { .. } => return Err(GpuError::NotBuilt("an orthographic camera")),
+        }
         let reach = projection.eye.iter().fold(largest, |most, x| most.max(x.abs()));
         let scale = to_one(reach);
         let ray = |x, y| projection.ray(DVec2::new(x, y));
         let middle = ray(0.0, 0.0);
         let narrow = |v: DVec3| v.as_vec3().into();
-        Self {
+        Ok(Self {
             right: projection.right,
             scale,
             up: projection.up,
@@ -55,7 +61,7 @@ impl Frame {
             height: size.height() as f32,
             light: [0.0; 3],
             plane_stride: 0,
-        }
+        })
     }
 
     /// With normals of faces, whose components are stored `stride` numbers apart.

@@ -42,8 +42,8 @@ pub(crate) struct Receivers {
 
 impl Receivers {
     /// The camera for these triangles.
-    pub(crate) fn frame(&self, projection: &Projection, size: Size) -> Frame {
-        Frame::new(projection, size, self.largest).with_planes(self.plane_stride)
+    pub(crate) fn frame(&self, projection: &Projection, size: Size) -> Result<Frame, GpuError> {
+        Ok(Frame::new(projection, size, self.largest)?.with_planes(self.plane_stride))
     }
 
     /// What bindings 0 to 3 of raster.wgsl hold.

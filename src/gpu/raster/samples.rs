@@ -41,7 +41,7 @@ impl GpuSamples {
     ) -> Result<Self, GpuError> {
         let target = Target::new(gpu, size)?;
         let faces = gpu.texture("visible faces", size, FACES)?;
-        let frame = receivers.frame(projection, size);
+        let frame = receivers.frame(projection, size)?;
         let uniform = gpu.uniform(&frame)?;
         let (layout, keep) = (layout(gpu)?, StencilFaceState::IGNORE);
         let pipeline = Pipeline {

@@ -116,8 +116,10 @@ impl Counted<'_> {
 /// The intersection of the near plane and the segment from the eye to a visible point, rounded.
 fn near_end(projection: &Projection, hit: &PrimaryHit) -> [f32; 3] {
     let [eye, forward, point] = [projection.eye, projection.forward, hit.point].map(|p| p.map(f64::from));
+    let depth: f64 = (0..3).map(|i| (point[i] - eye[i]) * forward[i]).sum();
+    let eye =
+        if projection.is_orthographic() { [0, 1, 2].map(|i| point[i] - depth * forward[i]) } else { eye };
     let ray = [0, 1, 2].map(|i| point[i] - eye[i]);
-    let depth: f64 = (0..3).map(|i| ray[i] * forward[i]).sum();
     let share = (f64::from(projection.near) / depth).clamp(0.0, 1.0);
     [0, 1, 2].map(|i| (eye[i] + share * ray[i]) as f32)
 }

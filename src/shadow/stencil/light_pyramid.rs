@@ -87,7 +87,8 @@ impl LightPyramid {
         Self {
             eye: wide(projection.eye),
             rows: [projection.right, projection.up, projection.forward].map(wide),
-            near: f64::from(projection.near),
+            // The proof is about a perspective eye: without one nothing is claimed.
+            near: if projection.is_orthographic() { f64::NAN } else { f64::from(projection.near) },
             light: *light,
             // Separates the rectangle from everything well in front of it.
             plane: DVec4::new(0.0, 0.0, -1.0, 1.5),

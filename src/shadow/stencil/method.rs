@@ -33,14 +33,15 @@ impl ShellMethods {
     ///
     /// ```
     /// use umbrage::geom::Light;
-    /// use umbrage::view::Projection;
+    /// use umbrage::view::{Projection, ProjectionKind};
     /// use umbrage::shadow::stencil::{ShellMethods, StencilMethod};
     /// use umbrage::testing::shapes;
     /// use umbrage::topology::Topology;
     /// let cube = shapes::cube();
     /// let shells = Topology::of(&cube).shells();
     /// let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
-    /// let camera = Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1 };
+    /// let kind = ProjectionKind::InfinitePerspective;
+    /// let camera = Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1, kind };
     /// let beside = ShellMethods::choose(&cube, &shells, &camera, &"point:0,9,5".parse()?, None);
     /// assert_eq!(beside.choices[0].what, StencilMethod::ZPass);
     /// let behind = ShellMethods::choose(&cube, &shells, &camera, &"point:0,0,-5".parse()?, None);

@@ -38,9 +38,10 @@ impl Caster {
     /// use umbrage::caster::Caster;
     /// use umbrage::shadow::stencil::StencilMethod;
     /// use umbrage::testing::shapes;
-    /// use umbrage::view::Projection;
+    /// use umbrage::view::{Projection, ProjectionKind};
     /// let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
-    /// let camera = Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1 };
+    /// let kind = ProjectionKind::InfinitePerspective;
+    /// let camera = Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1, kind };
     /// let caster = Caster::new(shapes::cube());
     /// let shadow = caster.stencil_volumes(&"point:0,9,5".parse()?, &camera, None, None);
     /// assert_eq!(shadow.methods.choices[0].what, StencilMethod::ZPass);

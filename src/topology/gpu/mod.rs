@@ -1,4 +1,4 @@
-//! The edge table on a graphics device: uploaded, or built there.
+//! The edge table in buffers of a graphics device, copied there or built there.
 
 mod build;
 #[cfg(test)]

@@ -58,7 +58,8 @@ pub(super) fn step(projection: &Projection, size: Size) -> f64 {
     const U: f64 = f32::EPSILON as f64;
     let length = |row: [f32; 3]| DVec3::from(row.map(f64::from)).length();
     let rows = 1.0 + length(projection.right).max(length(projection.up));
-    let corner = projection.ray(DVec2::ONE).length();
+    let corners = [DVec2::ONE, DVec2::NEG_ONE, DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0)];
+    let corner = corners.map(|corner| projection.ray(corner).length()).into_iter().fold(0.0, f64::max);
     1.0 / 256.0 + 4.0 * U * rows * corner * f64::from(size.width().max(size.height()))
 }
 

@@ -8,7 +8,7 @@ mod counts;
 mod footprint;
 mod recenter;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 pub use counts::PixelCounts;
 use footprint::step;
@@ -22,8 +22,7 @@ use crate::oracle::{Intersection, Oracle, PrimaryHit};
 use crate::parallel;
 use crate::shadow::stencil::{Counting, ShadowMask};
 use crate::silhouette::{Silhouette, SilhouetteEdge};
-use crate::view::Projection;
-use crate::view::Size;
+use crate::view::{Projection, Rays, Size};
 
 /// Outcome of the comparison at one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -199,7 +198,8 @@ fn judge_all(
     let edges: Vec<[[f32; 3]; 2]> = edges.collect();
     let boxes: Vec<Aabb> = edges.iter().map(|ends| Aabb::around(*ends)).collect();
     let edge_tree = Bvh::build(&boxes);
-    let pixels = Pixels { oracle, rendered, size, step: step(rendered.projection, size), edges, edge_tree };
+    let (rays, step) = (Rays::new(rendered.projection, size), step(rendered.projection, size));
+    let pixels = Pixels { oracle, rendered, rays, step, edges, edge_tree };
     let mut verdicts = vec![PixelVerdict::Sky; size.pixels()];
     parallel::rows(&mut verdicts, size.width() as usize, |y, row| {
         // In a row full of unexplained mismatches, further ones are not worth a long search each.
@@ -238,8 +238,8 @@ impl Seen {
 struct Pixels<'a> {
     oracle: &'a Oracle,
     rendered: &'a Rendered<'a>,
-    size: Size,
-    /// Sideways reach of a pixel's footprint, in pixels.
+    rays: Rays,
+    /// How far sideways the footprint of a pixel reaches, in pixels.
     step: f64,
     /// The end points of the silhouette edges.
     edges: Vec<[[f32; 3]; 2]>,
@@ -294,16 +294,15 @@ impl Pixels<'_> {
 
     /// The surface and exact count seen through `place`, in pixels from the upper left corner.
     fn look(&self, place: [f64; 2]) -> Option<Seen> {
-        let projection = self.rendered.projection;
-        let direction = self.ray(place).as_vec3().into();
-        let visible = self.oracle.first_visible_beyond(projection.eye, direction, projection.near.into())?;
+        let ray = self.rays.ray(place[0], place[1]);
+        let near = self.rendered.projection.near.into();
+        let visible = self.oracle.first_visible_beyond(ray.origin, ray.direction, near)?;
         let (count, touching) = self.count(visible.point);
         Some(Seen { visible, count, touching })
     }
 
     fn ray(&self, [x, y]: [f64; 2]) -> DVec3 {
-        let (width, height) = (f64::from(self.size.width()), f64::from(self.size.height()));
-        self.rendered.projection.ray(DVec2::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height))
+        self.rays.direction(x, y)
     }
 
     /// The number of casting faces between a point and the light, and whether the segment only touches any of

@@ -56,7 +56,8 @@ mod tests {
     use crate::testing::shapes;
 
     fn projection(eye: [f32; 3]) -> Projection {
-        Projection { eye, right: [1.0, 0.0, 0.0], up: [0.0, 1.0, 0.0], forward: [0.0, 0.0, -1.0], near: 0.1 }
+        let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
+        Projection { eye, right, up, forward, near: 0.1, kind: Default::default() }
     }
 
     #[test]

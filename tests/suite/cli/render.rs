@@ -7,8 +7,8 @@ use umbrage::testing::shapes;
 use super::Folder;
 use crate::support::gpu;
 
-/// Width, height and pixels of a PNG file.
-fn png(folder: &Folder, name: &str) -> (u32, u32, Vec<u8>) {
+/// Width, height and pixels.
+pub(super) fn png(folder: &Folder, name: &str) -> (u32, u32, Vec<u8>) {
     let bytes = fs::read(folder.path(name)).unwrap();
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];

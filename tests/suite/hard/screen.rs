@@ -40,6 +40,7 @@ pub(super) fn view(near: f32, reach: f32) -> Projection {
         up: [0.0, scale, 0.0],
         forward: [0.0, 0.0, -1.0],
         near,
+        kind: Default::default(),
     }
 }
 

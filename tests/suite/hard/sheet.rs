@@ -127,6 +127,7 @@ fn projection() -> umbrage::view::Projection {
         up: [0.0, 1.0, 0.0],
         forward: [0.0, 0.0, -1.0],
         near: 0.5,
+        kind: Default::default(),
     }
 }
 

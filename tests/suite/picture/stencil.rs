@@ -106,7 +106,7 @@ fn subjects() -> [Subject; 4] {
     let knot = shapes::translated(&shapes::torus_knot(2, 3, 60, 10, 0.4), [0.0, 1.0, 0.0]);
     let mut spot = equal(&["point:2,5,3"]);
     let direction = glam::Vec3::new(-2.0, -5.0, -3.0).normalize().into();
-    spot[0].spot = Some(SpotCone { direction, inner_rad: 0.1, outer_rad: 0.35 });
+    spot[0].cone = Some(SpotCone { direction, inner_rad: 0.1, outer_rad: 0.35 });
     [
         Subject::new(knot, [3.0, 4.0, 9.0], equal(&["point:3,9,4", "directional:0.3,-1,-0.2"])),
         // The eye is in a shadow.
@@ -144,6 +144,45 @@ fn stencil_picture_is_the_exact_one_but_at_edges() {
         assert!(interpolated <= 10 * AT_EDGES, "{number}: {interpolated}");
     }
     assert!(unshadowed > 200 * AT_EDGES, "{unshadowed}");
+}
+
+#[test]
+fn stencil_picture_has_the_falloff_of_the_exact_one() {
+    let Some(gpu) = gpu() else { return };
+    let lights = ["point:2,3,2", "point:-1,2.5,0.5", "directional:0.3,-1,-0.2"].map(light);
+    for range in [None, Some(4.0)] {
+        // Much larger and smaller than the scene too: lengths are scaled on the device.
+        for scale in [1.0, 1e15, 1e-15] {
+            let mesh = shapes::scaled(&shapes::icosphere(3), scale);
+            let mut lamps = ShadedLight::equal(&lights.map(|light| scaled(&light, scale)));
+            let bounds = bounds(&mesh);
+            let plain = Subject::new(mesh.clone(), [1.0, 3.0, 5.0].map(|x| x * scale), lamps.clone());
+            for lamp in &mut lamps {
+                *lamp = lamp.with_physical_falloff(range.map(|range| range * scale), &bounds);
+            }
+            let subject = Subject { lamps, ..plain };
+            let exact = render(&Oracle::build(&subject.mesh), &subject.view(1), QUIET);
+            let picture =
+                |subject: &Subject| subject.by_stencil(&gpu, Depth::Plane, Counting::Stencil, 1, Fault::None);
+            let wrong = differing(&picture(&subject), &exact, NOISE);
+            assert!(wrong <= AT_EDGES, "{range:?} {scale}: {wrong}");
+            // The fault: a device that knows of no falloff, or of no range.
+            let endless = |lamp: &ShadedLight| lamp.with_physical_falloff(None, &bounds);
+            let lamps = if range.is_none() {
+                ShadedLight::equal(&lights.map(|light| scaled(&light, scale)))
+            } else {
+                subject.lamps.iter().map(endless).collect()
+            };
+            let missed = differing(&picture(&Subject { lamps, ..subject }), &exact, NOISE);
+            assert!(missed > 50 * AT_EDGES, "{range:?} {scale}: {missed}");
+        }
+    }
+}
+
+/// The same light where everything is `scale` times as large.
+fn scaled(light: &Light, scale: f32) -> Light {
+    let xyz = light.xyz().map(|x| x * scale);
+    if light.is_directional() { *light } else { Light::point(xyz).unwrap() }
 }
 
 #[test]

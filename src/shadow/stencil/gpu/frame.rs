@@ -38,7 +38,7 @@ impl StencilPass {
         volumes: &[Draw<'_>],
     ) -> Result<StencilFrame, GpuError> {
         let receivers = receivers.receivers()?;
-        let frame = self.gpu.uniform(&receivers.frame(projection, size))?;
+        let frame = self.gpu.uniform(&receivers.frame(projection, size)?)?;
         let bind = |draw: &Draw<'_>| {
             let frame = self.volume_frame(projection, size, draw.volume)?;
             Ok((draw.method, self.bind_volume(&frame, draw.volume)?, draw.volume.clone()))

@@ -68,7 +68,7 @@ impl StencilPass {
     ) -> Result<ShadowMask, GpuError> {
         let receivers = receivers.receivers()?;
         let target = Target::new(&self.gpu, size)?;
-        let frame = self.gpu.uniform(&receivers.frame(projection, size))?;
+        let frame = self.gpu.uniform(&receivers.frame(projection, size)?)?;
         let bind = self.gpu.bind_group(&self.pipelines.receivers.layout, receivers.bindings(&frame))?;
         let counter = self.counter(&target, projection, volumes, counting)?;
         let depth_back = self.gpu.staging_for(&target.0, 4)?;
@@ -222,7 +222,7 @@ impl StencilPass {
         size: Size,
         volume: &GpuVolume,
     ) -> Result<wgpu::Buffer, GpuError> {
-        let frame = Frame::new(projection, size, volume.largest());
+        let frame = Frame::new(projection, size, volume.largest())?;
         self.gpu.uniform(&frame.with_light(volume.light(), volume.largest(), volume.vertex_count()))
     }
 
@@ -255,7 +255,7 @@ mod tests {
     use crate::caster::Caster;
     use crate::gpu::tests::limited_gpu;
     use crate::testing::shapes;
-    use crate::view::{Camera, Up};
+    use crate::view::{Camera, ProjectionKind, Up};
 
     #[test]
     fn stencil_picture_beyond_the_limits_is_refused_with_a_smaller_size_as_the_remedy() {
@@ -274,6 +274,13 @@ mod tests {
             pass.mask(&camera.projection(size, 1.0), size, &receivers, &[], counting)
         };
         assert!(mask(64, 64, Counting::Stencil).is_ok());
+        let size = Size::new(64, 64).unwrap();
+        let infinite = camera.projection(size, 1.0);
+        let ending = Projection { kind: ProjectionKind::Perspective { far: 9.0 }, ..infinite };
+        for projection in [ending, camera.orthographic(3.0).unwrap().projection(size, 1.0)] {
+            let refused = pass.mask(&projection, size, &receivers, &[], Counting::Stencil);
+            assert!(matches!(refused, Err(GpuError::NotBuilt(_))), "{refused:?}");
+        }
         for (width, height, counting) in
             [(64, 64, Counting::Integer), (128, 200, Counting::Stencil), (2049, 1, Counting::Stencil)]
         {

@@ -3,16 +3,17 @@
 
 use std::cell::RefCell;
 
-use umbrage::caster::Caster;
+use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::CasterFaces;
 use umbrage::geom::Facing;
 use umbrage::geom::{Aabb, Light};
 use umbrage::glam::Vec3;
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::Mesh;
-use umbrage::shadow::stencil::{Counting, Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass};
+use umbrage::shadow::Depth;
+use umbrage::shadow::stencil::{Counting, Draw, ShadowMask, StencilMethod, StencilPass};
 use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, ShadowVolume, VolumeShaders};
-use umbrage::silhouette::{GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders};
+use umbrage::silhouette::Silhouette;
 use umbrage::testing::shapes;
 use umbrage::topology::{GpuTopology, GpuTopologyBuilder, Topology};
 use umbrage::verify::pixels::{PixelVerdict, Rendered, compare};
@@ -93,8 +94,7 @@ struct Stage<'a> {
     caster: Caster,
     view: View,
     facing: RefCell<Vec<Facing>>,
-    receivers: Receivers,
-    silhouette: GpuSilhouette,
+    receivers: GpuCaster,
     extrusion: GpuExtrusion,
     canvas: Canvas<'a>,
 }
@@ -103,19 +103,15 @@ impl<'a> Stage<'a> {
     fn new(pass: &'a StencilPass, mesh: &Mesh) -> Self {
         let gpu = pass.gpu();
         let prepared = Caster::new(mesh.clone());
-        let uploaded = GpuTopology::upload(gpu, prepared.topology()).expect("it fits");
-        let shaders = SilhouetteShaders::new(gpu).expect("they compile");
-        let caster = GpuCaster::with_planes(&shaders, mesh, uploaded, prepared.planes()).expect("it fits");
-        let silhouette = GpuSilhouette::new(&caster).expect("it fits");
+        let receivers = GpuCaster::upload(gpu, &prepared).expect("it fits");
         let volumes = VolumeShaders::new(gpu).expect("they compile");
-        let extrusion = GpuExtrusion::new(&volumes, &silhouette, Caps::Both, None).expect("it fits");
+        let extrusion = GpuExtrusion::new(&volumes, &receivers, Caps::Both, None).expect("it fits");
         Self {
             pass,
             view: View::of(mesh),
             facing: RefCell::default(),
-            receivers: Receivers::upload(gpu, &prepared).expect("it fits"),
+            receivers,
             caster: prepared,
-            silhouette,
             extrusion,
             canvas: Canvas::new(gpu, SIDE),
         }
@@ -171,10 +167,7 @@ impl<'a> Stage<'a> {
                     self.caster.planes().classify_into(self.caster.mesh(), light, &mut facing);
                     Some(upload(self.pass.gpu(), &self.extrude(light, &CasterFaces::All.signs(&facing))))
                 }
-                Kind::Gpu => {
-                    self.silhouette.record(encoder, light).expect("it fits");
-                    Some(self.extrusion.record(encoder, light).expect("it fits"))
-                }
+                Kind::Gpu => Some(self.extrusion.record(encoder, light).expect("it fits")),
             };
             draw(self.pass, encoder, &self.canvas, &self.view, &self.receivers, volume.as_ref());
         });
@@ -294,10 +287,11 @@ fn one_volume(bench: &mut Bench<'_>, gpu: &Gpu) {
 
 /// Preparation of a mesh, done once.
 fn preparation(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) {
-    let topology = Topology::of(mesh);
-    let uploaded = GpuTopology::upload(gpu, &topology).expect("it fits");
+    let caster = Caster::new(mesh.clone());
+    let topology = caster.topology();
+    let _ = caster.planes(); // measured by another stage
+    let uploaded = GpuTopology::upload(gpu, topology).expect("it fits");
     let words = uploaded.download(gpu).expect("it is there");
-    let shaders = SilhouetteShaders::new(gpu).expect("they compile");
     let volumes = VolumeShaders::new(gpu).expect("they compile");
     let builder = GpuTopologyBuilder::new(gpu).expect("it compiles");
     let edges = |count| format!("edges={count}");
@@ -309,22 +303,21 @@ fn preparation(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) {
         .expects(edges(topology.edge_count())),
         Contender::new("GpuTopologyBuilder::build", || {
             let build = || {
-                let (vertices, faces) = (uploaded.vertex_count, uploaded.face_count);
-                let topology = builder.build(gpu, vertices, &uploaded.triangles, faces).expect("it fits");
+                let (vertices, faces) = (uploaded.vertex_count(), uploaded.face_count());
+                let topology = builder.build(gpu, vertices, uploaded.triangles(), faces).expect("it fits");
                 wait(gpu);
                 topology
             };
             timed(build, |topology| {
                 assert!(topology.download(gpu).expect("it is there") == words, "another edge table");
-                edges(topology.edge_count as usize)
+                edges(topology.edge_count() as usize)
             })
         })
         .expects(edges(topology.edge_count())),
-        Contender::new("planes and room for a light", || {
+        Contender::new("upload and room for a light", || {
             let build = || {
-                let caster = GpuCaster::new(&shaders, mesh, uploaded.clone()).expect("it fits");
-                let silhouette = GpuSilhouette::new(&caster).expect("it fits");
-                let room = GpuExtrusion::new(&volumes, &silhouette, Caps::Both, None).expect("it fits");
+                let uploaded = GpuCaster::upload(gpu, &caster).expect("it fits");
+                let room = GpuExtrusion::new(&volumes, &uploaded, Caps::Both, None).expect("it fits");
                 wait(gpu);
                 room
             };
@@ -345,7 +338,7 @@ fn draw(
     encoder: &mut wgpu::CommandEncoder,
     canvas: &Canvas<'_>,
     view: &View,
-    receivers: &Receivers,
+    receivers: &GpuCaster,
     volume: Option<&GpuVolume>,
 ) {
     let draws = volume.map(|volume| Draw { volume, method: StencilMethod::ZFail });

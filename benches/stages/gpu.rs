@@ -1,12 +1,12 @@
 //! Sides, silhouettes and volumes on a graphics adapter, which the rows name.
 
-use umbrage::facing::{CasterFaces, FacePlanes, classify};
+use umbrage::caster::{Caster, GpuCaster};
+use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::Light;
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::shadow::volume::{Caps, GpuVolume, ShadowVolume, VolumeShaders};
-use umbrage::silhouette::{GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders};
-use umbrage::topology::{GpuTopology, Topology};
+use umbrage::silhouette::{GpuSilhouette, Silhouette};
 
 use crate::measure::{Bench, Contender, Group, Target, timed};
 
@@ -21,21 +21,18 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
             return;
         }
     };
-    let shaders = SilhouetteShaders::new(&gpu).expect("they compile");
     let volumes = VolumeShaders::new(&gpu).expect("they compile");
     let light = Light::point([3.0, 4.0, 5.0]).expect("finite");
-    facing(bench, &gpu, &shaders, &crate::ordered(bench.quick), &light);
+    facing(bench, &gpu, &volumes, &crate::ordered(bench.quick), &light);
     let mesh = crate::head(bench.quick);
-    silhouette(bench, &gpu, &shaders, &volumes, &mesh, &light, "point light");
+    silhouette(bench, &gpu, &volumes, &mesh, &light, "point light");
     let axis = Light::directional([0.0, 0.0, -1.0]).expect("not zero");
-    silhouette(bench, &gpu, &shaders, &volumes, &crate::tied(bench.quick), &axis, "light along an axis");
+    silhouette(bench, &gpu, &volumes, &crate::tied(bench.quick), &axis, "light along an axis");
 }
 
-fn facing(bench: &mut Bench<'_>, gpu: &Gpu, shaders: &SilhouetteShaders, mesh: &Mesh, light: &Light) {
-    let topology = Topology::of(mesh);
-    let caster = GpuCaster::new(shaders, mesh, GpuTopology::upload(gpu, &topology).expect("it fits"))
-        .expect("it fits");
-    let silhouette = GpuSilhouette::new(&caster).expect("it fits");
+fn facing(bench: &mut Bench<'_>, gpu: &Gpu, shaders: &VolumeShaders, mesh: &Mesh, light: &Light) {
+    let caster = GpuCaster::upload(gpu, &Caster::new(mesh.clone())).expect("it fits");
+    let silhouette = GpuSilhouette::new(shaders.silhouettes(), &caster).expect("it fits");
     let expected = classify(mesh, light);
     let plain = Plain::new(gpu, mesh, light);
     let contenders = vec![
@@ -82,24 +79,22 @@ fn facing(bench: &mut Bench<'_>, gpu: &Gpu, shaders: &SilhouetteShaders, mesh: &
 fn silhouette(
     bench: &mut Bench<'_>,
     gpu: &Gpu,
-    shaders: &SilhouetteShaders,
     volumes: &VolumeShaders,
     mesh: &Mesh,
     light: &Light,
     what: &str,
 ) {
-    let planes = FacePlanes::new(mesh);
-    let topology = Topology::of(mesh);
-    let uploaded = GpuTopology::upload(gpu, &topology).expect("it fits");
-    let caster = GpuCaster::with_planes(shaders, mesh, uploaded, &planes).expect("it fits");
-    let device = GpuSilhouette::new(&caster).expect("it fits");
+    let caster = Caster::new(mesh.clone());
+    let (planes, topology) = (caster.planes(), caster.topology());
+    let uploaded = GpuCaster::upload(gpu, &caster).expect("it fits");
+    let device = GpuSilhouette::new(volumes.silhouettes(), &uploaded).expect("it fits");
     let signs = CasterFaces::All.signs(&classify(mesh, light));
-    let expected = Silhouette::extract(&topology, &signs);
+    let expected = Silhouette::extract(topology, &signs);
     let count = format!("edges={}", expected.edges.len());
     let contenders = vec![
         Contender::new("FacePlanes and Silhouette::extract", || {
             timed(
-                || Silhouette::extract(&topology, &CasterFaces::All.signs(&planes.classify(mesh, light))),
+                || Silhouette::extract(topology, &CasterFaces::All.signs(&planes.classify(mesh, light))),
                 |found| format!("edges={}", found.edges.len()),
             )
         })
@@ -127,11 +122,11 @@ fn silhouette(
 
     device.find(mesh, light).expect("it fits");
     let triangles =
-        ShadowVolume::extrude(mesh, &topology, light, &signs, &expected, Caps::Both).triangles().len();
+        ShadowVolume::extrude(mesh, topology, light, &signs, &expected, Caps::Both).triangles().len();
     let contenders = vec![
         Contender::new("ShadowVolume::extrude", || {
             timed(
-                || ShadowVolume::extrude(mesh, &topology, light, &signs, &expected, Caps::Both),
+                || ShadowVolume::extrude(mesh, topology, light, &signs, &expected, Caps::Both),
                 |volume| format!("triangles={}", volume.triangles().len()),
             )
         }),
@@ -144,7 +139,7 @@ fn silhouette(
                 },
                 |volume| {
                     assert!(volume.boundary_sum(gpu).expect("it is there").is_closed());
-                    format!("triangles={}", volume.triangles.size() / 12)
+                    format!("triangles={}", volume.triangles().size() / 12)
                 },
             )
         })

@@ -37,13 +37,13 @@ fn edge_table(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) -> Result<(), GpuEr
         })
         .expects("same_words=true"),
         Contender::new("GpuTopologyBuilder::build", || {
-            let build = || builder.build(gpu, sent.vertex_count, &sent.triangles, sent.face_count);
+            let build = || builder.build(gpu, sent.vertex_count(), sent.triangles(), sent.face_count());
             timed(|| finished(build()), answer)
         })
         .expects("same_words=true"),
     ];
     let mesh = format!("{} on {}", mesh.name, gpu.name().replace(',', ";")); // no comma within a cell
-    let units = sent.face_count as usize;
+    let units = sent.face_count() as usize;
     bench.run(Group { stage: "edge table on the device", mesh, units, unit: "triangle", contenders });
     Ok(())
 }

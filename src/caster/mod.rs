@@ -1,5 +1,7 @@
 //! Casters: a mesh and everything that is known of it before any light.
 
+#[cfg(feature = "gpu")]
+mod gpu;
 mod group;
 mod proofs;
 mod rule;
@@ -7,6 +9,8 @@ mod shell_boxes;
 
 use std::sync::{Arc, OnceLock};
 
+#[cfg(feature = "gpu")]
+pub use gpu::GpuCaster;
 pub use group::CasterGroup;
 pub use proofs::ShellProof;
 pub use rule::CasterRule;

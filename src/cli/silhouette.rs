@@ -12,10 +12,8 @@ use umbrage::gpu::Gpu;
 use umbrage::mesh::{Mesh, VertexId};
 use umbrage::scene::Lamp;
 #[cfg(feature = "gpu")]
-use umbrage::silhouette::{GpuCaster, GpuSilhouette, SilhouetteShaders};
+use umbrage::silhouette::{GpuSilhouette, SilhouetteShaders};
 use umbrage::silhouette::{Silhouette, SilhouetteMethod, SilhouetteTree};
-#[cfg(feature = "gpu")]
-use umbrage::topology::GpuTopology;
 use umbrage::topology::Topology;
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
@@ -168,7 +166,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         (_, None) => (SilhouetteMethod::Scan, "asked for".to_owned()),
     };
     let mut finder = match (adapter, method) {
-        (Some(adapter), _) => on_device(&adapter, mesh, topology)?,
+        (Some(adapter), _) => on_device(&adapter, &caster)?,
         (None, SilhouetteMethod::Scan) => Finder::Scan,
         (None, _) => Finder::Tree(Box::new(SilhouetteTree::new(mesh, topology))),
     };
@@ -203,10 +201,9 @@ fn on_adapter(gpu: &Gpu) -> String {
 }
 
 #[cfg(feature = "gpu")]
-fn on_device(gpu: &Gpu, mesh: &Mesh, topology: &Topology) -> Result<Finder, Failure> {
-    let shaders = SilhouetteShaders::new(gpu)?;
-    let caster = GpuCaster::new(&shaders, mesh, GpuTopology::upload(gpu, topology)?)?;
-    Ok(Finder::Device(Box::new(GpuSilhouette::new(&caster)?)))
+fn on_device(gpu: &Gpu, caster: &Caster) -> Result<Finder, Failure> {
+    let on_device = umbrage::caster::GpuCaster::upload(gpu, caster)?;
+    Ok(Finder::Device(Box::new(GpuSilhouette::new(&SilhouetteShaders::new(gpu)?, &on_device)?)))
 }
 
 #[cfg(not(feature = "gpu"))]
@@ -215,7 +212,7 @@ fn on_adapter(none: &std::convert::Infallible) -> String {
 }
 
 #[cfg(not(feature = "gpu"))]
-fn on_device(none: &std::convert::Infallible, _: &Mesh, _: &Topology) -> Result<Finder, Failure> {
+fn on_device(none: &std::convert::Infallible, _: &Caster) -> Result<Finder, Failure> {
     match *none {}
 }
 

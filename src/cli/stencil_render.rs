@@ -1,13 +1,12 @@
 //! Pictures with stencil shadows: from a mesh and a view to pixels, with a description per light.
 
-use umbrage::caster::Caster;
+use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::CasterFaces;
 use umbrage::geom::Aabb;
 use umbrage::gpu::{Gpu, GpuError};
-use umbrage::render::{LampShadow, Picture, View, render_stencil};
-use umbrage::shadow::stencil::{
-    Depth, GpuStencilVolumes, Receivers, ShadowMask, StencilMethod, StencilPass, StencilVolumes,
-};
+use umbrage::render::{Picture, View, render_visibility};
+use umbrage::shadow::Depth;
+use umbrage::shadow::stencil::{GpuStencilVolumes, ShadowMask, StencilMethod, StencilPass, StencilVolumes};
 use umbrage::view::Projection;
 
 /// A mesh and a view, with the volumes of each lamp.
@@ -15,11 +14,11 @@ pub(crate) struct Stage<'a> {
     caster: &'a Caster,
     view: View<'a>,
     pass: StencilPass,
-    receivers: Receivers,
+    on_device: GpuCaster,
     pub(crate) projection: Projection,
     /// One entry per lamp.
     pub(crate) castings: Vec<StencilVolumes>,
-    on_device: Vec<GpuStencilVolumes>,
+    volumes: Vec<GpuStencilVolumes>,
 }
 
 impl<'a> Stage<'a> {
@@ -39,26 +38,23 @@ impl<'a> Stage<'a> {
         let castings: Vec<_> = (view.lamps.iter())
             .map(|lamp| caster.stencil_volumes(&lamp.light, &projection, Some(CasterFaces::All), asked))
             .collect();
-        let on_device = castings.iter().map(|casting| casting.upload(gpu)).collect::<Result<_, _>>()?;
+        let volumes = castings.iter().map(|casting| casting.upload(gpu)).collect::<Result<_, _>>()?;
         let pass = StencilPass::new(gpu, Depth::Plane)?;
-        let receivers = Receivers::upload(gpu, caster)?;
-        Ok(Self { caster, view, pass, receivers, projection, castings, on_device })
+        let on_device = GpuCaster::upload(gpu, caster)?;
+        Ok(Self { caster, view, pass, on_device, projection, castings, volumes })
     }
 
     /// The lit picture.
     pub(crate) fn picture(&self) -> Result<Picture, GpuError> {
-        let draws: Vec<_> = self.on_device.iter().map(GpuStencilVolumes::draws).collect();
-        let shadows: Vec<_> = draws
-            .iter()
-            .zip(&self.castings)
-            .map(|(draws, casting)| LampShadow { draws, counting: casting.counting() })
-            .collect();
-        render_stencil(&self.pass, self.caster, &self.receivers, &self.view, &self.projection, &shadows)
+        let samples = self.view.samples(&self.on_device, &self.projection, self.pass.depth())?;
+        render_visibility(&samples, self.caster, &self.view, |lamp| {
+            self.pass.visibility(&samples, &self.volumes[lamp].draws(), self.castings[lamp].counting())
+        })
     }
 
-    /// Description of how one lamp is counted, without the lamp itself.
+    /// The counts of one lamp.
     pub(crate) fn mask(&self, lamp: usize) -> Result<ShadowMask, GpuError> {
-        let (draws, counting) = (self.on_device[lamp].draws(), self.castings[lamp].counting());
-        self.pass.mask(&self.projection, self.view.size, &self.receivers, &draws, counting)
+        let (draws, counting) = (self.volumes[lamp].draws(), self.castings[lamp].counting());
+        self.pass.mask(&self.projection, self.view.size, &self.on_device, &draws, counting)
     }
 }

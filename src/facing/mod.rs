@@ -4,6 +4,8 @@
 //! and [`FaceClusters`] for whole clusters of faces at once.
 
 mod clusters;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 pub(crate) mod plane_tree;
 pub(crate) mod planes;
 pub(crate) mod quantized;

@@ -171,12 +171,6 @@ impl FacePlanes {
         Self { normal: [x, y, z], offset, error, quantized, origin, reach }
     }
 
-    /// The unit normal of a face, each component rounded to `f32`; zero where none could be formed.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn normal(&self, face: FaceId) -> [f32; 3] {
-        [0, 1, 2].map(|axis| self.normal[axis][face.index()])
-    }
-
     /// One component of every unit normal.
     #[cfg(feature = "gpu")]
     pub(crate) fn normals(&self, axis: usize) -> &[f32] {

@@ -1,4 +1,4 @@
-//! Memory on the device: made, filled and read back, never larger than the device takes.
+//! Buffers on the device: created, filled and read back, never beyond the limits of the device.
 
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
@@ -8,7 +8,7 @@ use wgpu::BufferUsages;
 
 use super::{Gpu, GpuError};
 
-/// What every buffer of ours may be used for, besides its own purpose.
+/// The usages of every buffer, besides its own.
 const STORAGE: BufferUsages =
     BufferUsages::STORAGE.union(BufferUsages::COPY_SRC).union(BufferUsages::COPY_DST);
 
@@ -18,7 +18,7 @@ impl Gpu {
         self.storage_for::<T>(what, count, BufferUsages::empty())
     }
 
-    /// As [`Gpu::storage`], for drawing too.
+    /// As [`Gpu::storage`], with further usages.
     pub(crate) fn storage_for<T: Pod>(
         &self,
         what: &'static str,
@@ -46,7 +46,7 @@ impl Gpu {
         self.filled(what, values, STORAGE)
     }
 
-    /// As [`Gpu::upload`], for drawing too.
+    /// As [`Gpu::upload`], with further usages.
     pub(crate) fn upload_for<T: NoUninit>(
         &self,
         what: &'static str,
@@ -59,6 +59,20 @@ impl Gpu {
     /// A uniform buffer that holds `value`.
     pub(crate) fn uniform<T: NoUninit>(&self, value: &T) -> Result<wgpu::Buffer, GpuError> {
         self.filled("parameters", std::slice::from_ref(value), BufferUsages::UNIFORM)
+    }
+
+    /// Resources at their bindings.
+    pub(crate) fn bind_group<'a>(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        resources: impl IntoIterator<Item = (u32, wgpu::BindingResource<'a>)>,
+    ) -> Result<wgpu::BindGroup, GpuError> {
+        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+        let entries: Vec<_> = resources.into_iter().map(entry).collect();
+        self.attempt(|| {
+            let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
+            self.device.create_bind_group(&descriptor)
+        })
     }
 
     fn filled<T: NoUninit>(
@@ -108,7 +122,8 @@ impl Gpu {
         })
     }
 
-    /// Waits for all work, then shows `read` the bytes of a staging buffer, which can be used again afterwards.
+    /// Waits for all work, then passes the bytes of a staging buffer to `read`. The buffer can be used again
+    /// afterwards.
     pub(crate) fn mapped<T>(
         &self,
         staging: &wgpu::Buffer,
@@ -117,7 +132,7 @@ impl Gpu {
         let (sender, receiver) = mpsc::channel();
         let result = self.attempt(|| {
             staging.map_async(wgpu::MapMode::Read, .., move |mapped| {
-                let _ = sender.send(mapped); // nobody listens any more: then nobody needs it
+                let _ = sender.send(mapped); // the receiver may be gone; then the result is not needed
             });
             // Another thread that polls may be the one to call back, a moment after our own poll returns.
             loop {
@@ -136,7 +151,7 @@ impl Gpu {
         result.ok_or_else(|| GpuError::Lost(self.lost.get().cloned().unwrap_or_else(gone)))
     }
 
-    /// The bytes of `count` values of `T`, which must be something that a shader can be given whole.
+    /// The bytes of `count` values of `T`, which must fit one binding of a shader.
     pub(crate) fn checked_size<T>(&self, what: &'static str, count: usize) -> Result<u64, GpuError> {
         let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);
         let limit = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);

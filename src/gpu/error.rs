@@ -1,41 +1,41 @@
-//! What can go wrong with a graphics adapter.
+//! Errors of graphics adapters.
 
 /// Why something could not be done on a graphics adapter.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
-    /// There is no adapter at all.
+    /// There is no adapter.
     #[error(
         "no graphics adapter with Vulkan, Metal or Direct3D 12; install a driver, or a software one (Debian and \
          Ubuntu: apt-get install mesa-vulkan-drivers)"
     )]
     NoAdapter,
-    /// No adapter has such a name.
+    /// No adapter has a name like the one asked for.
     #[error(
         "no graphics adapter is named like `{wanted}` (--adapter or UMBRAGE_ADAPTER); choose one of: {}",
         .available.join("; ")
     )]
     NoSuchAdapter {
-        /// The part of a name that was asked for.
+        /// The part of the name.
         wanted: String,
-        /// The names of those that are there.
+        /// The names of the available adapters.
         available: Vec<String>,
     },
-    /// The adapter does not give a device that is able enough.
+    /// The adapter has no device with the required features and limits.
     #[error("the graphics adapter cannot be used: {0}")]
     Device(String),
-    /// Something does not fit the device's limits.
+    /// A buffer exceeds the limits of the device.
     #[error(
         "{what} of {bytes} bytes do not fit this graphics adapter, which takes {limit} at most; {remedy}"
     )]
     TooLarge {
-        /// What it is.
+        /// What the buffer holds.
         what: &'static str,
-        /// How large.
+        /// Its size.
         bytes: u64,
-        /// How large it may be.
+        /// The largest size.
         limit: u64,
-        /// What to do instead.
+        /// The remedy.
         remedy: &'static str,
     },
     /// A kind of view that no shader draws yet.
@@ -43,7 +43,7 @@ pub enum GpuError {
         "not built yet: {0} on a graphics adapter; use a perspective camera, or rays (render --method rays)"
     )]
     NotBuilt(&'static str),
-    /// A mesh is so small that a device may take its coordinates for zero.
+    /// A mesh is so small that a device may flush its coordinates to zero.
     #[error(
         "the mesh is {0:e} large, which a graphics adapter may take for zero; scale it up, or leave the graphics out"
     )]
@@ -55,19 +55,19 @@ pub enum GpuError {
     Picture {
         /// The longer side.
         side: u32,
-        /// How long it may be.
+        /// The largest side.
         limit: u32,
     },
-    /// A buffer of the caller's holds less than it is said to hold.
+    /// A buffer of the caller is smaller than its contents are said to be.
     #[error(
         "{what} of {needed} bytes are said to lie in a buffer of {bytes}; give the right count, or all of them"
     )]
     TooSmall {
-        /// What it should hold.
+        /// Its contents.
         what: &'static str,
         /// The size of the buffer.
         bytes: u64,
-        /// The size that its contents have.
+        /// The size of the contents.
         needed: u64,
     },
     /// A triangle list on the device has an index that is no vertex.
@@ -78,22 +78,22 @@ pub enum GpuError {
     BadIndex {
         /// The first such face.
         face: u32,
-        /// How many vertices there are.
+        /// The number of vertices.
         vertex_count: u32,
     },
-    /// The device has no memory left.
+    /// The device is out of memory.
     #[error("the graphics adapter is out of memory; use a smaller picture or mesh, or another --adapter")]
     OutOfMemory,
-    /// The device is gone: unplugged, reset, or destroyed.
+    /// The device was lost: unplugged, reset, or destroyed.
     #[error("the graphics device was lost ({0}); try again, or use another --adapter")]
     Lost(String),
-    /// What we asked of wgpu was not valid: a defect of umbrage.
+    /// A call of wgpu was not valid: a defect of umbrage.
     #[error("the graphics interface refused a call, which is a defect of umbrage: {0}")]
     Wgpu(String),
 }
 
 impl GpuError {
-    /// With the remedy for what is too large because a picture is.
+    /// With the remedy for a buffer whose size is that of a picture.
     pub(crate) fn for_a_picture(self) -> Self {
         match self {
             Self::TooLarge { what, bytes, limit, .. } => {

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use super::{Gpu, GpuError};
 
-/// How many invocations a workgroup has.
+/// Invocations per workgroup.
 pub(crate) const WORKGROUP: u32 = 64;
 
 /// A WGSL source with the constants that it shares with Rust.
@@ -16,7 +16,7 @@ pub(crate) struct Shader {
 }
 
 impl Shader {
-    /// `body` behind what every shader may use: the constant `WORKGROUP`, and `linear_id`, the number of an
+    /// `body` after what every shader may use: the constant `WORKGROUP`, and `linear_id`, the number of an
     /// invocation in a grid of one or two dimensions.
     pub(crate) fn new(label: &'static str, body: &str) -> Self {
         let source = format!(
@@ -27,7 +27,7 @@ impl Shader {
         Self { label, source }
     }
 
-    /// With a constant; write its WGSL type and value as they are to stand there.
+    /// Adds a constant, given its type and value in WGSL.
     pub(crate) fn constant(mut self, name: &str, kind: &str, value: impl Display) -> Self {
         writeln!(self.source, "const {name}: {kind} = {value};").expect("a string takes any text");
         self
@@ -50,7 +50,7 @@ impl Shader {
     }
 }
 
-/// One entry point of a compute shader, ready to run. Its buffers are those of group 0 that it mentions.
+/// A compiled entry point of a compute shader. Its buffers are those of group 0 that it uses.
 #[derive(Clone, Debug)]
 pub(crate) struct Kernel {
     pipeline: wgpu::ComputePipeline,
@@ -79,20 +79,11 @@ impl Kernel {
         gpu: &Gpu,
         buffers: &[(u32, &wgpu::Buffer)],
     ) -> Result<wgpu::BindGroup, GpuError> {
-        let entries: Vec<_> = buffers
-            .iter()
-            .map(|&(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        gpu.attempt(|| {
-            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: None,
-                layout: &self.pipeline.get_bind_group_layout(0),
-                entries: &entries,
-            })
-        })
+        let resources = buffers.iter().map(|&(binding, buffer)| (binding, buffer.as_entire_binding()));
+        gpu.bind_group(&self.pipeline.get_bind_group_layout(0), resources)
     }
 
-    /// Runs at least `invocations` invocations; those beyond must find out themselves that they have no work.
+    /// Runs at least `invocations` invocations. The shader must return early in those beyond.
     pub(crate) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -110,7 +101,7 @@ impl Kernel {
     }
 }
 
-/// Workgroups along x and y for so many invocations, as nearly square as need be.
+/// Workgroups along x and y for `invocations`, of which neither exceeds `largest`.
 fn grid(invocations: u64, largest: u32) -> [u32; 2] {
     let groups = invocations.div_ceil(u64::from(WORKGROUP));
     let y = groups.div_ceil(u64::from(largest));

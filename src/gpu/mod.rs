@@ -1,11 +1,114 @@
-//! A graphics adapter: opened by us or lent by the caller, its limits kept, its failures errors.
+//! A graphics device: opened by umbrage or by the caller; its limits are kept, and its failures are errors.
 //!
-//! Everything here runs headless. A caller's own device and queue do as well ([`Gpu::from_device`]): what records
-//! into a [`wgpu::CommandEncoder`] then runs in the caller's frame, without a stall.
+//! Everything runs headless. [`Gpu::from_device`] takes a caller's own device and queue: whatever records
+//! into a [`wgpu::CommandEncoder`] then runs in the caller's frame, without waiting for the device.
+//!
+//! # An engine's frame
+//!
+//! Once per device: [`Gpu::from_device`], [`VolumeShaders`](crate::shadow::volume::VolumeShaders),
+//! [`StencilPass`](crate::shadow::stencil::StencilPass). Once per mesh:
+//! [`GpuCaster`](crate::caster::GpuCaster), [`GpuExtrusion`](crate::shadow::volume::GpuExtrusion). Once per
+//! frame: `record`, `prepare`, and two draws.
+//!
+//! ```
+//! # use umbrage::gpu::{Gpu, GpuError};
+//! use umbrage::caster::{Caster, GpuCaster};
+//! use umbrage::gpu::wgpu;
+//! use umbrage::shadow::Depth;
+//! use umbrage::shadow::stencil::{Draw, StencilFrame, StencilMethod, StencilPass};
+//! use umbrage::shadow::volume::{Caps, GpuExtrusion, VolumeShaders};
+//! use umbrage::testing::shapes;
+//! use umbrage::view::{Camera, Size, Up};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let own = match Gpu::new(None) { Err(GpuError::NoAdapter) => return Ok(()), gpu => gpu? };
+//! # let (device, queue) = (own.device().clone(), own.queue().clone());
+//!
+//! let gpu = Gpu::from_device(device, queue)?; // yours
+//! let (shaders, pass) = (VolumeShaders::new(&gpu)?, StencilPass::new(&gpu, Depth::Plane)?);
+//! let caster = GpuCaster::upload(&gpu, &Caster::new(shapes::torus(48, 24, 2.0, 0.7)))?;
+//! let extrusion = GpuExtrusion::new(&shaders, &caster, Caps::Both, None)?;
+//! # let size = Size::new(64, 64)?;
+//! # let depth_stencil = gpu.device().create_texture(&wgpu::TextureDescriptor {
+//! #     label: None,
+//! #     size: wgpu::Extent3d { width: 64, height: 64, depth_or_array_layers: 1 },
+//! #     mip_level_count: 1,
+//! #     sample_count: 1,
+//! #     dimension: wgpu::TextureDimension::D2,
+//! #     format: StencilFrame::FORMAT,
+//! #     usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+//! #     view_formats: &[],
+//! # });
+//! # let view = depth_stencil.create_view(&Default::default());
+//!
+//! // A frame. `view` is a depth-stencil attachment of `StencilFrame::FORMAT`.
+//! let camera = Camera::look_at([2.0, 5.0, 6.0], [0.0; 3], 0.8, Up::Y)?.projection(size, 0.1);
+//! let mut encoder = gpu.device().create_command_encoder(&Default::default());
+//! let volume = extrusion.record(&mut encoder, &"point:3,9,5".parse()?)?;
+//! let draw = Draw { volume: &volume, method: StencilMethod::ZFail };
+//! let frame = pass.prepare(&camera, size, &caster, &[draw])?;
+//! let store = wgpu::StoreOp::Store;
+//! let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+//!     depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+//!         view: &view,
+//!         depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store }),
+//!         stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
+//!     }),
+//!     ..Default::default()
+//! });
+//! frame.draw_receivers(&mut drawing); // or your own depth, reversed
+//! frame.draw_volumes(&mut drawing);
+//! drop(drawing);
+//! // Now light whatever has stencil 0, and submit.
+//! gpu.queue().submit([encoder.finish()]);
+//! assert_eq!(extrusion.download_demand()?.exceeded, 0);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Buffers
+//!
+//! The layouts of all buffers that the caller's own shaders may read. Words are `u32` unless said otherwise.
+//!
+//! - [`GpuCaster::vertices`](crate::caster::GpuCaster::vertices): positions, three `f32` per vertex.
+//! - [`GpuCaster::planes`](crate::caster::GpuCaster::planes): five runs of `f32`, each with one number per
+//!   face and then up to three more to a multiple of four (at least four): x, y and z of the unit normals,
+//!   the offsets from a local origin in local units, and the error bounds of the filter for sides.
+//! - [`GpuTopology::triangles`](crate::topology::GpuTopology::triangles): vertex ids, three per face; usage
+//!   `INDEX` too.
+//! - [`GpuTopology::offsets`](crate::topology::GpuTopology::offsets): one more than there are edges: the
+//!   entries of edge `e` are those from `offsets[e]` up to `offsets[e + 1]`. Edges are numbered in the order
+//!   of their vertices `(a, b)`, `a < b`.
+//! - [`GpuTopology::entries`](crate::topology::GpuTopology::entries): three for each face that has not
+//!   collapsed (four meaningless bytes if there is none), ascending per edge: a half-edge `entry >> 1`, and
+//!   its direction `entry & 1`, 0 from the edge's smaller vertex to its larger, 1 back. Half-edge `h` belongs
+//!   to face `h / 3` and leaves vertex `triangles[h]`.
+//! - [`GpuSilhouette::facing`](crate::silhouette::GpuSilhouette::facing): four faces per word, the first in
+//!   the lowest byte: 1 in front, 255 (−1) behind, 0 edge-on.
+//! - [`GpuSilhouette::signs`](crate::silhouette::GpuSilhouette::signs): the same, with 0 for faces that do
+//!   not cast.
+//! - [`GpuSilhouette::edges`](crate::silhouette::GpuSilhouette::edges): the number of silhouette edges, the
+//!   sum of their `|m|`, then for each edge, ascending, its id and its multiplicity `m` (`i32`).
+//! - [`GpuSilhouette::quads`](crate::silhouette::GpuSilhouette::quads): for each silhouette edge the sum of
+//!   `|m|` over those before it.
+//! - [`GpuSilhouette::unsure`](crate::silhouette::GpuSilhouette::unsure): the number of unsure faces, then
+//!   their ids in no particular order; 0 for a deforming caster.
+//! - [`GpuVolume::vertices`](crate::shadow::volume::GpuVolume::vertices): finite positions, three `f32` per
+//!   vertex.
+//! - [`GpuVolume::triangles`](crate::shadow::volume::GpuVolume::triangles): vertex ids, three per triangle:
+//!   `v` below the vertex count `n` is a finite vertex, `n + v` the same vertex at infinity, `v·w − L` with
+//!   the light's homogeneous `(L, w)`. A directional light has one such point, whichever `v` it is written
+//!   with. Usage `INDEX` too.
+//! - [`GpuVolume::arguments`](crate::shadow::volume::GpuVolume::arguments): a
+//!   [`wgpu::util::DrawIndexedIndirectArgs`] for each part (light cap, sides, dark cap): number of corners, 1
+//!   instance, first corner, 0, 0. It starts with a [`wgpu::util::DrawIndirectArgs`]. Usage `INDIRECT` too.
+//! - [`GpuExtrusion::demand`](crate::shadow::volume::GpuExtrusion::demand): a
+//!   [`Demand`](crate::shadow::volume::Demand).
 
 mod buffer;
 mod error;
 mod kernel;
+#[cfg(test)]
+pub(crate) mod layout;
 mod prefix_sum;
 pub(crate) mod raster;
 mod sort;
@@ -19,40 +122,41 @@ pub(crate) use prefix_sum::{Scan, ScanOf};
 pub(crate) use sort::{Pairs, Sort};
 pub(crate) use texture::Texture;
 
-// Buffers, textures and encoders are wgpu's; this is the version.
+// Buffers, textures and encoders are of this version of wgpu.
 pub use wgpu;
 
 /// The environment variable that names an adapter where no argument does.
 pub const ADAPTER_VARIABLE: &str = "UMBRAGE_ADAPTER";
 
-/// The graphics interfaces that can do all that is asked: OpenGL cannot copy a stencil.
+/// The graphics interfaces that support every pass: OpenGL cannot copy a stencil.
 const BACKENDS: wgpu::Backends =
     wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
 
-/// What a device must be able to do: keep a stencil beside a depth of 32 bits.
+/// The features that every device must have: a stencil with a depth of 32 bits.
 const FEATURES: wgpu::Features = wgpu::Features::DEPTH32FLOAT_STENCIL8;
 
-/// A device and its queue. Cheap to clone; all clones are one device.
+/// A device and its queue. Cheap to clone; all clones share one device.
 #[derive(Clone, Debug)]
 pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     limits: wgpu::Limits,
     info: wgpu::AdapterInfo,
-    /// Why the device is gone, once it is.
+    /// Why the device was lost, once it is.
     lost: Arc<OnceLock<String>>,
 }
 
 impl Gpu {
-    /// Opens the adapter whose name contains `adapter`, whatever its case; without one, the adapter that the
-    /// environment variable [`ADAPTER_VARIABLE`] names; without that, the fastest kind there is: discrete before
-    /// integrated before virtual before software.
+    /// Opens the adapter whose name contains `adapter`, ignoring case. Without one, the adapter that the
+    /// environment variable [`ADAPTER_VARIABLE`] names; without that, the fastest kind available: discrete
+    /// before integrated before virtual before software.
     ///
-    /// All of the adapter's limits are asked for. Takes some tens of milliseconds.
+    /// Requests all of the adapter's limits. Takes some tens of milliseconds.
     ///
     /// # Errors
     ///
-    /// [`GpuError::NoAdapter`], which says what to install; [`GpuError::NoSuchAdapter`]; [`GpuError::Device`].
+    /// [`GpuError::NoAdapter`], which says what to install; [`GpuError::NoSuchAdapter`];
+    /// [`GpuError::Device`].
     pub fn new(adapter: Option<&str>) -> Result<Self, GpuError> {
         let variable = std::env::var(ADAPTER_VARIABLE).ok().filter(|name| !name.is_empty());
         let wanted = adapter.map(str::to_owned).or(variable);
@@ -94,14 +198,13 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// Uses a caller's device and queue. They stay the caller's: nothing about them is changed, and errors are
-    /// caught in scopes of our own.
+    /// Uses a caller's device and queue. Nothing about them is changed; errors are caught in error scopes.
     ///
     /// # Errors
     ///
     /// [`GpuError::Device`] if the device has no depth of 32 bits with a stencil (ask for
-    /// [`wgpu::Features::DEPTH32FLOAT_STENCIL8`]), or cannot run compute shaders with 256 invocations and six storage
-    /// buffers.
+    /// [`wgpu::Features::DEPTH32FLOAT_STENCIL8`]), or cannot run compute shaders with 256 invocations and six
+    /// storage buffers.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Result<Self, GpuError> {
         let (limits, info) = (device.limits(), device.adapter_info());
         let wanted = [
@@ -122,15 +225,7 @@ impl Gpu {
         }
     }
 
-    /// The names of all adapters that could be opened, as [`Gpu::new`] would rank them.
-    #[must_use]
-    pub fn adapter_names() -> Vec<String> {
-        let mut adapters = adapters();
-        adapters.sort_by_key(|adapter| speed(adapter.get_info().device_type));
-        adapters.iter().map(|adapter| adapter.get_info().name).collect()
-    }
-
-    /// The adapter's name, with the driver's where it tells.
+    /// The adapter's name, with the driver's where it is known.
     #[must_use]
     pub fn name(&self) -> String {
         let wgpu::AdapterInfo { name, driver_info, .. } = &self.info;
@@ -141,7 +236,7 @@ impl Gpu {
         }
     }
 
-    /// Whether the adapter is a processor that draws, not a graphics card.
+    /// Whether the adapter is a software driver, not a graphics card.
     #[must_use]
     pub fn is_software(&self) -> bool {
         self.info.device_type == wgpu::DeviceType::Cpu
@@ -159,13 +254,13 @@ impl Gpu {
         &self.queue
     }
 
-    /// What the device can do at most.
+    /// The limits of the device.
     #[must_use]
     pub fn limits(&self) -> &wgpu::Limits {
         &self.limits
     }
 
-    /// Runs `work`, and makes an error of whatever wgpu finds wrong with it.
+    /// Runs `work`, and returns what wgpu reports of it as an error.
     ///
     /// # Errors
     ///
@@ -187,7 +282,7 @@ impl Gpu {
         }
     }
 
-    /// Submits what `record` writes into a fresh encoder. Does not wait.
+    /// Submits what `record` writes into a new encoder. Does not wait.
     pub(crate) fn submit<T>(
         &self,
         record: impl FnOnce(&mut wgpu::CommandEncoder) -> T,
@@ -222,7 +317,7 @@ fn speed(kind: wgpu::DeviceType) -> u8 {
 pub(crate) mod tests {
     use super::*;
 
-    /// The adapter for a test; without one says aloud that the test is skipped, or fails where one is demanded.
+    /// The adapter for a test. Without one, prints that the test is skipped, or fails where one is demanded.
     pub(crate) fn gpu() -> Option<Gpu> {
         static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
         GPU.get_or_init(|| match Gpu::new(None) {
@@ -238,7 +333,7 @@ pub(crate) mod tests {
         .clone()
     }
 
-    /// The same adapter, its limits tightened: what large meshes meet then meets small ones.
+    /// The same adapter with lower limits, so that small meshes reach them.
     pub(crate) fn limited_gpu(tighten: impl FnOnce(&mut wgpu::Limits)) -> Option<Gpu> {
         let name = gpu()?.info.name;
         let adapter = adapters().into_iter().find(|adapter| adapter.get_info().name == name)?;

@@ -1,11 +1,12 @@
-//! Exclusive prefix sums, which turn counts into places: what fixes the order of everything a shader writes.
+//! Exclusive prefix sums, which turn counts into positions: they fix the order of everything that a shader
+//! writes.
 //!
-//! Reduce, scan, spread (Guy E. Blelloch, *Prefix Sums and Their Applications*, 1990, §1.3), with a run of values
-//! for each invocation instead of barriers between them.
+//! Reduce, scan, spread (Guy E. Blelloch, *Prefix Sums and Their Applications*, 1990, §1.3), with a run of
+//! values for each invocation instead of barriers between them.
 
 use super::{Gpu, GpuError, Kernel, Shader};
 
-/// How many values one invocation adds up.
+/// Values that one invocation adds up.
 const RUN: usize = 64;
 
 /// The compiled kernels.
@@ -20,7 +21,8 @@ pub(crate) struct Scan {
 #[derive(Clone, Debug)]
 pub(crate) struct ScanOf {
     scan: Scan,
-    /// From the values to ever fewer sums: bindings for [`Scan::sum_runs`] and [`Scan::spread`], and the runs.
+    /// From the values to ever fewer sums: bindings for [`Scan::sum_runs`] and [`Scan::spread`], and the
+    /// runs.
     levels: Vec<(wgpu::BindGroup, wgpu::BindGroup, usize)>,
     top: wgpu::BindGroup,
 }
@@ -35,8 +37,8 @@ impl Scan {
         })
     }
 
-    /// Prepares the scan of the first `count` values of a buffer that has room for one more: each value becomes the
-    /// sum of all before it, and the one more the total. Sums wrap at 2³².
+    /// Prepares the scan of the first `count` values of a buffer that holds one more: each value becomes the
+    /// sum of all before it, and the last one the total. Sums wrap at 2³².
     pub(crate) fn of(&self, gpu: &Gpu, values: &wgpu::Buffer, count: usize) -> Result<ScanOf, GpuError> {
         let mut levels = Vec::new();
         let (mut values, mut count) = (values.clone(), count);

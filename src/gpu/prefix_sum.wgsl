@@ -1,10 +1,10 @@
-// Exclusive prefix sums of `values`, RUN values an invocation. Twin: scan.rs.
-// First every run is added up (`sum_runs`), then the sums are scanned in the same way, then every run is walked
-// again from the sum before it (`spread`). No barriers and no atomics: the result has one possible value.
+// Exclusive prefix sums of `values`, RUN values per invocation. Twin: prefix_sum.rs. First every run is added
+// up (`sum_runs`), then the sums are scanned in the same way, then every run is added up again from the sum
+// before it (`spread`). No barriers and no atomics: the result has one possible value.
 
 @group(0) @binding(0) var<storage, read_write> values: array<u32>;
 @group(0) @binding(1) var<storage, read_write> sums: array<u32>;
-// x: how many values there are.
+// x: the number of values.
 @group(0) @binding(2) var<uniform> count: vec4u;
 
 @compute @workgroup_size(WORKGROUP)
@@ -30,7 +30,7 @@ fn spread(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups)
         values[i] = sum;
         sum += value;
     }
-    // The total stands behind the values.
+    // The total comes after the values.
     if end == count.x { values[end] = sum; }
 }
 

@@ -1,20 +1,21 @@
 //! A stable sort of pairs (key, value) by the key's lowest bits: digit by digit, the lowest first.
 //!
-//! Each digit is a counting sort (Marco Zagha and Guy E. Blelloch, *Radix Sort for Vector Multiprocessors*, 1991):
-//! every invocation counts and later moves a run of pairs of its own, in order. What the keys are does not change
-//! what it costs.
+//! Each digit is a counting sort (Marco Zagha and Guy E. Blelloch, *Radix Sort for Vector Multiprocessors*,
+//! 1991): every invocation counts and later moves a run of pairs of its own, in order. The time does not
+//! depend on the keys.
 
 use bytemuck::{Pod, Zeroable};
 
 use super::ScanOf;
 use super::{Gpu, GpuError, Kernel, Scan, Shader};
 
-/// How many pairs one invocation counts and moves. Longer runs leave a large device idle; shorter ones have more
+/// Pairs that one invocation counts and moves. Longer runs leave a large device idle; shorter ones have more
 /// counts to add up, one for each run and digit: here half as many as there are pairs.
 const RUN: usize = 128;
 
-/// A digit has at most so many bits. Each more doubles the counts, and the places that are written to at once: on a
-/// software adapter four bits cost a fifth more time than six, and nine more than twice as much.
+/// Largest number of bits of a digit. Each further bit doubles the counts, and the positions that are written
+/// to at once: on a software adapter four bits cost a fifth more time than six, and nine more than twice as
+/// much.
 const DIGIT_BITS: u32 = 6;
 
 /// The compiled kernels.
@@ -29,13 +30,13 @@ pub(crate) struct Sort {
 #[derive(Clone, Debug)]
 pub(crate) struct SortOf {
     sort: Sort,
-    /// Bindings for counting and for moving, a digit each.
+    /// Bindings for counting and for moving, per digit.
     digits: Vec<[wgpu::BindGroup; 2]>,
-    places: ScanOf,
+    positions: ScanOf,
     runs: usize,
 }
 
-/// What the shader calls by the same name.
+/// The struct of the same name in the shader.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 struct Digit {
@@ -66,8 +67,9 @@ impl Sort {
         })
     }
 
-    /// Prepares the sort of the first `count` of `pairs` by the lowest `bits` bits of their keys. `spare` has room
-    /// for as many and is overwritten. Returns where the sorted pairs will be: one of the two, and then the other.
+    /// Prepares the sort of the first `count` of `pairs` by the lowest `bits` bits of their keys. `spare`
+    /// holds as many and is overwritten. Returns the buffers that will hold the sorted pairs, and then the
+    /// others.
     pub(crate) fn of<'a>(
         &self,
         gpu: &Gpu,
@@ -81,20 +83,20 @@ impl Sort {
         let rounds = bits.div_ceil(DIGIT_BITS);
         let size = bits.div_ceil(rounds.max(1));
         let counts = runs << size;
-        let places = gpu.storage::<u32>("places of digits", counts + 1)?;
+        let positions = gpu.storage::<u32>("positions of digits", counts + 1)?;
         let (mut from, mut to) = (pairs, spare);
         let mut digits = Vec::new();
         for shift in (0..rounds).map(|round| round * size) {
             let largest = (1 << size.min(bits - shift)) - 1;
             let digit = gpu.uniform(&Digit { count: count as u32, runs: runs as u32, shift, largest })?;
             digits.push([
-                self.count_digits.bind(gpu, &[(0, &from.keys), (2, &places), (5, &digit)])?,
+                self.count_digits.bind(gpu, &[(0, &from.keys), (2, &positions), (5, &digit)])?,
                 self.scatter.bind(
                     gpu,
                     &[
                         (0, &from.keys),
                         (1, &from.values),
-                        (2, &places),
+                        (2, &positions),
                         (3, &to.keys),
                         (4, &to.values),
                         (5, &digit),
@@ -103,8 +105,8 @@ impl Sort {
             ]);
             (from, to) = (to, from);
         }
-        let places = self.scan.of(gpu, &places, counts)?;
-        Ok((SortOf { sort: self.clone(), digits, places, runs }, [from, to]))
+        let positions = self.scan.of(gpu, &positions, counts)?;
+        Ok((SortOf { sort: self.clone(), digits, positions, runs }, [from, to]))
     }
 }
 
@@ -112,7 +114,7 @@ impl SortOf {
     pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder) {
         for [count_digits, scatter] in &self.digits {
             self.sort.count_digits.record(encoder, count_digits, self.runs);
-            self.places.record(encoder);
+            self.positions.record(encoder);
             self.sort.scatter.record(encoder, scatter, self.runs);
         }
     }
@@ -185,18 +187,9 @@ mod tests {
     }
 
     #[test]
-    fn sort_shader_lays_out_its_digit_as_rust_does() {
-        let module = naga::front::wgsl::parse_str(shader(include_str!("sort.wgsl")).source()).unwrap();
-        let (_, digit) = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some("Digit")).unwrap();
-        let naga::TypeInner::Struct { members, .. } = &digit.inner else { panic!("Digit is no struct") };
-        let found: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset as usize)).collect();
-        let expected = [
-            ("count", std::mem::offset_of!(Digit, count)),
-            ("runs", std::mem::offset_of!(Digit, runs)),
-            ("shift", std::mem::offset_of!(Digit, shift)),
-            ("largest", std::mem::offset_of!(Digit, largest)),
-        ];
-        assert_eq!(found, expected);
+    fn sort_digit_has_one_layout_in_rust_and_wgsl() {
+        let shader = shader(include_str!("sort.wgsl"));
+        crate::gpu::layout::assert_layout!(shader.source(), "Digit", Digit: count, runs, shift, largest);
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! Textures: pictures that are drawn into, and read back row by row.
+//! Textures that are drawn into, and read back row by row.
 
 use super::{Gpu, GpuError};
 use crate::view::Size;
 
-/// A picture on the device, to be drawn into and looked at.
+/// A texture to draw into and to read in shaders.
 #[derive(Clone, Debug)]
 pub(crate) struct Texture {
     pub(crate) texture: wgpu::Texture,
@@ -12,7 +12,7 @@ pub(crate) struct Texture {
 }
 
 impl Gpu {
-    /// A picture of `size`; its content is not defined.
+    /// A texture of `size`, zero until it is drawn into.
     pub(crate) fn texture(
         &self,
         what: &'static str,
@@ -42,7 +42,7 @@ impl Gpu {
         Ok(Texture { texture, view, size })
     }
 
-    /// A buffer for a [`Texture::copy`] that the host can read, for pixels of so many bytes.
+    /// A buffer for a [`Texture::copy`] that the host can read, for pixels of `pixel` bytes.
     pub(crate) fn staging_for(&self, texture: &Texture, pixel: u32) -> Result<wgpu::Buffer, GpuError> {
         let bytes = texture.row_bytes(pixel) * u64::from(texture.size.height());
         let limit = self.limits.max_buffer_size;
@@ -55,12 +55,35 @@ impl Gpu {
 }
 
 impl Texture {
-    /// How many bytes a row takes in a buffer.
+    /// An attachment that is cleared to 0 before the pass, or drawn over.
+    pub(crate) fn attachment(&self, clear: bool) -> wgpu::RenderPassColorAttachment<'_> {
+        let load = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
+        wgpu::RenderPassColorAttachment {
+            view: &self.view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+        }
+    }
+
+    /// Begins a pass that has no depth.
+    pub(crate) fn begin<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        clear: bool,
+    ) -> wgpu::RenderPass<'e> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(self.attachment(clear))],
+            ..wgpu::RenderPassDescriptor::default()
+        })
+    }
+
+    /// Bytes per row in a buffer.
     fn row_bytes(&self, pixel: u32) -> u64 {
         u64::from(self.size.width() * pixel).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT.into())
     }
 
-    /// Copies pixels of so many bytes to a buffer of [`Gpu::staging_for`].
+    /// Copies pixels of `pixel` bytes each to a buffer of [`Gpu::staging_for`].
     pub(crate) fn copy(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -86,7 +109,7 @@ impl Texture {
         );
     }
 
-    /// The pixels of a copy without what pads its rows.
+    /// The pixels of a copy, without the padding of its rows.
     pub(crate) fn rows<T>(&self, bytes: &[u8], pixel: usize, read: impl Fn(&[u8]) -> T) -> Vec<T> {
         let row = self.row_bytes(pixel as u32) as usize;
         let width = self.size.width() as usize * pixel;

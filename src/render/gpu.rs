@@ -1,74 +1,109 @@
-//! The lit picture by stencil shadows: ambient light everywhere, then lamp by lamp what its volumes leave lit.
+//! The lit picture on a graphics device: ambient light everywhere, then the light of each lamp times its
+//! visibility.
 //!
-//! The shading is that of the exact picture, constant for constant, so that the two can be laid side by side.
-//! The receivers' pass keeps which face is seen, so that coinciding faces are not lit twice; everything after it is
-//! one triangle over the whole picture.
+//! The shading is that of the exact picture, constant for constant, so that the two can be compared. It
+//! starts from the visible face of every sample, so that coinciding faces are not lit twice; every pass is
+//! one triangle over the whole picture, and none knows how visibility is computed.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
-use wgpu::{CompareFunction, StencilFaceState, TextureAspect, TextureFormat};
+use wgpu::{TextureAspect, TextureFormat};
 
 use super::shade::{AMBIENT, AMBIENT_SLOPE, MOST_FALLOFF, SPECULAR, SPECULAR_SQUARINGS, cosines};
 use super::{ABOVE, BELOW, Falloff, GROUND, Picture, ShadedLight, View, buffer, color, ground};
-use crate::caster::Caster;
+use crate::caster::{Caster, GpuCaster};
 use crate::geom::Facing;
 use crate::geom::Light;
-use crate::gpu::raster::{Pipeline, Target, depth_stencil};
+use crate::gpu::raster::{self, Depth, GpuSamples, GpuVisibility, Pipeline, everywhere};
 use crate::gpu::{Gpu, GpuError, Shader, Texture, wgpu};
 use crate::mesh::{FaceId, Mesh};
 use crate::parallel;
-use crate::shadow::stencil::{Counting, Depth, Draw, Receivers, SOURCE, StencilPass};
 use crate::view::Projection;
 use crate::view::Size;
 
-/// What keeps the light of one lamp away.
-#[derive(Clone, Copy, Debug)]
-pub struct LampShadow<'a> {
-    /// Its volumes.
-    pub draws: &'a [Draw<'a>],
-    /// How they are counted. A stencil of eight bits is right modulo 256.
-    pub counting: Counting,
+impl View<'_> {
+    /// The samples of this picture on the device: `edge_samples`² per pixel of what `projection` sees of
+    /// `caster`.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Picture`] or [`GpuError::TooLarge`] if the samples do not fit the device's limits, or are
+    /// more than 2²⁶; [`GpuError::Subnormal`] if the mesh is too small to be drawn;
+    /// [`GpuError::OutOfMemory`]; [`GpuError::Lost`].
+    pub fn samples(
+        &self,
+        caster: &GpuCaster,
+        projection: &Projection,
+        depth: Depth,
+    ) -> Result<GpuSamples, GpuError> {
+        let samples = self.edge_samples.max(1);
+        let [width, height] =
+            [self.size.width(), self.size.height()].map(|side| side.saturating_mul(samples));
+        let limit = caster.gpu().limits().max_texture_dimension_2d.min(Size::MOST);
+        let size =
+            Size::new(width, height).map_err(|_| GpuError::Picture { side: width.max(height), limit })?;
+        let bytes = size.pixels() as u64 * SAMPLE_BYTES;
+        if bytes > MOST_BYTES {
+            let remedy = "use a smaller --size, fewer --samples, or --method rays";
+            return Err(GpuError::TooLarge {
+                what: "samples of a picture",
+                bytes,
+                limit: MOST_BYTES,
+                remedy,
+            });
+        }
+        caster.samples(projection, size, depth)
+    }
 }
 
-/// Renders `caster` as [`render`](super::render) does, with the shadows that a stencil pass counts.
+/// Renders `caster` as [`render`](super::render) does, with the visibility of each lamp that a technique
+/// computed.
 ///
-/// `receivers` are the faces of `caster`, `projection` is the view's camera, and each lamp of the view has one of the
-/// `shadows`. Every pixel is the mean of `edge_samples`² samples, each counted for itself. What is nearer than the near
+/// `samples` are those of [`View::samples`] for the same caster, and `visibility` is asked once for each
+/// lamp, by its index. What it returns is dropped before the next lamp. Faces that turn away from a lamp are
+/// dark, whatever their visibility. Every pixel is the mean of its samples. What is nearer than the near
 /// plane is not seen.
 ///
-/// Compiling the shaders takes some tens of milliseconds. On the device a sample takes 20 bytes, 24 where a lamp is
-/// counted in whole numbers, and a pixel 16; there may be 2²⁶ samples.
+/// Compiling the shaders takes some tens of milliseconds. On the device a sample takes 20 bytes with its
+/// depth and face, and 1 or 2 more for a hard or soft visibility; a pixel takes 16.
 ///
 /// # Errors
 ///
-/// [`GpuError::Picture`] or [`GpuError::TooLarge`] if the picture, or a color and a normal for each face, do not fit
-/// the device's limits; [`GpuError::OutOfMemory`], of the host too; [`GpuError::Lost`].
+/// Those of `visibility`; [`GpuError::TooLarge`] if the picture or a color per face do not fit the device's
+/// limits; [`GpuError::OutOfMemory`], of the host too; [`GpuError::Lost`].
 ///
 /// # Panics
 ///
-/// Panics if there is not one shadow a lamp, or `receivers` have another number of faces than `caster`.
-pub fn render_stencil(
-    pass: &StencilPass,
+/// Panics if `samples` or a visibility are of another size, or `samples` are of a mesh with another number of
+/// faces.
+pub fn render_visibility(
+    samples: &GpuSamples,
     caster: &Caster,
-    receivers: &Receivers,
     view: &View<'_>,
-    projection: &Projection,
-    shadows: &[LampShadow<'_>],
+    mut visibility: impl FnMut(usize) -> Result<GpuVisibility, GpuError>,
 ) -> Result<Picture, GpuError> {
     let (mesh, planes) = (caster.mesh(), caster.planes());
-    assert_eq!(shadows.len(), view.lamps.len(), "one shadow a lamp");
-    assert_eq!(receivers.corners as usize, 3 * mesh.face_count(), "the receivers are another mesh");
-    let gpu = pass.gpu();
-    let stage = Stage::new(pass, mesh, receivers, view, projection)?;
-    let eye = Light::point(projection.eye).expect("cameras are finite");
+    let per_side = view.edge_samples.max(1);
+    let sides_of_picture = [view.size.width(), view.size.height()].map(|side| side.saturating_mul(per_side));
+    assert_eq!(
+        [samples.size().width(), samples.size().height()],
+        sides_of_picture,
+        "samples of another view"
+    );
+    assert_eq!(samples.receivers.corners as usize, 3 * mesh.face_count(), "samples of another mesh");
+    let gpu = &samples.gpu;
+    let stage = Stage::new(samples, mesh, view)?;
+    let eye = Light::point(samples.projection.eye).expect("cameras are finite");
     let from_eye: Vec<i32> = planes.classify(mesh, &eye).into_iter().map(side).collect();
-    stage.begin(receivers, &gpu.upload("sides of faces", &from_eye)?)?;
+    stage.begin(&gpu.upload("sides of faces", &from_eye)?)?;
     let mut facing = Vec::new();
-    for (lamp, shadow) in view.lamps.iter().zip(shadows) {
+    for (index, lamp) in view.lamps.iter().enumerate() {
         planes.classify_into(mesh, &lamp.light, &mut facing);
         let lit = |(&eye, &lamp): (&i32, &Facing)| if side(lamp) == eye { eye } else { 0 };
         let sides: Vec<i32> = from_eye.iter().zip(&facing).map(lit).collect();
-        stage.add(lamp, shadow, &gpu.upload("sides of faces", &sides)?)?;
+        let visibility = visibility(index)?;
+        assert_eq!(visibility.size(), samples.size(), "a visibility of another size");
+        stage.add(lamp, &visibility, &gpu.upload("sides of faces", &sides)?)?;
     }
     stage.finish(view.size)
 }
@@ -134,7 +169,7 @@ impl LampUniform {
         let (towards, approach) = if lamp.light.is_directional() {
             (xyz.normalize_or_zero(), 0.0)
         } else {
-            // Neither the lamp's distance nor that of the farthest place is more than 1 then.
+            // Then neither the distance of the lamp nor that of the farthest point is more than 1.
             let from_eye = xyz - wide(projection.eye);
             let factor = f64::from(scale).min(1.0 / from_eye.length());
             if let Falloff::Physical { full_at, range } = lamp.falloff {
@@ -167,155 +202,77 @@ fn wide(p: [f32; 3]) -> DVec3 {
     DVec3::from(p.map(f64::from))
 }
 
-/// What is drawn into, with what, and what all passes know.
+/// The samples that are shaded, and the light that they have so far.
 struct Stage<'a> {
-    pass: &'a StencilPass,
-    projection: &'a Projection,
+    samples: &'a GpuSamples,
     pipelines: Pipelines,
-    target: Target,
-    depth: wgpu::TextureView,
-    faces: Texture,
     light: Texture,
-    /// By what the frame scales.
-    scale: f32,
-    frame: wgpu::Buffer,
     scene: wgpu::Buffer,
     paint: wgpu::Buffer,
-    receivers: wgpu::BindGroup,
-    normals: &'a wgpu::Buffer,
 }
 
 /// Depth and stencil, face, light.
 const SAMPLE_BYTES: u64 = 8 + 4 + 8;
 
-/// What a picture may take on the device: a software one takes it from the host.
+/// The most that a picture may take on the device, but for one visibility: a software device takes it from
+/// the host.
 const MOST_BYTES: u64 = SAMPLE_BYTES << 26;
 
-const FACES: TextureFormat = TextureFormat::R32Uint;
 const LIGHT: TextureFormat = TextureFormat::Rgba16Float;
 const RESOLVED: TextureFormat = TextureFormat::Rgba32Float;
 
 impl<'a> Stage<'a> {
-    fn new(
-        pass: &'a StencilPass,
-        mesh: &Mesh,
-        receivers: &'a Receivers,
-        view: &View<'_>,
-        projection: &'a Projection,
-    ) -> Result<Self, GpuError> {
-        let gpu = pass.gpu();
-        let samples = view.edge_samples.max(1);
-        let [width, height] =
-            [view.size.width(), view.size.height()].map(|side| side.saturating_mul(samples));
-        let limit = gpu.limits().max_texture_dimension_2d.min(Size::MOST);
-        let size =
-            Size::new(width, height).map_err(|_| GpuError::Picture { side: width.max(height), limit })?;
-        let bytes = size.pixels() as u64 * SAMPLE_BYTES;
-        if bytes > MOST_BYTES {
-            let remedy = "use a smaller --size, fewer --samples, or --method rays";
-            return Err(GpuError::TooLarge {
-                what: "samples of a picture",
-                bytes,
-                limit: MOST_BYTES,
-                remedy,
-            });
-        }
-        let target = Target::new(gpu, size)?;
-        let frame = pass.frame(projection, size, receivers)?;
-        let scale = frame.scale;
-        let frame = gpu.uniform(&frame)?;
+    fn new(samples: &'a GpuSamples, mesh: &Mesh, view: &View<'_>) -> Result<Self, GpuError> {
+        let gpu = &samples.gpu;
         let ground = view.ground.map_or(FaceId(u32::MAX), |ground| ground.first_face);
         let color = |face| if face < ground { (view.paint)(face) } else { GROUND.to_array() };
         let paint: Vec<[f32; 3]> = (0..mesh.face_count()).map(|face| color(FaceId::new(face))).collect();
         Ok(Self {
-            pass,
-            projection,
-            pipelines: Pipelines::new(pass)?,
-            depth: target.depth(),
-            target,
-            faces: gpu.texture("visible faces", size, FACES)?,
-            light: gpu.texture("light", size, LIGHT)?,
-            scale,
-            scene: gpu.uniform(&SceneUniform::new(view, projection, scale))?,
+            pipelines: Pipelines::new(gpu)?,
+            light: gpu.texture("light", samples.size(), LIGHT)?,
+            scene: gpu.uniform(&SceneUniform::new(view, &samples.projection, samples.frame.scale))?,
             paint: gpu.upload("colors of faces", &paint)?,
-            receivers: pass.bind_receivers(&frame, receivers)?,
-            frame,
-            normals: &receivers.normals,
+            samples,
         })
     }
 
-    /// Depth, visible faces, and the light that needs no lamp.
-    fn begin(&self, receivers: &Receivers, sides: &wgpu::Buffer) -> Result<(), GpuError> {
-        let bind = self.bind(
-            &self.pipelines.ambient,
-            &[
-                (0, self.frame.as_entire_binding()),
-                (3, self.normals.as_entire_binding()),
-                (5, wgpu::BindingResource::TextureView(&self.depth)),
-                (6, self.scene.as_entire_binding()),
-                (8, sides.as_entire_binding()),
-                (9, self.paint.as_entire_binding()),
-                (10, wgpu::BindingResource::TextureView(&self.faces.view)),
-            ],
-        )?;
-        self.pass.gpu().submit(|encoder| {
-            let mut pass = self.target.begin(encoder, &[Some(color(&self.faces, true))]);
-            pass.set_pipeline(&self.pipelines.faces);
-            pass.set_bind_group(0, &self.receivers, &[]);
-            pass.draw(0..receivers.corners, 0..1);
-            drop(pass);
-            let pass = begin(encoder, &self.light);
-            everywhere(pass, &self.pipelines.ambient, &bind);
+    /// The light that needs no lamp.
+    fn begin(&self, sides: &wgpu::Buffer) -> Result<(), GpuError> {
+        let bind = self.bind(&self.pipelines.ambient, sides, &[])?;
+        self.samples.gpu.submit(|encoder| {
+            everywhere(self.light.begin(encoder, true), &self.pipelines.ambient, Some(&bind));
         })
     }
 
-    /// The light of one lamp, where it is counted in no volume.
-    fn add(&self, lamp: &ShadedLight, shadow: &LampShadow<'_>, sides: &wgpu::Buffer) -> Result<(), GpuError> {
-        let gpu = self.pass.gpu();
-        let counter = self.pass.counter(&self.target, self.projection, shadow.draws, shadow.counting)?;
-        let lamp = gpu.uniform(&LampUniform::new(lamp, self.projection, self.scale))?;
-        let mut entries = vec![
-            (0, self.frame.as_entire_binding()),
-            (3, self.normals.as_entire_binding()),
-            (5, wgpu::BindingResource::TextureView(&self.depth)),
-            (6, self.scene.as_entire_binding()),
-            (7, lamp.as_entire_binding()),
-            (8, sides.as_entire_binding()),
-            (9, self.paint.as_entire_binding()),
-            (10, wgpu::BindingResource::TextureView(&self.faces.view)),
-        ];
-        let pipeline = match &counter.counts {
-            None => &self.pipelines.lamp,
-            Some(counts) => {
-                entries.push((4, counts.as_entire_binding()));
-                &self.pipelines.counted_lamp
-            }
-        };
-        let bind = self.bind(pipeline, &entries)?;
-        gpu.submit(|encoder| {
-            self.pass.count(encoder, &self.target, &counter);
-            let pass = self.target.begin_read_only(encoder, &[Some(color(&self.light, false))]);
-            everywhere(pass, pipeline, &bind);
+    /// Adds the light of one lamp.
+    fn add(
+        &self,
+        lamp: &ShadedLight,
+        visibility: &GpuVisibility,
+        sides: &wgpu::Buffer,
+    ) -> Result<(), GpuError> {
+        let samples = self.samples;
+        let lamp = samples.gpu.uniform(&LampUniform::new(lamp, &samples.projection, samples.frame.scale))?;
+        let more =
+            [(9, lamp.as_entire_binding()), (10, wgpu::BindingResource::TextureView(visibility.view()))];
+        let bind = self.bind(&self.pipelines.lamp, sides, &more)?;
+        samples.gpu.submit(|encoder| {
+            everywhere(self.light.begin(encoder, false), &self.pipelines.lamp, Some(&bind));
         })
     }
 
     /// The mean of the samples, as bytes.
     fn finish(&self, size: Size) -> Result<Picture, GpuError> {
         const PIXEL: usize = 16;
-        let gpu = self.pass.gpu();
+        let gpu = &self.samples.gpu;
         let resolved = gpu.texture("picture", size, RESOLVED)?;
         let back = gpu.staging_for(&resolved, PIXEL as u32)?;
-        let bind = self.bind(
-            &self.pipelines.resolve,
-            &[
-                (6, self.scene.as_entire_binding()),
-                (11, wgpu::BindingResource::TextureView(&self.light.view)),
-            ],
-        )?;
+        let resources =
+            [(6, self.scene.as_entire_binding()), (11, wgpu::BindingResource::TextureView(&self.light.view))];
+        let bind = gpu.bind_group(&self.pipelines.resolve.get_bind_group_layout(0), resources)?;
         let mut pixels = buffer(size, [0; 4]).map_err(|_| GpuError::OutOfMemory)?;
         gpu.submit(|encoder| {
-            let pass = begin(encoder, &resolved);
-            everywhere(pass, &self.pipelines.resolve, &bind);
+            everywhere(resolved.begin(encoder, true), &self.pipelines.resolve, Some(&bind));
             resolved.copy(encoder, TextureAspect::All, PIXEL as u32, &back);
         })?;
         gpu.mapped(&back, |bytes| {
@@ -330,63 +287,35 @@ impl<'a> Stage<'a> {
         Ok(Picture { size, pixels })
     }
 
+    /// What every sample is shaded from, and more.
     fn bind(
         &self,
         pipeline: &wgpu::RenderPipeline,
-        entries: &[(u32, wgpu::BindingResource<'_>)],
+        sides: &wgpu::Buffer,
+        more: &[(u32, wgpu::BindingResource<'_>)],
     ) -> Result<wgpu::BindGroup, GpuError> {
-        let gpu = self.pass.gpu();
-        let entries: Vec<_> = entries
-            .iter()
-            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() })
-            .collect();
-        gpu.attempt(|| {
-            gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-                label: None,
-                layout: &pipeline.get_bind_group_layout(0),
-                entries: &entries,
-            })
-        })
+        let samples = self.samples;
+        let resources = [
+            (4, wgpu::BindingResource::TextureView(&samples.depth)),
+            (5, wgpu::BindingResource::TextureView(&samples.faces.view)),
+            (6, self.scene.as_entire_binding()),
+            (7, sides.as_entire_binding()),
+            (8, self.paint.as_entire_binding()),
+        ];
+        let all = samples.receivers.bindings(&samples.uniform).into_iter().chain(resources);
+        samples.gpu.bind_group(&pipeline.get_bind_group_layout(0), all.chain(more.iter().cloned()))
     }
-}
-
-/// A texture to draw into: from 0, or over what is there.
-fn color(texture: &Texture, clear: bool) -> wgpu::RenderPassColorAttachment<'_> {
-    let load = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
-    wgpu::RenderPassColorAttachment {
-        view: &texture.view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-    }
-}
-
-/// Begins a pass without depth.
-fn begin<'e>(encoder: &'e mut wgpu::CommandEncoder, into: &Texture) -> wgpu::RenderPass<'e> {
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        color_attachments: &[Some(color(into, true))],
-        ..wgpu::RenderPassDescriptor::default()
-    })
-}
-
-/// Draws the triangle that covers everything.
-fn everywhere(mut pass: wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, bind: &wgpu::BindGroup) {
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, bind, &[]);
-    pass.draw(0..3, 0..1);
 }
 
 struct Pipelines {
-    faces: wgpu::RenderPipeline,
     ambient: wgpu::RenderPipeline,
     lamp: wgpu::RenderPipeline,
-    counted_lamp: wgpu::RenderPipeline,
     resolve: wgpu::RenderPipeline,
 }
 
 fn shader() -> Shader {
     let vector = |v: Vec3| format!("vec3f({:?}, {:?}, {:?})", v.x, v.y, v.z);
-    Shader::new("picture", &format!("{SOURCE}\n{}", include_str!("picture.wgsl")))
+    Shader::new("picture", &format!("{}\n{}", raster::SOURCE, include_str!("picture.wgsl")))
         .constant("AMBIENT", "f32", format_args!("{AMBIENT:?}"))
         .constant("AMBIENT_SLOPE", "f32", format_args!("{AMBIENT_SLOPE:?}"))
         .constant("MOST_FALLOFF", "f32", format_args!("{MOST_FALLOFF:?}"))
@@ -399,38 +328,23 @@ fn shader() -> Shader {
 }
 
 impl Pipelines {
-    fn new(pass: &StencilPass) -> Result<Self, GpuError> {
-        let gpu: &Gpu = pass.gpu();
+    fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let module = shader().module(gpu)?;
-        let keep = StencilFaceState::IGNORE;
-        let build = |fragment, format, blend, depth_stencil| {
+        let build = |fragment, format, blend| {
             let write_mask = wgpu::ColorWrites::ALL;
             let targets = &[Some(wgpu::ColorTargetState { format, blend, write_mask })];
             let (vertex, fragment) = ("everywhere", Some(fragment));
-            Pipeline { vertex, fragment, targets, depth_stencil, layout: None }.build(gpu, &module)
+            Pipeline { vertex, fragment, targets, depth_stencil: None, layout: None }.build(gpu, &module)
         };
         let add = wgpu::BlendComponent {
             src_factor: wgpu::BlendFactor::One,
             dst_factor: wgpu::BlendFactor::One,
             operation: wgpu::BlendOperation::Add,
         };
-        let add = Some(wgpu::BlendState { color: add, alpha: add });
-        let when = |stencil| Some(depth_stencil(false, CompareFunction::Always, stencil, stencil));
-        // The reference that is compared with is 0.
-        let uncounted = StencilFaceState { compare: CompareFunction::Equal, ..keep };
-        let faces = Pipeline {
-            vertex: "receiver",
-            fragment: Some(if pass.depth() == Depth::Plane { "face_of_plane" } else { "face" }),
-            targets: &[Some(FACES.into())],
-            depth_stencil: Some(depth_stencil(true, CompareFunction::Greater, keep, keep)),
-            layout: Some(pass.layout()),
-        };
         Ok(Self {
-            faces: faces.build(gpu, &module)?,
-            ambient: build("ambient", LIGHT, None, None)?,
-            lamp: build("add_lamp", LIGHT, add, when(uncounted))?,
-            counted_lamp: build("add_counted_lamp", LIGHT, add, when(keep))?,
-            resolve: build("resolve", RESOLVED, None, None)?,
+            ambient: build("ambient", LIGHT, None)?,
+            lamp: build("add_lamp", LIGHT, Some(wgpu::BlendState { color: add, alpha: add }))?,
+            resolve: build("resolve", RESOLVED, None)?,
         })
     }
 }
@@ -438,29 +352,17 @@ impl Pipelines {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gpu::layout::{assert_layout, members};
 
     #[test]
-    fn picture_uniforms_stand_in_the_shader_as_they_do_here() {
-        let module = naga::front::wgsl::parse_str(shader().source()).unwrap();
-        let check = |name: &str, size: usize, here: &[(&str, usize)]| {
-            let (_, kind) = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some(name)).unwrap();
-            let naga::TypeInner::Struct { members, span } = &kind.inner else { panic!("a struct") };
-            assert_eq!(*span as usize, size);
-            let there = members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize));
-            assert_eq!(there.collect::<Vec<_>>(), here);
-        };
+    fn picture_uniforms_have_one_layout_in_rust_and_wgsl() {
+        let shader = shader();
+        assert_layout!(shader.source(), "Lamp", LampUniform: towards, approach, color, outer, spot, slope, per_full, per_range);
+        // Rust writes the padding out.
         macro_rules! offsets {
-            ($of:ident: $($field:ident),*) => { &[$((stringify!($field), std::mem::offset_of!($of, $field))),*] };
+            ($($field:ident),*) => { vec![$((stringify!($field).to_owned(), std::mem::offset_of!(SceneUniform, $field))),*] };
         }
-        check(
-            "Scene",
-            size_of::<SceneUniform>(),
-            offsets![SceneUniform: up, first_ground, ground_center, diagonals, samples],
-        );
-        check(
-            "Lamp",
-            size_of::<LampUniform>(),
-            offsets![LampUniform: towards, approach, color, outer, spot, slope, per_full, per_range],
-        );
+        let here = offsets![up, first_ground, ground_center, diagonals, samples];
+        assert_eq!(members(shader.source(), "Scene"), (here, size_of::<SceneUniform>()));
     }
 }

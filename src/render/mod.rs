@@ -1,5 +1,5 @@
 //! Pictures by exact ray cast: primary visibility, exact verdicts for each lamp, and plain shading. Also the
-//! same pictures with the shadows counted by a stencil pass.
+//! same pictures on a graphics device, with the visibility that any technique computes.
 
 mod color;
 #[cfg(feature = "gpu")]
@@ -14,7 +14,7 @@ mod verdicts;
 use glam::Vec3;
 
 #[cfg(feature = "gpu")]
-pub use gpu::{LampShadow, render_stencil};
+pub use gpu::render_visibility;
 pub use ground::Ground;
 pub use overlay::{Line, Marker, Overlay};
 pub use shade::{Falloff, ShadedLight};

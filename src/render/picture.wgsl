@@ -1,25 +1,26 @@
-// The lit picture: one invocation a pixel of a triangle that covers everything, after the receivers' faces and depth
-// are known. stencil.wgsl stands before it. Twin: shade.rs; gpu.rs has the structs.
+// The lit picture: one invocation per sample of a triangle that covers everything, after the visible faces
+// and their depth are drawn. raster.wgsl comes before it. Twin: shade.rs; gpu.rs has the structs.
 //
-// Places are from the eye and scaled as in Frame.
+// Points are relative to the eye and scaled as in Frame.
 
 struct Scene {
     up: vec3f,
     // The first face of the ground; beyond all faces where there is none.
     first_ground: u32,
     ground_center: vec3f,
-    // How many diagonals of the mesh a unit is.
+    // Diagonals of the mesh per unit of length.
     diagonals: f32,
     // Samples along each side of a pixel of the finished picture.
     samples: u32,
 }
 
 struct Lamp {
-    // The direction from a place to the lamp is towards − place·approach, of any length.
+    // The direction from a point to the lamp is towards − point·approach, of any length.
     towards: vec3f,
     approach: f32,
     color: vec3f,
-    // The cosine of the angle where a spot light ends, and what 1 over the way from there to full light is.
+    // The cosine of the angle where a spot light ends, and the inverse of its difference to that of full
+    // light.
     outer: f32,
     spot: vec3f,
     slope: f32,
@@ -29,44 +30,22 @@ struct Lamp {
     per_range: f32,
 }
 
-@group(0) @binding(6) var<uniform> scene: Scene;
-@group(0) @binding(7) var<uniform> lamp: Lamp;
-// The side of each face that the eye is on, 1 or −1; for a lamp 0 unless it is on the same side.
-@group(0) @binding(8) var<storage, read> sides: array<i32>;
-@group(0) @binding(9) var<storage, read> paint: array<f32>;
 // The visible face and 1; 0 where there is none.
-@group(0) @binding(10) var faces: texture_2d<u32>;
+@group(0) @binding(5) var faces: texture_2d<u32>;
+@group(0) @binding(6) var<uniform> scene: Scene;
+// The side of each face that the eye is on, 1 or −1; for a lamp 0 unless it is on the same side.
+@group(0) @binding(7) var<storage, read> sides: array<i32>;
+@group(0) @binding(8) var<storage, read> paint: array<f32>;
+@group(0) @binding(9) var<uniform> lamp: Lamp;
+// How much of the lamp reaches each sample: 0 dark to 1 lit.
+@group(0) @binding(10) var visibility: texture_2d<f32>;
 @group(0) @binding(11) var light: texture_2d<f32>;
-
-// The receivers' faces and depth.
-
-struct Face {
-    @builtin(frag_depth) depth: f32,
-    @location(0) face: u32,
-}
-
-@fragment
-fn face_of_plane(corner: Corner) -> Face {
-    return Face(depth_at(corner.clip.xy, corner.depth), corner.face + 1u);
-}
-
-@fragment
-fn face(corner: Corner) -> @location(0) u32 {
-    return corner.face + 1u;
-}
-
-// Shading.
-
-@vertex
-fn everywhere(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    return vec4f(f32(4u * (index & 1u)) - 1.0, f32(2u * (index & 2u)) - 1.0, 0.0, 1.0);
-}
 
 struct Seen {
     // Along the ray, at depth 1.
     direction: vec3f,
-    place: vec3f,
-    // On the side that `sides` tells.
+    point: vec3f,
+    // Towards the side that `sides` says.
     normal: vec3f,
     base: vec3f,
     // How much of the background shows through.
@@ -74,32 +53,32 @@ struct Seen {
 }
 
 fn look(position: vec2f, face: u32) -> Seen {
-    let ndc = vec2f(2.0 * position.x / frame.width - 1.0, 1.0 - 2.0 * position.y / frame.height);
+    let ndc = normalized(position);
     let direction = frame.ray_right * ndc.x + frame.ray_up * ndc.y + frame.ray_forward;
-    let place = direction * (frame.near / textureLoad(receiver_depth, vec2u(position), 0));
+    let point = direction * (frame.near / textureLoad(receiver_depth, vec2u(position), 0));
     var fade = 0.0;
     if face >= scene.first_ground {
-        fade = smoothstep(FADE_BEGINS, FADE_ENDS, distance(place, scene.ground_center) * scene.diagonals);
+        fade = smoothstep(FADE_BEGINS, FADE_ENDS, distance(point, scene.ground_center) * scene.diagonals);
     }
     let first = 3u * face;
-    let front = vec3f(normals[first], normals[first + 1u], normals[first + 2u]);
+    let front = face_normal(face);
     let base = vec3f(paint[first], paint[first + 1u], paint[first + 2u]);
-    return Seen(direction, place, select(front, -front, sides[face] < 0), base, fade);
+    return Seen(direction, point, select(front, -front, sides[face] < 0), base, fade);
 }
 
 fn background(y: f32) -> vec3f {
     return mix(BELOW, ABOVE, 1.0 - y / frame.height);
 }
 
-// Unit length, whatever the length; 0 of 0.
+// The unit vector of the same direction; 0 of 0.
 fn unit(v: vec3f) -> vec3f {
     let most = max(abs(v.x), max(abs(v.y), abs(v.z)));
     if most == 0.0 { return v; }
     return normalize(v / most);
 }
 
-// The factor that falloff has, `to_lamp` away from the lamp. Lengths are cut where the result is known, so that no
-// power leaves the range.
+// The factor that falloff has, `to_lamp` away from the lamp. Lengths are cut where the result is known, so that
+// no power leaves the range.
 fn falloff(to_lamp: vec3f) -> f32 {
     if lamp.per_full == 0.0 { return 1.0; }
     let most = max(abs(to_lamp.x), max(abs(to_lamp.y), abs(to_lamp.z)));
@@ -111,7 +90,7 @@ fn falloff(to_lamp: vec3f) -> f32 {
     return window / max(full * full, window / MOST_FALLOFF);
 }
 
-// What needs no lamp.
+// The light that needs no lamp.
 @fragment
 fn ambient(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let sky = background(position.y);
@@ -125,10 +104,10 @@ fn ambient(@builtin(position) position: vec4f) -> @location(0) vec4f {
 fn lit(position: vec2f) -> vec4f {
     let id = textureLoad(faces, vec2u(position), 0).r;
     if id == 0u { return vec4f(0.0); }
-    // From behind, the face itself is in the way.
+    // A face that turns away from the lamp shadows itself.
     if sides[id - 1u] == 0 { return vec4f(0.0); }
     let seen = look(position, id - 1u);
-    let to_lamp = lamp.towards - seen.place * lamp.approach;
+    let to_lamp = lamp.towards - seen.point * lamp.approach;
     let to_light = unit(to_lamp);
     let cone = clamp((dot(-lamp.spot, to_light) - lamp.outer) * lamp.slope, 0.0, 1.0);
     let half_way = unit(to_light - unit(seen.direction));
@@ -139,22 +118,17 @@ fn lit(position: vec2f) -> vec4f {
     return vec4f(light * (1.0 - seen.fade), 0.0);
 }
 
-// What a lamp adds where the stencil lets it.
+// The light of a lamp that reaches a sample. The shading of a dark sample does not count, even if it is
+// infinite.
 @fragment
 fn add_lamp(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    return lit(position.xy);
+    let part = textureLoad(visibility, vec2u(position.xy), 0).r;
+    if part == 0.0 { return vec4f(0.0); }
+    return lit(position.xy) * part;
 }
 
-// What a lamp adds where it is counted in no volume.
-@fragment
-fn add_counted_lamp(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let place = u32(position.y) * u32(frame.width) + u32(position.x);
-    if atomicLoad(&counts[place]) != 0 { return vec4f(0.0); }
-    return lit(position.xy);
-}
-
-// The mean of a pixel's samples. Each is cut at white first, lest one highlight outweigh its neighbors, unless all
-// are brighter.
+// The mean of a pixel's samples. Each is cut at white first, lest one highlight outweigh its neighbors,
+// unless all are brighter.
 @fragment
 fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let n = scene.samples;

@@ -32,6 +32,8 @@ mod technique;
 mod visibility;
 pub mod volume;
 
+#[cfg(feature = "gpu")]
+pub use crate::gpu::raster::{Depth, GpuSamples, GpuVisibility};
 pub use claim::Claim;
 pub use samples::{Samples, TooManySamples};
 pub use technique::{Prepared, Request, Technique, TechniqueError};

@@ -18,7 +18,7 @@ mod tree;
 
 pub use finder::{SilhouetteFinder, SilhouetteMethod};
 #[cfg(feature = "gpu")]
-pub use gpu::{FoundSilhouette, GpuCaster, GpuSilhouette, SilhouetteShaders};
+pub use gpu::{FoundSilhouette, GpuSilhouette, SilhouetteShaders};
 pub use kinetic::{EdgeChange, KineticSilhouette, KineticStep};
 pub use tree::{SilhouetteTree, TreeSearch};
 
@@ -103,7 +103,8 @@ impl Silhouette {
 }
 
 impl Caster {
-    /// The silhouette edges for the faces that cast. For light after light, a [`SilhouetteFinder`] is faster.
+    /// The silhouette edges for the given casting faces. For a sequence of lights a [`SilhouetteFinder`] is
+    /// faster.
     #[must_use]
     pub fn silhouette(&self, light: &Light, faces: CasterFaces) -> Silhouette {
         Silhouette::extract(self.topology(), &faces.signs(&self.facing(light)))

@@ -1,11 +1,11 @@
-// The side of every face, and the edges where sides change. Twins: plane.rs (facing) and scan.rs (edges).
+// The side of every face, and the edges where sides change. Twins: facing/planes.rs and silhouette/linear.rs.
 //
-// Faces go four to an invocation: their sides are four bytes of a u32 (0x01 in front, 0xff behind, 0x00 edge-on),
-// so that no two invocations write one word. Edges go EDGES to an invocation, and RUN where their places in the list
-// are counted; the order of the list is that of the edges, fixed by prefix sums.
+// One invocation takes four faces: their sides are four bytes of a u32 (0x01 in front, 0xff behind, 0x00
+// edge-on), so that no two invocations write one word. One invocation takes EDGES edges, or RUN where
+// positions in the list are counted; the order of the list is that of the edges, fixed by prefix sums.
 
 struct Light {
-    // The light in the units of the mesh (filter.rs), or as it is (`facing_by_positions`).
+    // The light in the units of the mesh (facing/gpu.rs), or as it is (`facing_by_positions`).
     l: vec4f,
     reach: f32,
     lowest: f32,
@@ -40,7 +40,7 @@ struct Found {
 @group(0) @binding(6) var<storage, read> patches: array<Patch>;
 // Bit 0 of a face's byte: it casts if in front; bit 1: it casts if behind.
 @group(0) @binding(7) var<storage, read_write> masks: array<u32>;
-// The sides of faces that cast, 0 of all others.
+// The sides of faces that cast; 0 for all others.
 @group(0) @binding(8) var<storage, read> signs: array<u32>;
 // The same three, sixteen faces at a time.
 @group(0) @binding(2) var<storage, read_write> facing_16: array<vec4u>;
@@ -49,11 +49,11 @@ struct Found {
 @group(0) @binding(9) var<storage, read> offsets: array<u32>;
 @group(0) @binding(10) var<storage, read> entries: array<u32>;
 @group(0) @binding(11) var<storage, read_write> multiplicities: array<i32>;
-// Of each run: how many edges are silhouette. Then of each run: the sum of their |m|. After the scan: the sum of
-// everything before, in one sequence.
+// For each run the number of silhouette edges, then for each run the sum of their |m|. After the scan: the
+// sum of everything before, in one sequence.
 @group(0) @binding(12) var<storage, read_write> runs: array<u32>;
 @group(0) @binding(13) var<storage, read_write> found: Found;
-// Of each listed edge: the sum of |m| over those before it.
+// For each listed edge the sum of |m| over those before it.
 @group(0) @binding(14) var<storage, read_write> quads: array<u32>;
 // x: edges, faces or patches.
 @group(0) @binding(15) var<uniform> size: vec4u;
@@ -63,7 +63,8 @@ fn packed(s: vec4f) -> u32 {
     return bytes.x | (bytes.y << 8u) | (bytes.z << 16u) | (bytes.w << 24u);
 }
 
-// The filter: surely right where |s| exceeds the bound; elsewhere s keeps its sign, and the face is listed.
+// The filter: right where |s| exceeds the bound; elsewhere s keeps its sign, and the face is listed as
+// unsure.
 @compute @workgroup_size(WORKGROUP)
 fn facing_by_planes(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let group = linear_id(global, groups);
@@ -100,7 +101,7 @@ fn side(face: u32) -> f32 {
     return dot(cross(b - a, c - a), light.l.xyz - a * light.l.w);
 }
 
-// From positions that are new in every frame: without a bound, but from a corner of the face, not from the light.
+// From positions that change with every frame: without an error bound, relative to a corner of the face.
 @compute @workgroup_size(WORKGROUP)
 fn facing_by_positions(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let group = linear_id(global, groups);
@@ -109,7 +110,7 @@ fn facing_by_positions(@builtin(global_invocation_id) global: vec3u, @builtin(nu
     facing[group] = packed(vec4f(side(face), side(face + 1u), side(face + 2u), side(face + 3u)));
 }
 
-// What the host has settled, a word at a time.
+// Writes the sides that the host decided, word by word.
 @compute @workgroup_size(WORKGROUP)
 fn settle(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_id(global, groups);
@@ -201,16 +202,16 @@ fn list_runs(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgrou
     let start = run * RUN;
     if start >= size.x { return; }
     // Most runs have none.
-    var place = runs[run];
-    if place == runs[run + 1u] { return; }
+    var index = runs[run];
+    if index == runs[run + 1u] { return; }
     let end = min(start + RUN, size.x);
     var sum = runs[count + run] - all;
     for (var i = start; i < end; i++) {
         let m = multiplicities[i];
         if m != 0 {
-            found.list[place] = vec2u(i, bitcast<u32>(m));
-            quads[place] = sum;
-            place++;
+            found.list[index] = vec2u(i, bitcast<u32>(m));
+            quads[index] = sum;
+            index++;
             sum += u32(abs(m));
         }
     }

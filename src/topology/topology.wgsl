@@ -1,16 +1,15 @@
-// The edge table of a triangle list. Twin: build.rs, which sorts in another way to the same result; driven by
-// gpu/build.rs.
-// `list` writes every half-edge with its larger vertex as key, the host sorts, `rekey` makes the smaller vertex
-// the key, the host sorts again (stable: half-edges now ascend by smaller vertex, larger vertex and id), `mark`
-// marks the first half-edge of each edge, a prefix sum makes edge numbers of the marks, `put_offsets` writes where
-// each edge starts. Every kernel runs over half-edges.
-// A half-edge of a collapsed face has the vertex count as key, and so stands behind all others.
+// The edge table of a triangle list. Twin: build.rs, which sorts differently to the same result; driven by
+// gpu/build.rs. `list` writes every half-edge with its larger vertex as key, the host sorts, `rekey` makes
+// the smaller vertex the key, the host sorts again (stable: half-edges now ascend by smaller vertex, larger
+// vertex and id), `mark` marks the first half-edge of each edge, a prefix sum makes edge numbers of the
+// marks, `put_offsets` writes where each edge starts. Every kernel runs over half-edges. A half-edge of a
+// collapsed face has the vertex count as key, and so comes after all others.
 
 @group(0) @binding(0) var<storage, read> triangles: array<u32>;
 @group(0) @binding(1) var<storage, read_write> keys: array<u32>;
 // Half-edge ids, each before one bit of direction: 1 if it runs from the larger vertex to the smaller.
 @group(0) @binding(2) var<storage, read_write> entries: array<u32>;
-// Marks, then what the prefix sum makes of them.
+// Marks, then their prefix sums.
 @group(0) @binding(3) var<storage, read_write> edges: array<u32>;
 @group(0) @binding(4) var<storage, read_write> offsets: array<u32>;
 @group(0) @binding(5) var<storage, read_write> found: Found;
@@ -24,7 +23,7 @@ struct Size {
 struct Found {
     // The first face with a corner that is no vertex; all ones without any.
     bad_face: atomic<u32>,
-    // How many half-edges have an edge.
+    // The number of half-edges that belong to an edge.
     kept: u32,
 }
 

@@ -1,11 +1,12 @@
 //! Pixel comparison on masks of the device: faults must be found and classified correctly.
 
-use umbrage::caster::Caster;
+use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::Light;
 use umbrage::gpu::Gpu;
 use umbrage::mesh::{FaceId, Mesh};
-use umbrage::shadow::stencil::{Counting, Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass};
+use umbrage::shadow::Depth;
+use umbrage::shadow::stencil::{Counting, Draw, ShadowMask, StencilMethod, StencilPass};
 use umbrage::shadow::volume::{Caps, GpuVolume, ShadowVolume};
 use umbrage::silhouette::Silhouette;
 use umbrage::testing::shapes;
@@ -46,7 +47,7 @@ impl<'a> Scene<'a> {
         let volume = ShadowVolume::extrude(self.mesh, &topology, &self.light, signs, &silhouette, Caps::Both);
         let volume = GpuVolume::upload(gpu, &volume).unwrap();
         let pass = StencilPass::new(gpu, Depth::Plane).unwrap();
-        let receivers = Receivers::upload(gpu, &self.caster).unwrap();
+        let receivers = GpuCaster::upload(gpu, &self.caster).unwrap();
         let draw = Draw { volume: &volume, method: StencilMethod::ZFail };
         pass.mask(&self.projection, self.size, &receivers, &[draw], counting).unwrap()
     }

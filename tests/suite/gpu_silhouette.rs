@@ -1,14 +1,14 @@
 //! Silhouettes and volumes of the device against those of the CPU: the same lists, and closed as well.
 
-use umbrage::caster::{ShellBoxes, ShellProof};
-use umbrage::facing::{CasterFaces, FacePlanes, classify};
+use umbrage::caster::{Caster, GpuCaster, ShellBoxes, ShellProof};
+use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::Facing;
 use umbrage::geom::{Aabb, Light};
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::{FaceId, Mesh, Weld, weld};
 use umbrage::scene::Scope;
 use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, ShadowVolume, ShellFaces, VolumeShaders};
-use umbrage::silhouette::{GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders};
+use umbrage::silhouette::{GpuSilhouette, Silhouette};
 use umbrage::testing::shapes;
 use umbrage::topology::{GpuTopology, Topology};
 
@@ -16,45 +16,40 @@ use crate::support::{gpu, real_meshes};
 
 struct Device {
     gpu: Gpu,
-    silhouettes: SilhouetteShaders,
     volumes: VolumeShaders,
 }
 
 fn device() -> Option<Device> {
     let gpu = gpu()?;
-    let silhouettes = SilhouetteShaders::new(&gpu).unwrap();
     let volumes = VolumeShaders::new(&gpu).unwrap();
-    Some(Device { gpu, silhouettes, volumes })
+    Some(Device { gpu, volumes })
 }
 
 /// A mesh on the host and on the device.
 struct Case<'a> {
     device: &'a Device,
-    mesh: &'a Mesh,
-    planes: FacePlanes,
-    topology: Topology,
+    caster: Caster,
     silhouette: GpuSilhouette,
 }
 
 impl<'a> Case<'a> {
-    fn new(device: &'a Device, mesh: &'a Mesh) -> Self {
-        let planes = FacePlanes::new(mesh);
-        let topology = Topology::of(mesh);
-        let uploaded = GpuTopology::upload(&device.gpu, &topology).unwrap();
-        let caster = GpuCaster::with_planes(&device.silhouettes, mesh, uploaded, &planes).unwrap();
-        let silhouette = GpuSilhouette::new(&caster).unwrap();
-        Self { device, mesh, planes, topology, silhouette }
+    fn new(device: &'a Device, mesh: &Mesh) -> Self {
+        let caster = Caster::new(mesh.clone());
+        let uploaded = GpuCaster::upload(&device.gpu, &caster).unwrap();
+        let silhouette = GpuSilhouette::new(device.volumes.silhouettes(), &uploaded).unwrap();
+        Self { device, caster, silhouette }
     }
 
     /// Compares everything for one light. Returns the number of unsure faces.
     fn judge(&self, light: &Light, what: &str) -> usize {
-        let facing = self.planes.classify(self.mesh, light);
-        self.silhouette.set_masks(&vec![CasterFaces::All.mask(); self.mesh.face_count()]).unwrap();
-        let found = self.silhouette.find(self.mesh, light).unwrap();
+        let mesh = self.caster.mesh();
+        let facing = self.caster.facing(light);
+        self.silhouette.set_masks(&vec![CasterFaces::All.mask(); mesh.face_count()]).unwrap();
+        let found = self.silhouette.find(mesh, light).unwrap();
         assert!(self.silhouette.download_facing().unwrap() == facing, "{what} {light}: other sides");
         self.judge_volume(light, &CasterFaces::All.signs(&facing), &found.silhouette, Caps::Both, what);
 
-        self.silhouette.set_masks(&vec![CasterFaces::Front.mask(); self.mesh.face_count()]).unwrap();
+        self.silhouette.set_masks(&vec![CasterFaces::Front.mask(); mesh.face_count()]).unwrap();
         let outline = self.silhouette.extract().unwrap();
         self.judge_volume(light, &CasterFaces::Front.signs(&facing), &outline, Caps::None, what);
         found.unsure_faces
@@ -62,7 +57,8 @@ impl<'a> Case<'a> {
 
     /// Compares the device's silhouette for these signs, and the volume extruded from it.
     fn judge_volume(&self, light: &Light, signs: &[i8], found: &Silhouette, caps: Caps, what: &str) {
-        let Self { device, mesh, topology, silhouette, .. } = self;
+        let Self { device, caster, silhouette } = self;
+        let (mesh, topology) = (caster.mesh(), caster.topology());
         let expected = Silhouette::extract(topology, signs);
         assert!(*found == expected, "{what} {light}: another silhouette");
         let volume = ShadowVolume::extrude(mesh, topology, light, signs, &expected, caps);
@@ -77,7 +73,7 @@ impl<'a> Case<'a> {
 /// The triangles of a volume on the device. All vertices that a directional light sends to infinity get one
 /// id.
 fn parts(gpu: &Gpu, volume: &GpuVolume) -> [Vec<[u32; 3]>; 3] {
-    let one_far = |id: u32| if volume.light.is_directional() { id.min(volume.vertex_count) } else { id };
+    let one_far = |id: u32| if volume.light().is_directional() { id.min(volume.vertex_count()) } else { id };
     Part::ALL.map(|part| {
         let triangles = volume.download(gpu, part).unwrap();
         triangles.into_iter().map(|corners| corners.map(one_far)).collect()
@@ -183,14 +179,14 @@ fn gpu_silhouette_of_a_plan_casts_shell_by_shell() {
     let outward = shapes::translated(&shapes::icosphere(2), [5.0, 0.0, 0.0]);
     let mesh = Mesh::concat(&[shapes::inside_out(&shapes::cube()), outward, shapes::mobius(12)]).unwrap();
     let case = Case::new(&device, &mesh);
-    let shells = case.topology.shells();
-    let proofs = ShellProof::of(&mesh, &case.topology, &shells);
+    let shells = case.caster.shells();
+    let proofs = ShellProof::of(&mesh, case.caster.topology(), shells);
     for light in ["point:3,14,5", "point:0.1,0.2,0.3", "directional:-1,-2,0.5"] {
         let light: Light = light.parse().unwrap();
-        let plan = ShellFaces::choose(&mesh, &ShellBoxes::new(&mesh, &shells), &proofs, &light, None);
-        case.silhouette.set_masks(&plan.masks(&shells)).unwrap();
+        let plan = ShellFaces::choose(&mesh, &ShellBoxes::new(&mesh, shells), &proofs, &light, None);
+        case.silhouette.set_masks(&plan.masks(shells)).unwrap();
         let found = case.silhouette.find(&mesh, &light).unwrap();
-        let signs = plan.signs(&shells, &classify(&mesh, &light));
+        let signs = plan.signs(shells, &classify(&mesh, &light));
         case.judge_volume(&light, &signs, &found.silhouette, Caps::Both, "a plan");
     }
 }
@@ -202,9 +198,8 @@ fn gpu_silhouette_recorded_with_its_volume_is_closed_even_where_f32_is_wrong() {
     let case = Case::new(&device, &mesh);
     // The light lies in many planes; f32 puts the light on one side of some and on the other side of others.
     let light = Light::point(mesh.positions()[mesh.vertex_count() / 2]).unwrap();
-    let extrusion = GpuExtrusion::new(&device.volumes, &case.silhouette, Caps::Both, None).unwrap();
+    let extrusion = GpuExtrusion::of(&device.volumes, &case.silhouette, Caps::Both, None).unwrap();
     let mut encoder = device.gpu.device().create_command_encoder(&Default::default());
-    case.silhouette.record(&mut encoder, &light).unwrap();
     let volume = extrusion.record(&mut encoder, &light).unwrap();
     device.gpu.queue().submit([encoder.finish()]);
     assert!(case.silhouette.download_unsure_count().unwrap() > 0);
@@ -250,8 +245,8 @@ fn gpu_silhouette_of_positions_that_change_follows_them() {
         mapped_at_creation: false,
     });
     let uploaded = GpuTopology::upload(&device.gpu, &topology).unwrap();
-    let caster = GpuCaster::deforming(&device.silhouettes, vertices.clone(), 1.0, uploaded);
-    let silhouette = GpuSilhouette::new(&caster).unwrap();
+    let caster = GpuCaster::deforming(&device.gpu, vertices.clone(), 1.0, uploaded);
+    let silhouette = GpuSilhouette::new(device.volumes.silhouettes(), &caster).unwrap();
     let light = Light::point([3.0, 4.125, 5.5]).unwrap();
     for stretch in [1.0, 0.4] {
         let (moved, triangles, ..) = mesh.clone().into_parts();

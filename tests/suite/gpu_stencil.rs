@@ -4,7 +4,7 @@
 //! Long form:
 //! `UMBRAGE_STENCIL_SIZE=512 cargo test --release --test suite stencil_pass_counts -- --nocapture`.
 
-use umbrage::caster::Caster;
+use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::CasterFaces;
 use umbrage::geom::{Aabb, Light};
 use umbrage::glam::Vec3;
@@ -12,11 +12,11 @@ use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::{Oracle, Verdict};
 use umbrage::scene::Scope;
+use umbrage::shadow::Depth;
 use umbrage::shadow::stencil::{
-    Counting, Depth, Draw, Receivers, ShadowMask, StencilFrame, StencilMethod, StencilPass, StencilVolumes,
+    Counting, Draw, ShadowMask, StencilFrame, StencilMethod, StencilPass, StencilVolumes,
 };
 use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, VolumeShaders};
-use umbrage::silhouette::{GpuCaster, GpuSilhouette, SilhouetteShaders};
 use umbrage::testing::shapes;
 use umbrage::topology::GpuTopology;
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
@@ -31,7 +31,7 @@ struct Stage<'a> {
     pass: &'a StencilPass,
     caster: Caster,
     faces: Option<CasterFaces>,
-    receivers: Receivers,
+    receivers: GpuCaster,
     size: Size,
 }
 
@@ -41,7 +41,7 @@ impl<'a> Stage<'a> {
         Self {
             gpu,
             pass,
-            receivers: Receivers::upload(gpu, &caster).unwrap(),
+            receivers: GpuCaster::upload(gpu, &caster).unwrap(),
             caster,
             faces,
             size: Size::new(side, side).unwrap(),
@@ -320,11 +320,8 @@ fn stencil_frame_in_a_callers_encoder_counts_as_the_pass_of_our_own() {
     let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
     let mesh = shapes::torus_knot(2, 3, 80, 10, 0.3);
     let stage = Stage::new(&gpu, &pass, &mesh, Some(CasterFaces::All), 64);
-    let shaders = SilhouetteShaders::new(&gpu).unwrap();
-    let topology = GpuTopology::upload(&gpu, stage.caster.topology()).unwrap();
-    let silhouette = GpuSilhouette::new(&GpuCaster::new(&shaders, &mesh, topology).unwrap()).unwrap();
     let volumes = VolumeShaders::new(&gpu).unwrap();
-    let extrusion = GpuExtrusion::new(&volumes, &silhouette, Caps::Both, None).unwrap();
+    let extrusion = GpuExtrusion::new(&volumes, &stage.receivers, Caps::Both, None).unwrap();
     let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
         label: None,
         size: wgpu::Extent3d { width: 64, height: 64, depth_or_array_layers: 1 },
@@ -345,7 +342,6 @@ fn stencil_frame_in_a_callers_encoder_counts_as_the_pass_of_our_own() {
         let (_, projection) = projections(stage.caster.oracle(), &light, stage.size)[0];
         // A single encoder from the light to the counts, submitted once.
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        silhouette.record(&mut encoder, &light).unwrap();
         let volume = extrusion.record(&mut encoder, &light).unwrap();
         let draw = Draw { volume: &volume, method: StencilMethod::ZFail };
         let frame = pass.prepare(&projection, stage.size, &stage.receivers, &[draw]).unwrap();
@@ -392,5 +388,71 @@ fn stencil_frame_in_a_callers_encoder_counts_as_the_pass_of_our_own() {
         let mask = stage.mask(&projection, &cast.draws(), Counting::Stencil);
         assert!(counts == mask.raw(), "{light}");
         assert!(counts.iter().any(|&count| count != 0));
+    }
+}
+
+#[test]
+fn stencil_visibility_is_one_where_the_count_is_zero() {
+    let Some(gpu) = gpu() else { return };
+    let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
+    for mesh in [shapes::torus_knot(2, 3, 80, 10, 0.3), shapes::menger_sponge(1)] {
+        let stage = Stage::new(&gpu, &pass, &mesh, Some(CasterFaces::All), 64);
+        let light = lights(&stage.caster.oracle().bounds())[0];
+        for (what, projection) in projections(stage.caster.oracle(), &light, stage.size) {
+            let samples = stage.receivers.samples(&projection, stage.size, Depth::Plane).unwrap();
+            let cast = stage.cast(&light, &projection, Some(StencilMethod::ZFail)).upload(&gpu).unwrap();
+            for counting in [Counting::Stencil, Counting::Integer] {
+                let mask = stage.mask(&projection, &cast.draws(), counting);
+                let expected: Vec<f32> = (0..64)
+                    .flat_map(|y| (0..64).map(move |x| (x, y)))
+                    .map(|(x, y)| if mask.count(x, y) == Some(0) { 1.0 } else { 0.0 })
+                    .collect();
+                let visibility = |draws: &[Draw<'_>]| {
+                    pass.visibility(&samples, draws, counting).unwrap().download(&gpu).unwrap()
+                };
+                assert!(visibility(&cast.draws()) == expected, "{} {what} {counting:?}", mesh.name);
+                // The injected fault: without its volumes nothing is dark but the sky.
+                let unshadowed = visibility(&[]);
+                assert!(unshadowed != expected, "{} {what} {counting:?}", mesh.name);
+                let sky = mask.raw().len() - unshadowed.iter().filter(|&&lit| lit == 1.0).count();
+                let seen = (0..64).flat_map(|y| (0..64).map(move |x| (x, y)));
+                assert_eq!(sky, seen.filter(|&(x, y)| mask.count(x, y).is_none()).count());
+            }
+        }
+    }
+}
+
+#[test]
+fn stencil_pass_of_a_deforming_caster_counts_as_that_of_one_at_rest() {
+    let Some(gpu) = gpu() else { return };
+    let mesh = shapes::torus_knot(2, 3, 60, 8, 0.3);
+    let topology = GpuTopology::upload(&gpu, Caster::new(mesh.clone()).topology()).unwrap();
+    for depth in [Depth::Plane, Depth::Interpolated] {
+        let pass = StencilPass::new(&gpu, depth).unwrap();
+        let stage = Stage::new(&gpu, &pass, &mesh, Some(CasterFaces::All), 64);
+        let vertices = stage.receivers.vertices().clone();
+        let (largest, topology) = (stage.receivers.largest(), topology.clone());
+        let deforming = GpuCaster::deforming(&gpu, vertices, largest, topology);
+        let light = lights(&stage.caster.oracle().bounds())[0];
+        let (_, projection) = projections(stage.caster.oracle(), &light, stage.size)[0];
+        let casting = stage.cast(&light, &projection, Some(StencilMethod::ZFail));
+        let cast = casting.upload(&gpu).unwrap();
+        let mask = |receivers: &GpuCaster| {
+            pass.mask(&projection, stage.size, receivers, &cast.draws(), Counting::Stencil).unwrap()
+        };
+        let moved = mask(&deforming);
+        if depth == Depth::Plane {
+            // Its normals are those of `f32`: the exact ray cast decides.
+            assert!(stage.compare(&light, &projection, &casting.signs, &moved).agrees());
+            assert!(moved.raw().iter().any(|&count| count != 0));
+        } else {
+            assert_eq!(moved, mask(&stage.receivers));
+        }
+        // The injected fault: vertices elsewhere.
+        let shifted = shapes::translated(&mesh, [0.4, 0.0, 0.0]);
+        let elsewhere = GpuCaster::upload(&gpu, &Caster::new(shifted)).unwrap();
+        let elsewhere =
+            GpuCaster::deforming(&gpu, elsewhere.vertices().clone(), largest, elsewhere.topology().clone());
+        assert!(!stage.compare(&light, &projection, &casting.signs, &mask(&elsewhere)).agrees());
     }
 }

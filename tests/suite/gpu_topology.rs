@@ -6,7 +6,7 @@ use umbrage::topology::{GpuTopology, GpuTopologyBuilder, Topology};
 
 use crate::support::{facts, gpu, real_meshes};
 
-/// Offsets and entries of the host's table, from what it tells everyone.
+/// Offsets and entries of the host's table, by its public functions.
 fn words(topology: &Topology) -> (Vec<u32>, Vec<u32>) {
     let (mut offsets, mut entries) = (vec![0], Vec::new());
     for edge in topology.edges() {
@@ -25,11 +25,11 @@ fn gpu_topology_of_real_meshes_equals_the_hosts() {
     let check = |mesh: &Mesh| {
         let topology = Topology::of(mesh);
         let sent = GpuTopology::upload(&gpu, &topology).unwrap();
-        let built = builder.build(&gpu, sent.vertex_count, &sent.triangles, sent.face_count).unwrap();
+        let built = builder.build(&gpu, sent.vertex_count(), sent.triangles(), sent.face_count()).unwrap();
         let expected = words(&topology);
         assert!(sent.download(&gpu).unwrap() == expected, "{} uploaded", mesh.name);
         assert!(built.download(&gpu).unwrap() == expected, "{} built", mesh.name);
-        assert_eq!(built.edge_count, sent.edge_count);
+        assert_eq!(built.edge_count(), sent.edge_count());
         topology.collapsed_face_count()
     };
     let (mut files, mut collapsed) = (0, 0);
@@ -51,7 +51,7 @@ fn gpu_topology_of_a_mesh_changed_on_the_device_is_that_meshs() {
     let builder = GpuTopologyBuilder::new(&gpu).unwrap();
     let mesh = umbrage::testing::shapes::icosphere(3);
     let mut topology = Topology::of(&mesh);
-    let buffer: wgpu::Buffer = GpuTopology::upload(&gpu, &topology).unwrap().triangles;
+    let buffer: wgpu::Buffer = GpuTopology::upload(&gpu, &topology).unwrap().triangles().clone();
     // Each frame another face collapses, as in a level-of-detail chain.
     for face in 0..5 {
         let mut triangles = topology.triangles().to_vec();

@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use umbrage::caster::Caster;
+use umbrage::caster::{Caster, GpuCaster};
 use umbrage::geom::Light;
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::render::{MemoryError, verdict_color, verdicts};
 use umbrage::scene::Lamp;
-use umbrage::shadow::stencil::{
-    Counting, Depth, Receivers, ShadowMask, ShellMethods, StencilMethod, StencilPass, StencilVolumes,
-};
+use umbrage::shadow::Depth;
+use umbrage::shadow::stencil::{ShadowMask, ShellMethods, StencilMethod, StencilPass, StencilVolumes};
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
 use umbrage::view::Projection;
 use umbrage::view::Size;
@@ -100,7 +99,7 @@ fn judge(gpu: &Gpu, job: &Job<'_>) -> Result<Pixels, Failure> {
         gpu,
         job,
         pass: StencilPass::new(gpu, Depth::Plane)?,
-        receivers: Receivers::upload(gpu, job.caster)?,
+        receivers: GpuCaster::upload(gpu, job.caster)?,
     };
     drop(progress);
     let mut lights = Vec::new();
@@ -119,7 +118,7 @@ struct Bench<'a> {
     gpu: &'a Gpu,
     job: &'a Job<'a>,
     pass: StencilPass,
-    receivers: Receivers,
+    receivers: GpuCaster,
 }
 
 impl Bench<'_> {
@@ -184,10 +183,7 @@ fn describe(asked: &'static str, casting: &StencilVolumes, comparison: &Comparis
         asked,
         method: method(&casting.methods),
         reason: casting.methods.summary(),
-        counting: match casting.counting() {
-            Counting::Stencil => "stencil",
-            Counting::Integer => "integer",
-        },
+        counting: casting.counting().name(),
         counting_reason: casting.layers.to_string(),
         counts: comparison.counts(),
         mismatches: comparison.mismatches.clone(),

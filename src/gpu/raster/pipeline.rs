@@ -7,7 +7,7 @@ use crate::gpu::{Gpu, GpuError, wgpu};
 /// The depth and stencil of all passes; reversed, so that 0 is infinitely far.
 pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32FloatStencil8;
 
-/// What a render pipeline is made of; the layout of its group 0 comes from the shader where none is given.
+/// A description of a render pipeline. The layout of its group 0 comes from the shader where none is given.
 pub(crate) struct Pipeline<'a> {
     pub(crate) vertex: &'a str,
     pub(crate) fragment: Option<&'a str>,
@@ -55,6 +55,106 @@ impl Pipeline<'_> {
             })
         })
     }
+}
+
+/// A pipeline for triangles, and how their vertices are numbered.
+#[derive(Clone, Debug)]
+pub(crate) struct Drawing {
+    pipeline: wgpu::RenderPipeline,
+    /// By vertex id, so that a vertex is computed once for several triangles; otherwise corner by corner.
+    indexed: bool,
+}
+
+impl Drawing {
+    /// Builds a pipeline. Vertex shaders whose name ends in `_vertex` are indexed.
+    pub(crate) fn new(
+        pipeline: Pipeline<'_>,
+        gpu: &Gpu,
+        module: &wgpu::ShaderModule,
+    ) -> Result<Self, GpuError> {
+        let indexed = pipeline.vertex.ends_with("_vertex");
+        Ok(Self { pipeline: pipeline.build(gpu, module)?, indexed })
+    }
+
+    /// Draws the first `corners` corners of a triangle list.
+    pub(crate) fn all(&self, pass: &mut wgpu::RenderPass<'_>, triangles: &wgpu::Buffer, corners: u32) {
+        self.begin(pass, triangles);
+        match self.indexed {
+            true => pass.draw_indexed(0..corners, 0, 0..1),
+            false => pass.draw(0..corners, 0..1),
+        }
+    }
+
+    /// Draws what the arguments at an offset say of a triangle list.
+    pub(crate) fn indirect(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        triangles: &wgpu::Buffer,
+        arguments: &wgpu::Buffer,
+        offset: u64,
+    ) {
+        self.begin(pass, triangles);
+        match self.indexed {
+            true => pass.draw_indexed_indirect(arguments, offset),
+            false => pass.draw_indirect(arguments, offset),
+        }
+    }
+
+    fn begin(&self, pass: &mut wgpu::RenderPass<'_>, triangles: &wgpu::Buffer) {
+        pass.set_pipeline(&self.pipeline);
+        if self.indexed {
+            pass.set_index_buffer(triangles.slice(..), wgpu::IndexFormat::Uint32);
+        }
+    }
+}
+
+/// Draws the triangle that covers the whole target.
+pub(crate) fn everywhere(
+    mut pass: wgpu::RenderPass<'_>,
+    pipeline: &wgpu::RenderPipeline,
+    bind: Option<&wgpu::BindGroup>,
+) {
+    pass.set_pipeline(pipeline);
+    if let Some(bind) = bind {
+        pass.set_bind_group(0, bind, &[]);
+    }
+    pass.draw(0..3, 0..1);
+}
+
+/// The layout of group 0 for triangles: frame, vertices, triangles, planes.
+pub(crate) fn layout(gpu: &Gpu) -> Result<wgpu::BindGroupLayout, GpuError> {
+    layout_of(gpu, false)
+}
+
+/// The same, with the receivers' depth and a buffer that fragments write, at the bindings 4 and 5.
+pub(crate) fn counting_layout(gpu: &Gpu) -> Result<wgpu::BindGroupLayout, GpuError> {
+    layout_of(gpu, true)
+}
+
+fn layout_of(gpu: &Gpu, counting: bool) -> Result<wgpu::BindGroupLayout, GpuError> {
+    use wgpu::ShaderStages;
+    let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    let storage = |read_only| buffer(wgpu::BufferBindingType::Storage { read_only });
+    let mut entries = vec![
+        entry(0, ShaderStages::VERTEX_FRAGMENT, buffer(wgpu::BufferBindingType::Uniform)),
+        entry(1, ShaderStages::VERTEX, storage(true)),
+        entry(2, ShaderStages::VERTEX, storage(true)),
+        entry(3, ShaderStages::VERTEX, storage(true)),
+    ];
+    if counting {
+        let depth = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Depth,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        entries.push(entry(4, ShaderStages::FRAGMENT, depth));
+        entries.push(entry(5, ShaderStages::FRAGMENT, storage(false)));
+    }
+    gpu.attempt(|| {
+        gpu.device()
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+    })
 }
 
 /// A test of depth and stencil; all bits of the stencil count.

@@ -1,10 +1,11 @@
-//! What a pass draws into: depth and stencil.
+//! The depth and stencil that a pass draws into.
 
 use super::pipeline::FORMAT;
 use crate::gpu::{Gpu, GpuError, Texture, wgpu};
 use crate::view::Size;
 
-/// Depth and stencil of a picture.
+/// Depth and stencil of a picture: 8 bytes per pixel.
+#[derive(Clone, Debug)]
 pub(crate) struct Target(pub(crate) Texture);
 
 const STORE: wgpu::StoreOp = wgpu::StoreOp::Store;
@@ -14,7 +15,7 @@ impl Target {
         Ok(Self(gpu.texture("depth and stencil", size, FORMAT)?))
     }
 
-    /// Begins a pass with everything infinitely far and counted 0.
+    /// Begins a pass cleared to infinitely far and a count of 0.
     pub(crate) fn begin<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -25,14 +26,14 @@ impl Target {
         self.pass(encoder, colors, Some(depth), Some(stencil))
     }
 
-    /// Begins a pass that keeps the depth, with everything counted 0.
+    /// Begins a pass that keeps the depth and clears the counts to 0.
     pub(crate) fn begin_counting<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
         let depth = wgpu::Operations { load: wgpu::LoadOp::Load, store: STORE };
         let stencil = wgpu::Operations { load: wgpu::LoadOp::Clear(0), store: STORE };
         self.pass(encoder, &[], Some(depth), Some(stencil))
     }
 
-    /// Begins a pass that can look at depth and stencil, and change neither.
+    /// Begins a pass that tests depth and stencil and changes neither.
     pub(crate) fn begin_read_only<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -62,7 +63,7 @@ impl Target {
         })
     }
 
-    /// The depth alone, for shaders that look at it.
+    /// The depth alone, for shaders that read it.
     pub(crate) fn depth(&self) -> wgpu::TextureView {
         self.0.texture.create_view(&wgpu::TextureViewDescriptor {
             aspect: wgpu::TextureAspect::DepthOnly,

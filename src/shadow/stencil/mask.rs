@@ -4,11 +4,23 @@ use crate::view::Size;
 
 /// Storage of the counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Counting {
     /// Eight stencil bits: counts are correct modulo 256.
     Stencil,
     /// 32-bit integers in a buffer.
     Integer,
+}
+
+impl Counting {
+    /// Lower-case name, as in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stencil => "stencil",
+            Self::Integer => "integer",
+        }
+    }
 }
 
 /// Number of volumes of one light that contain the visible point, per pixel.
@@ -40,7 +52,7 @@ impl ShadowMask {
     /// Panics if there is not one count and one flag per pixel.
     #[must_use]
     pub fn new(size: Size, counting: Counting, counts: Vec<i32>, receiver: Vec<bool>) -> Self {
-        assert!(counts.len() == size.pixels() && receiver.len() == size.pixels(), "one entry a pixel");
+        assert!(counts.len() == size.pixels() && receiver.len() == size.pixels(), "one entry per pixel");
         Self { size, counting, counts, receiver }
     }
 
@@ -66,8 +78,8 @@ impl ShadowMask {
     #[must_use]
     pub fn count(&self, x: u32, y: u32) -> Option<i32> {
         assert!(x < self.size.width(), "pixel {x} of a row of {}", self.size.width());
-        let place = y as usize * self.size.width() as usize + x as usize;
-        self.receiver[place].then(|| self.counts[place])
+        let index = y as usize * self.size.width() as usize + x as usize;
+        self.receiver[index].then(|| self.counts[index])
     }
 
     /// The count of every pixel, sky included, row by row from the top.

@@ -16,9 +16,7 @@ mod volumes;
 pub(super) use cpu::StencilCounting;
 pub use depth_complexity::{DepthComplexity, max_depth_complexity};
 #[cfg(feature = "gpu")]
-pub(crate) use gpu::SOURCE;
-#[cfg(feature = "gpu")]
-pub use gpu::{Depth, Draw, Receivers, StencilFrame, StencilPass};
+pub use gpu::{Draw, StencilFrame, StencilPass};
 pub use mask::{Counting, ShadowMask};
 pub use method::ShellMethods;
 #[cfg(feature = "gpu")]
@@ -27,6 +25,7 @@ pub use volumes::StencilVolumes;
 
 /// Method of stencil counting: which faces of a shadow volume are counted at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum StencilMethod {
     /// Counts the faces in front of the visible surface. Needs no caps, but is wrong if the near rectangle of
     /// the camera is in a volume or is cut by one.

@@ -1,46 +1,5 @@
-// Receivers and shadow volumes, drawn without vertex buffers. Where triangles have a depth of their own,
-// there is one invocation per corner, looked up by its index. Otherwise there is one invocation per shared
-// vertex, drawn with the triangles as indices. Twin: `Frame` below mirrors the struct in gpu/uniforms.rs. The
-// exact reference of the counts is verify/pixels.
-//
-// All values in `Frame` are scaled by powers of two, which is exact. Lengths are scaled by `scale`, so that
-// the mesh has a size of about 1. Values of which only the direction matters (the light, vertices at
-// infinity) are scaled by `light_scale`.
-
-struct Frame {
-    right: vec3f,
-    scale: f32,
-    up: vec3f,
-    near: f32,
-    forward: vec3f,
-    light_scale: f32,
-    // The direction of the ray through (x, y) in normalized device coordinates is ray_right·x + ray_up·y +
-    // ray_forward, at depth 1.
-    ray_right: vec3f,
-    vertex_count: u32,
-    ray_up: vec3f,
-    light_w: f32,
-    ray_forward: vec3f,
-    width: f32,
-    eye: vec3f,
-    height: f32,
-    light: vec3f,
-    unused: f32,
-}
-
-@group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> vertices: array<f32>;
-@group(0) @binding(2) var<storage, read> triangles: array<u32>;
-// Unit normals of the receivers' faces; zero for a face without a normal.
-@group(0) @binding(3) var<storage, read> normals: array<f32>;
-
-struct Corner {
-    @invariant @builtin(position) clip: vec4f,
-    // Depth as a linear function of (x, y, 1) in normalized device coordinates.
-    @location(0) @interpolate(flat) depth: vec3f,
-    // The receiver's face index.
-    @location(1) @interpolate(flat) face: u32,
-}
+// Shadow volumes, counted against the depth of the receivers. raster.wgsl comes before it. The exact
+// counterpart of the counts is verify/pixels.
 
 // A corner of a side of a volume.
 struct Side {
@@ -53,48 +12,6 @@ struct Side {
     @location(1) @interpolate(flat) edge: vec3f,
     @location(2) @interpolate(flat) end_a: vec3f,
     @location(3) @interpolate(flat) end_b: vec3f,
-}
-
-fn vertex(id: u32) -> vec3f {
-    return vec3f(vertices[3u * id], vertices[3u * id + 1u], vertices[3u * id + 2u]);
-}
-
-fn project(q: vec3f, w: f32) -> vec4f {
-    return vec4f(dot(frame.right, q), dot(frame.up, q), frame.near * w, dot(frame.forward, q));
-}
-
-// The depth near/t at which rays meet the plane through `place` (relative to the eye) with `normal`. If the
-// eye lies in the plane, the plane covers no pixel, and the depth is 0, at infinity.
-fn plane_depth(normal: vec3f, place: vec3f) -> vec3f {
-    let distance = dot(normal, place);
-    if distance == 0.0 { return vec3f(0.0); }
-    let slope = vec3f(dot(normal, frame.ray_right), dot(normal, frame.ray_up), dot(normal, frame.ray_forward));
-    return slope * (frame.near / distance);
-}
-
-fn normalized(position: vec2f) -> vec2f {
-    return vec2f(2.0 * position.x / frame.width - 1.0, 1.0 - 2.0 * position.y / frame.height);
-}
-
-fn depth_at(position: vec2f, depth: vec3f) -> f32 {
-    return clamp(dot(depth, vec3f(normalized(position), 1.0)), 0.0, 1.0);
-}
-
-// Flat values come from a triangle's first corner; the other corners need none.
-@vertex
-fn receiver(@builtin(vertex_index) index: u32) -> Corner {
-    let face = index / 3u;
-    let q = vertex(triangles[index]) * frame.scale - frame.eye;
-    if index % 3u != 0u { return Corner(project(q, 1.0), vec3f(0.0), face); }
-    let normal = vec3f(normals[3u * face], normals[3u * face + 1u], normals[3u * face + 2u]);
-    return Corner(project(q, 1.0), plane_depth(normal, q), face);
-}
-
-// A vertex of the receivers, for triangles that share vertices: no depth is needed except the interpolated
-// one.
-@vertex
-fn receiver_vertex(@builtin(vertex_index) id: u32) -> Corner {
-    return Corner(project(vertex(id) * frame.scale - frame.eye, 1.0), vec3f(0.0), 0u);
 }
 
 // The vertex of the caster that a volume vertex belongs to, finite or at infinity.
@@ -118,13 +35,6 @@ fn less(v: vec3f, w: vec3f) -> bool {
     if a.x != b.x { return a.x < b.x; }
     if a.y != b.y { return a.y < b.y; }
     return a.z < b.z;
-}
-
-// The same direction, scaled to a largest component of 1, so that products of several directions keep their
-// digits.
-fn direction(v: vec3f) -> vec3f {
-    let largest = max(max(abs(v.x), abs(v.y)), abs(v.z));
-    return select(v / largest, vec3f(0.0), largest == 0.0);
 }
 
 // The direction from the light to a vertex, or the travel direction of a directional light.
@@ -193,11 +103,6 @@ fn volume_vertex(@builtin(vertex_index) id: u32) -> Corner {
     return Corner(volume_clip(id), vec3f(0.0), 0u);
 }
 
-@fragment
-fn plane(corner: Corner) -> @builtin(frag_depth) f32 {
-    return depth_at(corner.clip.xy, corner.depth);
-}
-
 // Depth of a side, clamped to the side's boundary. A rasterizer rounds corners to 1/256 pixel, and so may
 // cover a pixel just beyond a line where the side ends. There the plane of a side that is seen nearly edge-on
 // lies far in front of the side, or far behind. So the depth is that of the nearest point of the side, at
@@ -218,12 +123,14 @@ fn side_plane(side: Side) -> @builtin(frag_depth) f32 {
 
 // Integer counting in a buffer, for scenes that could overflow the stencil.
 
-@group(0) @binding(4) var<storage, read_write> counts: array<atomic<i32>>;
-@group(0) @binding(5) var receiver_depth: texture_depth_2d;
+@group(0) @binding(5) var<storage, read_write> counts: array<atomic<i32>>;
+
+fn pixel(position: vec4f) -> u32 {
+    return u32(position.y) * u32(frame.width) + u32(position.x);
+}
 
 fn count(position: vec4f, by: i32) {
-    let place = u32(position.y) * u32(frame.width) + u32(position.x);
-    atomicAdd(&counts[place], by);
+    atomicAdd(&counts[pixel(position)], by);
 }
 
 @fragment
@@ -245,4 +152,16 @@ fn count_before(side: Side, @builtin(front_facing) front: bool) {
     if depth > textureLoad(receiver_depth, vec2u(side.clip.xy), 0) {
         count(side.clip, select(-1, 1, front));
     }
+}
+
+// The visibility of a sample whose count in the stencil is 0, which the stencil test ensures.
+@fragment
+fn lit() -> @location(0) f32 {
+    return 1.0;
+}
+
+// The visibility of a sample by its integer count.
+@fragment
+fn lit_by_count(@builtin(position) position: vec4f) -> @location(0) f32 {
+    return select(0.0, 1.0, atomicLoad(&counts[pixel(position)]) == 0);
 }

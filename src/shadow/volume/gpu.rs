@@ -11,46 +11,38 @@ use super::closed::{BoundarySum, boundary_sum};
 use crate::geom::Light;
 use crate::gpu::{Gpu, GpuError, wgpu};
 
-/// A shadow volume on the device.
+/// A shadow volume on the device, as [the buffers](crate::gpu#buffers) describes.
 ///
-/// Vertices are the finite ones, three `f32` each. Triangles are three `u32` each: an id `v` below
-/// [`GpuVolume::vertex_count`] is a finite vertex, `vertex_count + v` the same vertex at infinity, `v·w − L` with the
-/// light's homogeneous `(L, w)`; a directional light has but one such point, whichever `v` it is written with.
-/// Draw a part without vertex buffer, with [`GpuVolume::arguments`] at the part's offset: by `draw_indexed_indirect` with
-/// the triangles as index buffer, so that `vertex_index` is the id, or by `draw_indirect`, and look the id up.
+/// Draw a part without vertex buffer, with [`GpuVolume::arguments`] at [`Part::offset`]: by
+/// `draw_indexed_indirect` with the triangles as index buffer, so that `vertex_index` is the vertex id, or by
+/// `draw_indirect`, looking the id up.
 #[derive(Clone, Debug)]
 pub struct GpuVolume {
-    /// Finite vertices, `array<f32>`, three a vertex.
-    pub vertices: wgpu::Buffer,
-    /// How many finite vertices there are.
-    pub vertex_count: u32,
-    /// `array<u32>`, three a triangle; the parts stand where the arguments say. Of usage `INDEX` too.
-    pub triangles: wgpu::Buffer,
-    /// In the order of [`Part`] three times five words: how many corners, 1 instance, the first corner, 0, 0. That is a
-    /// [`wgpu::util::DrawIndexedIndirectArgs`], and starts with a [`wgpu::util::DrawIndirectArgs`].
-    pub arguments: wgpu::Buffer,
-    /// The light it was extruded from.
-    pub light: Light,
-    /// The largest magnitude of a coordinate of the vertices, or more.
-    pub largest: f32,
+    vertices: wgpu::Buffer,
+    vertex_count: u32,
+    triangles: wgpu::Buffer,
+    arguments: wgpu::Buffer,
+    light: Light,
+    largest: f32,
 }
 
 /// A part of a volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Part {
     /// The casting faces, as the light sees them.
     LightCap,
-    /// What the silhouette edges sweep.
+    /// The quads that are extruded from the silhouette edges.
     Sides,
     /// The light cap at infinity, reversed.
     DarkCap,
 }
 
 impl Part {
-    /// All of them, in the order of the arguments.
+    /// All parts, in the order of the arguments.
     pub const ALL: [Self; 3] = [Self::LightCap, Self::Sides, Self::DarkCap];
 
-    /// Where this part's arguments start in [`GpuVolume::arguments`], in bytes.
+    /// The offset of this part's arguments in [`GpuVolume::arguments`], in bytes.
     #[must_use]
     pub fn offset(self) -> u64 {
         20 * self as u64
@@ -82,7 +74,43 @@ impl GpuVolume {
         })
     }
 
-    /// Reads the triangles of a part back, with the ids described above.
+    /// Finite vertices: `array<f32>`, three per vertex.
+    #[must_use]
+    pub fn vertices(&self) -> &wgpu::Buffer {
+        &self.vertices
+    }
+
+    /// The number of finite vertices.
+    #[must_use]
+    pub fn vertex_count(&self) -> u32 {
+        self.vertex_count
+    }
+
+    /// Vertex ids: `array<u32>`, three per triangle. Of usage `INDEX` too.
+    #[must_use]
+    pub fn triangles(&self) -> &wgpu::Buffer {
+        &self.triangles
+    }
+
+    /// Draw arguments: five words for each part in the order of [`Part::ALL`].
+    #[must_use]
+    pub fn arguments(&self) -> &wgpu::Buffer {
+        &self.arguments
+    }
+
+    /// The light that the volume was extruded from.
+    #[must_use]
+    pub fn light(&self) -> &Light {
+        &self.light
+    }
+
+    /// The largest magnitude of a coordinate of the vertices, or more.
+    #[must_use]
+    pub fn largest(&self) -> f32 {
+        self.largest
+    }
+
+    /// Reads the triangles of a part back, as vertex ids.
     ///
     /// # Errors
     ///
@@ -94,7 +122,8 @@ impl GpuVolume {
         Ok(triangles[first as usize / 3..].to_vec())
     }
 
-    /// The certificate, from what stands on the device: see [`ShadowVolume::boundary_sum`]. Reads everything back.
+    /// The certificate that the volume on the device is closed: see [`ShadowVolume::boundary_sum`]. Reads all
+    /// triangles back.
     ///
     /// # Errors
     ///

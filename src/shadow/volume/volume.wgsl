@@ -1,12 +1,14 @@
-// A shadow volume from stored signs and a listed silhouette. Twin: extrude.rs, which it equals triangle by triangle.
+// A shadow volume from stored signs and a listed silhouette. Twin: extrude.rs, which it equals triangle by
+// triangle.
 //
-// Faces go four to an invocation, as their signs are stored; silhouette edges are shared out among all invocations.
-// Places come from prefix sums: faces that cast by runs of RUN words, quads from the silhouette itself.
+// One invocation takes four faces, as their signs are stored; silhouette edges are shared out among all
+// invocations. Positions in the list come from prefix sums: those of casting faces by runs of RUN words,
+// those of quads from the silhouette.
 
 struct Parameters {
     vertices: u32,
     faces: u32,
-    // Triangles that there is room for.
+    // The largest number of triangles.
     capacity: u32,
     // CAPS, DIRECTIONAL
     flags: u32,
@@ -31,13 +33,13 @@ struct Demand {
     cap_faces: u32,
     edges: u32,
     quads: u32,
-    // 1 if there was no room: then nothing is drawn.
+    // 1 if the volume exceeds the capacity: then nothing is drawn.
     exceeded: u32,
 }
 
 @group(0) @binding(0) var<uniform> parameters: Parameters;
 @group(0) @binding(1) var<storage, read> signs: array<u32>;
-// How many faces of each run cast. After the scan: of all runs before it.
+// The number of casting faces of each run. After the scan: of all runs before it.
 @group(0) @binding(2) var<storage, read_write> run_faces: array<u32>;
 @group(0) @binding(3) var<storage, read> triangles: array<u32>;
 @group(0) @binding(4) var<storage, read> vertices: array<f32>;
@@ -45,7 +47,7 @@ struct Demand {
 @group(0) @binding(6) var<storage, read> quads: array<u32>;
 @group(0) @binding(7) var<storage, read> offsets: array<u32>;
 @group(0) @binding(8) var<storage, read> entries: array<u32>;
-// Of each listed edge: its vertices, the one whose position comes first in front.
+// The vertices of each listed edge, the one whose position comes first in front.
 @group(0) @binding(9) var<storage, read_write> ends: array<vec2u>;
 @group(0) @binding(10) var<storage, read_write> volume: array<u32>;
 // Light cap, sides, dark cap.
@@ -66,7 +68,7 @@ fn count_caps(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgro
     run_faces[run] = count;
 }
 
-// One invocation: where the parts stand, and whether they fit.
+// One invocation: the offsets of the parts, and whether they fit.
 @compute @workgroup_size(1)
 fn arrange() {
     let words = (parameters.faces + 3u) / 4u;
@@ -75,7 +77,7 @@ fn arrange() {
     var caps = 0u;
     if (parameters.flags & CAPS) != 0u { caps = run_faces[(words + RUN - 1u) / RUN]; }
     let dark = select(caps, 0u, directional);
-    // Step by step, since the sum may leave u32.
+    // Step by step, since the sum may exceed u32.
     var room = parameters.capacity;
     var fits = caps <= room;
     room -= min(caps, room);
@@ -91,10 +93,10 @@ fn arrange() {
     draws[2] = Draw(drawn * dark, instances, drawn * (caps + sides), 0, 0u);
 }
 
-fn write(place: u32, a: u32, b: u32, c: u32, reversed: bool) {
-    volume[3u * place] = a;
-    volume[3u * place + 1u] = select(b, c, reversed);
-    volume[3u * place + 2u] = select(c, b, reversed);
+fn write(index: u32, a: u32, b: u32, c: u32, reversed: bool) {
+    volume[3u * index] = a;
+    volume[3u * index + 1u] = select(b, c, reversed);
+    volume[3u * index + 2u] = select(c, b, reversed);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -104,8 +106,8 @@ fn caps(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups) g
     let word = signs[group];
     if casting(word) == 0u || draws[0].instance_count == 0u { return; }
     let run = group / RUN;
-    var place = run_faces[run];
-    for (var i = run * RUN; i < group; i++) { place += casting(signs[i]); }
+    var index = run_faces[run];
+    for (var i = run * RUN; i < group; i++) { index += casting(signs[i]); }
     let dark = draws[2].vertex_count != 0u;
     let dark_start = draws[2].first_vertex / 3u;
     let far = parameters.vertices;
@@ -116,20 +118,20 @@ fn caps(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups) g
         let a = triangles[3u * face];
         let b = triangles[3u * face + 1u];
         let c = triangles[3u * face + 2u];
-        write(place, a, b, c, side != 1u);
-        if dark { write(dark_start + place, far + a, far + b, far + c, side == 1u); }
-        place++;
+        write(index, a, b, c, side != 1u);
+        if dark { write(dark_start + index, far + a, far + b, far + c, side == 1u); }
+        index++;
     }
 }
 
-// The bit pattern of a number, in the order of numbers: subnormal ones may be flushed where floats are compared.
+// Integers in the order of the floats: a comparison of floats may flush subnormal ones.
 fn ordered(x: f32) -> i32 {
     let bits = bitcast<i32>(x);
     return bits ^ ((bits >> 31u) & 0x7fffffff);
 }
 
-// The vertices of every listed edge. The diagonal of its quad goes by their positions, so that coincident quads of
-// two meshes agree.
+// The vertices of every listed edge. The diagonal of its quad goes by their positions, so that coincident
+// quads of two meshes agree.
 @compute @workgroup_size(WORKGROUP)
 fn find_ends(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let step = groups.x * groups.y * WORKGROUP;

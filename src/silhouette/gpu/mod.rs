@@ -1,18 +1,15 @@
-//! Sides and silhouettes on a graphics device: equal to the processor's, or as fast as a frame needs them.
+//! Sides and silhouettes on a graphics device: exact, or without waiting for the device.
 //!
-//! [`SilhouetteShaders`] are compiled once for a device, a [`GpuCaster`] is made once for a mesh, and a
-//! [`GpuSilhouette`] holds what one light finds. There are two ways to fill it:
+//! [`SilhouetteShaders`] are compiled once per device, a [`GpuCaster`] is uploaded once per mesh, and a
+//! [`GpuSilhouette`] holds the result of one light. There are two methods to compute it:
 //!
-//! - [`GpuSilhouette::find`] is exact. The shader answers front, back or unsure; what is unsure is settled on the
-//!   processor by [`facing_of`] and written back, so the result is that of
-//!   [`classify`](super::classify) and [`Silhouette::extract`], bit for bit. It waits for the device twice.
-//! - [`GpuSilhouette::record`] writes into a caller's encoder and never waits. Unsure faces keep the sign that `f32`
-//!   gave. Each face still has one stored sign, so that volumes are closed as ever.
+//! - [`GpuSilhouette::find`] is exact. The shader answers front, back or unsure; unsure faces are decided on
+//!   the processor by [`facing_of`] and written back, so the result is that of
+//!   [`classify`](crate::facing::classify) and [`Silhouette::extract`], bit for bit. It waits for the device
+//!   twice.
+//! - [`GpuSilhouette::record`] writes into a caller's encoder and never waits. Unsure faces keep the sign
+//!   that `f32` gave. Each face still has one stored sign, so that volumes stay closed.
 
-mod caster;
-#[cfg(test)]
-mod emulation;
-mod filter;
 mod shaders;
 #[cfg(test)]
 mod tests;
@@ -20,46 +17,41 @@ mod tests;
 use std::sync::{Arc, Mutex};
 
 use super::{Silhouette, SilhouetteEdge};
+use crate::caster::GpuCaster;
 use crate::facing::facing_of;
+use crate::facing::gpu::LightParameters;
 use crate::geom::Facing;
 use crate::geom::Light;
 use crate::gpu::{GpuError, ScanOf, wgpu};
 use crate::mesh::{EdgeId, FaceId, Mesh};
-pub use caster::GpuCaster;
-use filter::LightParameters;
 pub use shaders::SilhouetteShaders;
 use shaders::{EDGES, RUN, slot};
 
-/// How many unsure faces are read back together with their number.
+/// Unsure faces that are read back together with their number.
 const FIRST_FACES: u64 = 4095;
-/// How many silhouette edges are read back together with their number.
+/// Silhouette edges that are read back together with their number.
 const FIRST_EDGES: u64 = 16384;
 
 /// Sides and silhouette of one caster for one light at a time, on the device.
 ///
-/// The buffers may be read by a caller's own shaders, after the work that was recorded or found last. Clones share
-/// them.
+/// A caller's own shaders may read the buffers, after the work that was recorded or found last: see
+/// [the buffers](crate::gpu#buffers). Clones share them.
 #[derive(Clone, Debug)]
 pub struct GpuSilhouette {
+    shaders: SilhouetteShaders,
     caster: GpuCaster,
-    /// `array<u32>`, four faces each, the first in the lowest byte: 1 in front, 255 (−1) behind, 0 edge-on.
-    pub facing: wgpu::Buffer,
-    /// As [`GpuSilhouette::facing`], with 0 for faces that do not cast.
-    pub signs: wgpu::Buffer,
-    /// `array<u32>`: how many edges are silhouette, the sum of their `|m|`, then for each edge, ascending, its id and
-    /// its multiplicity `m` (`i32`).
-    pub edges: wgpu::Buffer,
-    /// `array<u32>`: for each silhouette edge the sum of `|m|` over those before it.
-    pub quads: wgpu::Buffer,
-    /// `array<u32>`: how many faces were unsure, then their ids in no particular order. Empty for a deforming caster.
-    pub unsure: wgpu::Buffer,
+    facing: wgpu::Buffer,
+    signs: wgpu::Buffer,
+    edges: wgpu::Buffer,
+    quads: wgpu::Buffer,
+    unsure: wgpu::Buffer,
     masks: wgpu::Buffer,
     light: wgpu::Buffer,
     groups: Bindings,
     staging: Arc<Mutex<wgpu::Buffer>>,
 }
 
-/// What each pass is given.
+/// The buffers of each pass.
 #[derive(Clone, Debug)]
 struct Bindings {
     facing: wgpu::BindGroup,
@@ -71,31 +63,31 @@ struct Bindings {
     list_runs: wgpu::BindGroup,
 }
 
-/// What an exact search found.
+/// The result of an exact search.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct FoundSilhouette {
     /// The silhouette of the faces that cast.
     pub silhouette: Silhouette,
-    /// How many faces the device left to the processor.
+    /// The number of faces that the processor decided.
     pub unsure_faces: usize,
 }
 
 impl GpuSilhouette {
-    /// Makes room for what a light may find on `caster`: at most 2 bytes a face and 12 an edge, and 4 more a face
-    /// that rests. All faces cast until [`GpuSilhouette::set_masks`] says otherwise.
+    /// Allocates the buffers for the result of a light: at most 2 bytes per face and 12 per edge, and 4 more
+    /// per face of a caster at rest. All faces cast until [`GpuSilhouette::set_masks`] says otherwise.
     ///
     /// # Errors
     ///
     /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`].
-    pub fn new(caster: &GpuCaster) -> Result<Self, GpuError> {
-        let (gpu, shaders) = (caster.gpu(), &caster.shaders);
-        let topology = &caster.topology;
-        let (faces, edges) = (topology.face_count as usize, topology.edge_count as usize);
+    pub fn new(shaders: &SilhouetteShaders, caster: &GpuCaster) -> Result<Self, GpuError> {
+        let (gpu, topology) = (caster.gpu(), caster.topology());
+        let (faces, edges) = (topology.face_count() as usize, topology.edge_count() as usize);
         let sixteens = faces.div_ceil(16).max(1); // no buffer is empty
         let facing = gpu.storage::<[u32; 4]>("sides of faces", sixteens)?;
         let signs = gpu.storage::<[u32; 4]>("signs of faces", sixteens)?;
         let masks = gpu.storage::<[u32; 4]>("which faces cast", sixteens)?;
-        let listed = if caster.planes.is_some() { faces } else { 0 };
+        let listed = if caster.planes().is_some() { faces } else { 0 };
         let unsure = gpu.storage::<u32>("unsure faces", 1 + listed.max(1))?;
         let multiplicities = gpu.storage::<i32>("multiplicities", edges)?;
         let runs = edges.div_ceil(RUN);
@@ -103,11 +95,11 @@ impl GpuSilhouette {
         let found = gpu.storage::<[u32; 2]>("silhouette edges", 1 + edges.max(1))?;
         let quads = gpu.storage::<u32>("quads before an edge", edges)?;
         let light = gpu.storage_for::<LightParameters>("light", 1, wgpu::BufferUsages::UNIFORM)?;
-        let face_count = gpu.uniform(&[topology.face_count, 0, 0, 0])?;
-        let edge_count = gpu.uniform(&[topology.edge_count, 0, 0, 0])?;
+        let face_count = gpu.uniform(&[topology.face_count(), 0, 0, 0])?;
+        let edge_count = gpu.uniform(&[topology.edge_count(), 0, 0, 0])?;
         let groups = Bindings {
-            facing: match &caster.planes {
-                Some((_, planes)) => shaders.facing_by_planes.bind(
+            facing: match caster.planes() {
+                Some(planes) => shaders.facing_by_planes.bind(
                     gpu,
                     &[
                         (slot::LIGHT, &light),
@@ -121,14 +113,14 @@ impl GpuSilhouette {
                     &[
                         (slot::LIGHT, &light),
                         (slot::FACING, &facing),
-                        (slot::TRIANGLES, &topology.triangles),
-                        (slot::VERTICES, &caster.vertices),
+                        (slot::TRIANGLES, topology.triangles()),
+                        (slot::VERTICES, caster.vertices()),
                     ],
                 )?,
             },
             drop_collapsed: shaders.drop_collapsed.bind(
                 gpu,
-                &[(slot::TRIANGLES, &topology.triangles), (slot::MASKS, &masks), (slot::SIZE, &face_count)],
+                &[(slot::TRIANGLES, topology.triangles()), (slot::MASKS, &masks), (slot::SIZE, &face_count)],
             )?,
             choose_casters: shaders.choose_casters.bind(
                 gpu,
@@ -143,8 +135,8 @@ impl GpuSilhouette {
                 gpu,
                 &[
                     (slot::SIGNS, &signs),
-                    (slot::OFFSETS, &topology.offsets),
-                    (slot::ENTRIES, &topology.entries),
+                    (slot::OFFSETS, topology.offsets()),
+                    (slot::ENTRIES, topology.entries()),
                     (slot::MULTIPLICITIES, &multiplicities),
                     (slot::SIZE, &edge_count),
                 ],
@@ -167,15 +159,28 @@ impl GpuSilhouette {
         };
         let first = (4 + 4 * FIRST_FACES).max(8 + 8 * FIRST_EDGES);
         let staging = Arc::new(Mutex::new(gpu.staging(first)?));
-        let caster = caster.clone();
-        let silhouette =
-            Self { caster, facing, signs, edges: found, quads, unsure, masks, light, groups, staging };
+        let (shaders, caster) = (shaders.clone(), caster.clone());
+        let silhouette = Self {
+            shaders,
+            caster,
+            facing,
+            signs,
+            edges: found,
+            quads,
+            unsure,
+            masks,
+            light,
+            groups,
+            staging,
+        };
         silhouette.set_masks(&vec![crate::facing::CasterFaces::All.mask(); faces])?;
         Ok(silhouette)
     }
 
-    /// Says on which sides each face casts: one entry a face, [`CasterFaces::mask`](crate::facing::CasterFaces::mask) or those of
-    /// [`Plan::masks`](crate::shadow::volume::ShellFaces::masks). Holds for everything found or recorded afterwards.
+    /// Sets on which sides each face casts, one entry per face:
+    /// [`CasterFaces::mask`](crate::facing::CasterFaces::mask), or those of
+    /// [`ShellFaces::masks`](crate::shadow::volume::ShellFaces::masks). Holds for everything found or
+    /// recorded afterwards.
     ///
     /// # Errors
     ///
@@ -183,13 +188,13 @@ impl GpuSilhouette {
     ///
     /// # Panics
     ///
-    /// Panics if there is not one mask a face.
+    /// Panics if there is not one mask per face.
     pub fn set_masks(&self, masks: &[u8]) -> Result<(), GpuError> {
-        let faces = self.caster.topology.face_count as usize;
-        assert_eq!(masks.len(), faces, "one mask a face");
+        let faces = self.caster.topology().face_count() as usize;
+        assert_eq!(masks.len(), faces, "one mask per face");
         let mut padded = masks.to_vec();
         padded.resize(faces.next_multiple_of(4), 0);
-        let (gpu, shaders) = (self.caster.gpu(), &self.caster.shaders);
+        let (gpu, shaders) = (self.caster.gpu(), &self.shaders);
         let staged = gpu.upload("which faces cast", &padded)?;
         gpu.submit(|encoder| {
             encoder.copy_buffer_to_buffer(&staged, 0, &self.masks, 0, padded.len() as u64);
@@ -197,14 +202,45 @@ impl GpuSilhouette {
         })
     }
 
-    /// The caster it belongs to.
+    /// The caster.
     #[must_use]
     pub fn caster(&self) -> &GpuCaster {
         &self.caster
     }
 
-    /// The side of every face for `light`, and the silhouette of those that cast, exactly. `mesh` must be the one that
-    /// the caster was made of. Waits for the device.
+    /// The side of each face: `array<u32>`, four faces per word.
+    #[must_use]
+    pub fn facing(&self) -> &wgpu::Buffer {
+        &self.facing
+    }
+
+    /// As [`GpuSilhouette::facing`], with 0 for faces that do not cast.
+    #[must_use]
+    pub fn signs(&self) -> &wgpu::Buffer {
+        &self.signs
+    }
+
+    /// The silhouette edges with their multiplicities.
+    #[must_use]
+    pub fn edges(&self) -> &wgpu::Buffer {
+        &self.edges
+    }
+
+    /// For each silhouette edge the sum of `|m|` over those before it: `array<u32>`.
+    #[must_use]
+    pub fn quads(&self) -> &wgpu::Buffer {
+        &self.quads
+    }
+
+    /// The number of unsure faces, then their ids: `array<u32>`.
+    #[must_use]
+    pub fn unsure(&self) -> &wgpu::Buffer {
+        &self.unsure
+    }
+
+    /// The side of every face for `light`, and the silhouette of those that cast, exactly. `mesh` must be the
+    /// one that was uploaded. Waits for the device. Clones share their buffers: one light at a time, on one
+    /// thread.
     ///
     /// # Errors
     ///
@@ -212,16 +248,15 @@ impl GpuSilhouette {
     ///
     /// # Panics
     ///
-    /// Panics if `mesh` has another number of faces, or the caster deforms: its sides have no bound.
-    ///
-    /// Clones share their buffers: one light at a time, on one thread.
+    /// Panics if `mesh` has another number of faces, or if the caster deforms: then sides have no error
+    /// bound.
     pub fn find(&self, mesh: &Mesh, light: &Light) -> Result<FoundSilhouette, GpuError> {
         let unsure_faces = self.classify(mesh, light)?;
         Ok(FoundSilhouette { silhouette: self.extract()?, unsure_faces })
     }
 
-    /// The first half of [`GpuSilhouette::find`]: the side of every face, in [`GpuSilhouette::facing`]. Returns how many
-    /// faces the device left to the processor.
+    /// The first half of [`GpuSilhouette::find`]: the side of every face, in [`GpuSilhouette::facing`].
+    /// Returns the number of faces that the processor decided.
     ///
     /// # Errors
     ///
@@ -231,9 +266,9 @@ impl GpuSilhouette {
     ///
     /// As [`GpuSilhouette::find`].
     pub fn classify(&self, mesh: &Mesh, light: &Light) -> Result<usize, GpuError> {
-        let faces = self.caster.topology.face_count;
+        let faces = self.caster.topology().face_count();
         assert_eq!(mesh.face_count(), faces as usize, "the caster is of another mesh");
-        assert!(self.caster.planes.is_some(), "a deforming caster has no exact sides");
+        assert!(self.caster.planes().is_some(), "a deforming caster has no exact sides");
         let unsure = self.unsure_faces(light)?;
         if !unsure.is_empty() {
             self.settle(unsure.iter().map(|&face| (face, facing_of(mesh, FaceId(face), light))))?;
@@ -241,7 +276,7 @@ impl GpuSilhouette {
         Ok(unsure.len())
     }
 
-    /// Runs the filter and reads back, ascending, which faces it leaves open.
+    /// Runs the filter and reads back the unsure faces, ascending.
     fn unsure_faces(&self, light: &Light) -> Result<Vec<u32>, GpuError> {
         let gpu = self.caster.gpu();
         let staging = self.staging.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -263,9 +298,9 @@ impl GpuSilhouette {
         Ok(faces)
     }
 
-    /// Writes sides that were settled, ascending by face.
+    /// Writes sides that were decided exactly, ascending by face.
     fn settle(&self, settled: impl Iterator<Item = (u32, Facing)>) -> Result<(), GpuError> {
-        // A word holds four faces: word, what stays of it, what is put in.
+        // A word holds four faces: index of the word, the bits that are kept, the bits that are set.
         let mut patches: Vec<[u32; 3]> = Vec::new();
         for (face, facing) in settled {
             let shift = 8 * (face % 4);
@@ -275,7 +310,7 @@ impl GpuSilhouette {
                 None => patches.push([face / 4, !(0xff << shift), bits]),
             }
         }
-        let (gpu, settle) = (self.caster.gpu(), &self.caster.shaders.settle);
+        let (gpu, settle) = (self.caster.gpu(), &self.shaders.settle);
         let buffer = gpu.upload("settled faces", &patches)?;
         let size = gpu.uniform(&[patches.len() as u32, 0, 0, 0])?;
         let buffers = [(slot::PATCHES, &buffer), (slot::FACING, &self.facing), (slot::SIZE, &size)];
@@ -283,7 +318,8 @@ impl GpuSilhouette {
         gpu.submit(|encoder| settle.record(encoder, &bindings, patches.len()))
     }
 
-    /// The second half of [`GpuSilhouette::find`]: the silhouette of the sides that are stored. Waits for the device.
+    /// The second half of [`GpuSilhouette::find`]: the silhouette of the sides that are stored. Waits for the
+    /// device.
     ///
     /// # Errors
     ///
@@ -308,10 +344,10 @@ impl GpuSilhouette {
         Ok(Silhouette { edges: listed(&words[1..]) })
     }
 
-    /// Records everything for `light`, without settling what is unsure: those faces keep the sign that `f32` gave.
-    /// Neither submits nor waits; [`GpuSilhouette::unsure`] starts with how many there are, to be read whenever. Several
-    /// lights may be recorded one after the other, each with its own [`GpuSilhouette`] or with the reader of the one
-    /// before in between.
+    /// Records sides and silhouette for `light`; unsure faces keep the sign that `f32` gave. Neither submits
+    /// nor waits. [`GpuSilhouette::unsure`] starts with their number, to be read at any time. Several lights
+    /// may be recorded into one encoder: each with its own [`GpuSilhouette`], or with one whose result is
+    /// used before the next is recorded.
     ///
     /// # Errors
     ///
@@ -329,23 +365,23 @@ impl GpuSilhouette {
     /// As [`GpuSilhouette::record`].
     pub fn record_facing(&self, encoder: &mut wgpu::CommandEncoder, light: &Light) -> Result<(), GpuError> {
         let parameters = self.parameters(light)?;
-        let shaders = &self.caster.shaders;
+        let shaders = &self.shaders;
         encoder.copy_buffer_to_buffer(&parameters, 0, &self.light, 0, parameters.size());
         encoder.clear_buffer(&self.unsure, 0, Some(4));
-        let facing = match &self.caster.planes {
+        let facing = match self.caster.planes() {
             Some(_) => &shaders.facing_by_planes,
             None => &shaders.facing_by_positions,
         };
-        let groups = self.caster.topology.face_count.div_ceil(4) as usize;
+        let groups = self.caster.topology().face_count().div_ceil(4) as usize;
         facing.record(encoder, &self.groups.facing, groups);
         Ok(())
     }
 
     /// The second half of [`GpuSilhouette::record`]: the silhouette of the sides that are stored.
     pub fn record_edges(&self, encoder: &mut wgpu::CommandEncoder) {
-        let (shaders, groups) = (&self.caster.shaders, &self.groups);
-        let faces = self.caster.topology.face_count as usize;
-        let edges = self.caster.topology.edge_count as usize;
+        let (shaders, groups) = (&self.shaders, &self.groups);
+        let faces = self.caster.topology().face_count() as usize;
+        let edges = self.caster.topology().edge_count() as usize;
         let runs = edges.div_ceil(RUN);
         shaders.choose_casters.record(encoder, &groups.choose_casters, faces.div_ceil(16));
         shaders.multiply.record(encoder, &groups.multiply, edges.div_ceil(EDGES));
@@ -354,7 +390,7 @@ impl GpuSilhouette {
         shaders.list_runs.record(encoder, &groups.list_runs, runs.max(1));
     }
 
-    /// The side of every face as stored: a read-back that waits for the device.
+    /// The side of every face as stored. Waits for the device.
     ///
     /// # Errors
     ///
@@ -365,11 +401,11 @@ impl GpuSilhouette {
             0 => Facing::EdgeOn,
             _ => Facing::Back,
         };
-        let faces = self.caster.topology.face_count as usize;
+        let faces = self.caster.topology().face_count() as usize;
         Ok(self.caster.gpu().download::<i8>(&self.facing, faces)?.into_iter().map(side).collect())
     }
 
-    /// How many faces were unsure in what was recorded last: a read-back that waits for the device.
+    /// The number of unsure faces in what was recorded last. Waits for the device.
     ///
     /// # Errors
     ///
@@ -378,7 +414,7 @@ impl GpuSilhouette {
         Ok(self.caster.gpu().download::<u32>(&self.unsure, 1)?[0] as usize)
     }
 
-    /// Which faces were unsure in what was recorded last, ascending: a read-back that waits for the device.
+    /// The unsure faces in what was recorded last, ascending. Waits for the device.
     ///
     /// # Errors
     ///
@@ -390,17 +426,9 @@ impl GpuSilhouette {
         Ok(faces)
     }
 
-    /// A light as the shaders want it, in a buffer of its own, so that one encoder may hold several lights.
+    /// The parameters of a light, in a buffer of its own, so that one encoder may hold several lights.
     fn parameters(&self, light: &Light) -> Result<wgpu::Buffer, GpuError> {
-        let parameters = match &self.caster.planes {
-            Some((filter, _)) => filter.light(light),
-            None => {
-                let [x, y, z, w] = light.homogeneous();
-                let faces = self.caster.topology.face_count;
-                LightParameters { xyz: [x, y, z], w, reach: 0.0, floor: 0.0, faces, padding: 0 }
-            }
-        };
-        self.caster.gpu().upload("light", &[parameters])
+        self.caster.gpu().upload("light", &[self.caster.light(light)])
     }
 }
 

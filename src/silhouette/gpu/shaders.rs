@@ -1,14 +1,14 @@
 //! The compiled passes.
 
-use super::filter::EVALUATION;
+use crate::facing::gpu::EVALUATION;
 use crate::gpu::{Gpu, GpuError, Kernel, Scan, Shader};
 
-/// How many edges one invocation counts and lists.
+/// Edges that one invocation counts and lists.
 pub(super) const RUN: usize = 64;
-/// How many edges one invocation finds the multiplicity of.
+/// Edges whose multiplicity one invocation computes.
 pub(super) const EDGES: usize = 4;
 
-/// Where the shader binds its buffers.
+/// The bindings of the shader.
 pub(super) mod slot {
     pub(in super::super) const LIGHT: u32 = 0;
     pub(in super::super) const PLANES: u32 = 1;
@@ -28,10 +28,9 @@ pub(super) mod slot {
     pub(in super::super) const SIZE: u32 = 15;
 }
 
-/// The passes that find silhouettes, compiled for one device. Cheap to clone.
+/// The compiled shaders for silhouettes, for one device. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct SilhouetteShaders {
-    gpu: Gpu,
     pub(super) facing_by_planes: Kernel,
     pub(super) facing_by_positions: Kernel,
     pub(super) settle: Kernel,
@@ -44,7 +43,7 @@ pub struct SilhouetteShaders {
 }
 
 impl SilhouetteShaders {
-    /// Compiles them, which takes some tens of milliseconds.
+    /// Compiles the shaders, which takes some tens of milliseconds.
     ///
     /// # Errors
     ///
@@ -57,7 +56,6 @@ impl SilhouetteShaders {
         let module = shader.module(gpu)?;
         let kernel = |entry| Kernel::new(gpu, &module, entry);
         Ok(Self {
-            gpu: gpu.clone(),
             facing_by_planes: kernel("facing_by_planes")?,
             facing_by_positions: kernel("facing_by_positions")?,
             settle: kernel("settle")?,
@@ -68,12 +66,6 @@ impl SilhouetteShaders {
             list_runs: kernel("list_runs")?,
             scan: Scan::new(gpu)?,
         })
-    }
-
-    /// The device.
-    #[must_use]
-    pub fn gpu(&self) -> &Gpu {
-        &self.gpu
     }
 }
 

@@ -1,6 +1,7 @@
 use super::shaders::{shader, with_body};
 use super::*;
 use crate::facing::{CasterFaces, FacePlanes, classify};
+use crate::gpu::layout::members;
 use crate::gpu::tests::gpu;
 use crate::testing::shapes;
 use crate::topology::{GpuTopology, Topology};
@@ -16,12 +17,12 @@ fn topology(mesh: &Mesh) -> Topology {
 }
 
 fn on_device(shaders: &SilhouetteShaders, mesh: &Mesh, planes: &FacePlanes) -> GpuSilhouette {
-    let topology = GpuTopology::upload(shaders.gpu(), &topology(mesh)).unwrap();
-    let caster = GpuCaster::with_planes(shaders, mesh, topology, planes).unwrap();
-    GpuSilhouette::new(&caster).unwrap()
+    let gpu = gpu().expect("its shaders are there");
+    let caster = GpuCaster::with_planes(&gpu, mesh, &topology(mesh), planes).unwrap();
+    GpuSilhouette::new(shaders, &caster).unwrap()
 }
 
-/// Small grids for ties, places far from the origin, and both ends of the range.
+/// Small grids for ties, positions far from the origin, and both ends of the range.
 fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![
         (-4_i8..=4).prop_map(f32::from),
@@ -61,18 +62,9 @@ proptest! {
 
 #[test]
 fn silhouette_shader_is_laid_out_as_rust_writes_it() {
-    let module = naga::front::wgsl::parse_str(shader().source()).unwrap();
-    let members = |name: &str| {
-        let found = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some(name));
-        let Some((_, naga::Type { inner: naga::TypeInner::Struct { members, span }, .. })) = found else {
-            panic!("{name} is a structure");
-        };
-        let offsets = members.iter().map(|m| (m.name.clone().unwrap(), m.offset as usize));
-        (offsets.collect::<Vec<_>>(), *span as usize)
-    };
-    let owned =
-        |members: &[(&str, usize)]| members.iter().map(|&(n, o)| (n.to_owned(), o)).collect::<Vec<_>>();
-    let light = [
+    let shader = shader();
+    let (light, size) = members(shader.source(), "Light");
+    let here = [
         ("l", std::mem::offset_of!(LightParameters, xyz)),
         ("reach", std::mem::offset_of!(LightParameters, reach)),
         ("lowest", std::mem::offset_of!(LightParameters, floor)),
@@ -80,10 +72,13 @@ fn silhouette_shader_is_laid_out_as_rust_writes_it() {
         ("padding", std::mem::offset_of!(LightParameters, padding)),
     ];
     assert_eq!(std::mem::offset_of!(LightParameters, w), 12, "the fourth of `l`");
-    assert_eq!(members("Light"), (owned(&light), size_of::<LightParameters>()));
-    assert_eq!(members("Patch"), (owned(&[("word", 0), ("keep", 4), ("bits", 8)]), size_of::<[u32; 3]>()));
-    assert_eq!(members("Unsure").0, owned(&[("count", 0), ("faces", 4)]));
-    assert_eq!(members("Found").0, owned(&[("edges", 0), ("quads", 4), ("list", 8)]));
+    let owned =
+        |members: &[(&str, usize)]| members.iter().map(|&(n, o)| (n.to_owned(), o)).collect::<Vec<_>>();
+    assert_eq!((light, size), (owned(&here), size_of::<LightParameters>()));
+    let patch = (owned(&[("word", 0), ("keep", 4), ("bits", 8)]), size_of::<[u32; 3]>());
+    assert_eq!(members(shader.source(), "Patch"), patch);
+    assert_eq!(members(shader.source(), "Unsure").0, owned(&[("count", 0), ("faces", 4)]));
+    assert_eq!(members(shader.source(), "Found").0, owned(&[("edges", 0), ("quads", 4), ("list", 8)]));
 }
 
 #[test]
@@ -133,7 +128,7 @@ fn silhouette_filter_without_the_error_of_planes_is_caught() {
     };
     let expected = classify(&mesh, &light);
     assert_eq!(facing_with(&planes), expected);
-    planes.forget_errors(); // the sabotage
+    planes.forget_errors(); // the injected fault
     assert_ne!(facing_with(&planes), expected);
 }
 
@@ -145,7 +140,7 @@ fn silhouette_unsure_face_taken_as_front_is_caught() {
     let light = Light::directional([0.0, -1.0, 0.0]).unwrap();
     let unsure = silhouette.unsure_faces(&light).unwrap();
     assert!(!unsure.is_empty());
-    silhouette.settle(unsure.iter().map(|&face| (face, Facing::Front))).unwrap(); // the sabotage
+    silhouette.settle(unsure.iter().map(|&face| (face, Facing::Front))).unwrap(); // the injected fault
     let facing = classify(&mesh, &light);
     assert_ne!(silhouette.download_facing().unwrap(), facing);
     let expected = Silhouette::extract(&topology(&mesh), &CasterFaces::All.signs(&facing));
@@ -175,19 +170,19 @@ fn silhouette_recorded_for_several_lights_in_one_encoder_keeps_them_apart() {
     let mesh = shapes::icosphere(3);
     let topology = topology(&mesh);
     let one = on_device(&shaders, &mesh, &FacePlanes::new(&mesh));
-    let vertices = shaders.gpu().upload("vertices", mesh.positions()).unwrap();
-    let uploaded = GpuTopology::upload(shaders.gpu(), &topology).unwrap();
-    let other = GpuSilhouette::new(&GpuCaster::deforming(&shaders, vertices, 1.0, uploaded)).unwrap();
+    let gpu = gpu().expect("its shaders are there");
+    let vertices = gpu.upload("vertices", mesh.positions()).unwrap();
+    let uploaded = GpuTopology::upload(&gpu, &topology).unwrap();
+    let deforming = GpuCaster::deforming(&gpu, vertices, 1.0, uploaded);
+    let other = GpuSilhouette::new(&shaders, &deforming).unwrap();
     let lights = ["point:3,4.125,5.5", "directional:0.3,-1,0.2"].map(|light| light.parse::<Light>().unwrap());
-    let again = GpuSilhouette::new(one.caster()).unwrap();
-    shaders
-        .gpu()
-        .submit(|encoder| {
-            one.record(encoder, &lights[0]).unwrap();
-            other.record(encoder, &lights[0]).unwrap();
-            again.record(encoder, &lights[1]).unwrap();
-        })
-        .unwrap();
+    let again = GpuSilhouette::new(&shaders, one.caster()).unwrap();
+    gpu.submit(|encoder| {
+        one.record(encoder, &lights[0]).unwrap();
+        other.record(encoder, &lights[0]).unwrap();
+        again.record(encoder, &lights[1]).unwrap();
+    })
+    .unwrap();
     for (silhouette, light) in [(one, lights[0]), (other, lights[0]), (again, lights[1])] {
         // In general position f32 is right.
         assert_eq!(silhouette.download_unsure_count().unwrap(), 0);

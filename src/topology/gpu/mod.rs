@@ -9,30 +9,22 @@ pub use build::GpuTopologyBuilder;
 use super::Topology;
 use crate::gpu::{Gpu, GpuError, wgpu};
 
-/// An edge table on the device, bit-equal to that of a [`Topology`].
-///
-/// Edges are numbered in the order of their vertices `(a, b)`, `a < b`. The entries of edge `e` are those
-/// from `offsets[e]` up to `offsets[e + 1]`, ascending. An entry is a half-edge, `entry >> 1`, and its
-/// direction, `entry & 1`: 0 from the edge's lower- to its higher-numbered vertex, 1 back. Half-edge `h` is
-/// corner `h` of the triangle list: of face `h / 3`, starting at vertex `triangles[h]`.
+/// An edge table on the device, the same words as a [`Topology`] holds: see [the
+/// buffers](crate::gpu#buffers).
 #[derive(Clone, Debug)]
 pub struct GpuTopology {
-    /// `array<u32>`, one more than there are edges.
-    pub offsets: wgpu::Buffer,
-    /// `array<u32>`, three per face that has not collapsed. Four unspecified bytes if there is none.
-    pub entries: wgpu::Buffer,
-    /// The number of edges.
-    pub edge_count: u32,
-    /// The number of faces, collapsed ones included.
-    pub face_count: u32,
-    /// The number of vertices, used or not.
-    pub vertex_count: u32,
-    /// `array<u32>`, three per face.
-    pub triangles: wgpu::Buffer,
+    offsets: wgpu::Buffer,
+    entries: wgpu::Buffer,
+    edge_count: u32,
+    face_count: u32,
+    vertex_count: u32,
+    triangles: wgpu::Buffer,
 }
 
 impl GpuTopology {
-    /// Copies an edge table to the device.
+    /// Copies an edge table to the device, for a
+    /// [`GpuCaster::deforming`](crate::caster::GpuCaster::deforming) caster. A caster at rest is copied whole
+    /// by [`GpuCaster::upload`](crate::caster::GpuCaster::upload).
     ///
     /// # Errors
     ///
@@ -45,12 +37,49 @@ impl GpuTopology {
             edge_count: topology.edge_count() as u32, // ids are 32 bits
             face_count: topology.face_count() as u32,
             vertex_count: topology.vertex_count() as u32,
-            triangles: gpu.upload("triangles", topology.triangles())?,
+            triangles: gpu.upload_for("triangles", topology.triangles(), wgpu::BufferUsages::INDEX)?,
         })
     }
 
-    /// The edge table of triangles that are on the device already, bit-equal to that of [`Topology::build`]
-    /// and [`GpuTopology::upload`]. Compiles its shaders first: keep a [`GpuTopologyBuilder`] to build often.
+    /// The range of entries of each edge: `array<u32>`, one more than there are edges.
+    #[must_use]
+    pub fn offsets(&self) -> &wgpu::Buffer {
+        &self.offsets
+    }
+
+    /// The half-edges of each edge with their directions: `array<u32>`.
+    #[must_use]
+    pub fn entries(&self) -> &wgpu::Buffer {
+        &self.entries
+    }
+
+    /// The triangle list: `array<u32>`, three per face.
+    #[must_use]
+    pub fn triangles(&self) -> &wgpu::Buffer {
+        &self.triangles
+    }
+
+    /// The number of edges.
+    #[must_use]
+    pub fn edge_count(&self) -> u32 {
+        self.edge_count
+    }
+
+    /// The number of faces, collapsed ones included.
+    #[must_use]
+    pub fn face_count(&self) -> u32 {
+        self.face_count
+    }
+
+    /// The number of vertices, used or not.
+    #[must_use]
+    pub fn vertex_count(&self) -> u32 {
+        self.vertex_count
+    }
+
+    /// Builds the edge table of a triangle list on the device, bit for bit the one that [`Topology::build`]
+    /// and [`GpuTopology::upload`] give. Compiles the shaders first: keep a [`GpuTopologyBuilder`] to build
+    /// often.
     ///
     /// # Errors
     ///
@@ -69,7 +98,7 @@ impl GpuTopology {
     ///     usage: wgpu::BufferUsages::STORAGE,
     /// });
     /// let topology = GpuTopology::build(&gpu, 8, &triangles, 12)?;
-    /// assert_eq!(topology.edge_count, 18);
+    /// assert_eq!(topology.edge_count(), 18);
     /// # Ok(())
     /// # }
     /// ```

@@ -2,6 +2,7 @@
 
 use super::build::{Found, Size, shader};
 use super::*;
+use crate::gpu::layout::{assert_layout, members};
 use crate::gpu::tests::{gpu, limited_gpu};
 use crate::mesh::{Mesh, Weld, weld};
 use crate::random::SplitMix64;
@@ -118,7 +119,7 @@ fn gpu_topology_beyond_the_limits_of_the_device_is_refused() {
     let remedy = "use the processor's method, or a smaller mesh";
     let too_large = |what, bytes| Err(GpuError::TooLarge { what, bytes, limit, remedy });
     assert_eq!(build(1023, 1023), Ok(0));
-    // Three keys a face, and one more.
+    // Three keys per face, and one more.
     assert_eq!(build(1024, 1024), too_large("keys of half-edges", limit + 4));
     assert_eq!(build(1024, 1023), Ok(0));
     assert_eq!(build(1025, 1025), too_large("triangles", limit + 12));
@@ -193,22 +194,12 @@ fn gpu_topology_comes_back_from_the_device_as_it_went() {
 }
 
 #[test]
-fn gpu_topology_shader_lays_out_its_structs_as_rust_does() {
-    let module = naga::front::wgsl::parse_str(shader().source()).unwrap();
-    let offsets = |name: &str| -> Vec<(String, u32)> {
-        let (_, found) = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some(name)).unwrap();
-        let naga::TypeInner::Struct { members, .. } = &found.inner else { panic!("{name} is no struct") };
-        members.iter().map(|member| (member.name.clone().unwrap(), member.offset)).collect()
-    };
-    let name = |name: &str, offset: usize| (name.to_owned(), offset as u32);
-    let size = [
-        name("half_edges", std::mem::offset_of!(Size, half_edges)),
-        name("vertices", std::mem::offset_of!(Size, vertices)),
-    ];
-    assert_eq!(offsets("Size"), size);
-    let found = [
-        name("bad_face", std::mem::offset_of!(Found, bad_face)),
-        name("kept", std::mem::offset_of!(Found, kept)),
-    ];
-    assert_eq!(offsets("Found"), found);
+fn gpu_topology_shader_has_one_layout_in_rust_and_wgsl() {
+    let shader = shader();
+    assert_layout!(shader.source(), "Size", Size: half_edges, vertices);
+    // Rust adds the count that the prefix sum leaves.
+    let here =
+        [("bad_face", std::mem::offset_of!(Found, bad_face)), ("kept", std::mem::offset_of!(Found, kept))];
+    let here = here.map(|(name, offset)| (name.to_owned(), offset)).to_vec();
+    assert_eq!(members(shader.source(), "Found").0, here);
 }

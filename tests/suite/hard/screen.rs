@@ -5,13 +5,12 @@
 
 use std::sync::OnceLock;
 
-use umbrage::caster::Caster;
+use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::CasterFaces;
 use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
-use umbrage::shadow::stencil::{
-    Counting, Depth, Receivers, ShadowMask, StencilMethod, StencilPass, StencilVolumes,
-};
+use umbrage::shadow::Depth;
+use umbrage::shadow::stencil::{Counting, ShadowMask, StencilMethod, StencilPass, StencilVolumes};
 use umbrage::testing::shapes;
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
 use umbrage::view::Projection;
@@ -109,7 +108,7 @@ pub(super) fn shoot_as(
     let size = Size::new(SIDE, SIDE).unwrap();
     let casting = caster.stencil_volumes(light, projection, *faces, asked);
     let device = casting.upload(pass.gpu()).unwrap();
-    let receivers = Receivers::upload(pass.gpu(), caster).unwrap();
+    let receivers = GpuCaster::upload(pass.gpu(), caster).unwrap();
     let counting = counting.unwrap_or(casting.counting());
     let mask = pass.mask(projection, size, &receivers, &device.draws(), counting).unwrap();
     let comparison = judge(caster, &casting.signs, light, projection, &mask);
@@ -180,6 +179,6 @@ pub(super) fn counted(inside: bool, count: i32) -> Pixel {
 /// A picture of `mesh` without any light.
 pub(super) fn zero_lights(mesh: &Mesh) -> Option<ShadowMask> {
     let pass = pass()?;
-    let receivers = Receivers::upload(pass.gpu(), &Caster::new(mesh.clone())).unwrap();
+    let receivers = GpuCaster::upload(pass.gpu(), &Caster::new(mesh.clone())).unwrap();
     Some(pass.mask(&plain(), Size::new(SIDE, SIDE).unwrap(), &receivers, &[], Counting::Stencil).unwrap())
 }

@@ -1,16 +1,17 @@
 //! Pictures with stencil shadows against exact pictures of the same view.
 
-use umbrage::caster::Caster;
+use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::{Aabb, Light};
 use umbrage::glam;
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::Oracle;
-use umbrage::render::{CLAY, Ground, LampShadow, Picture, ShadedLight, View, render_stencil};
+use umbrage::render::{CLAY, Ground, Picture, ShadedLight, View, render_visibility};
 use umbrage::scene::SpotCone;
-use umbrage::shadow::stencil::{Counting, Depth, Draw, Receivers, StencilMethod, StencilPass};
+use umbrage::shadow::stencil::{Counting, Draw, StencilMethod, StencilPass};
 use umbrage::shadow::volume::{Caps, GpuVolume, ShadowVolume};
+use umbrage::shadow::{Depth, GpuSamples, GpuVisibility};
 use umbrage::silhouette::Silhouette;
 use umbrage::testing::shapes;
 use umbrage::topology::Topology;
@@ -67,18 +68,28 @@ impl Subject {
             GpuVolume::upload(gpu, &volume).unwrap()
         };
         let volumes: Vec<GpuVolume> = self.lamps.iter().map(volume).collect();
-        let draw = |volume| [Draw { volume, method: StencilMethod::ZFail }];
-        let draws: Vec<_> = volumes.iter().map(draw).collect();
-        let mut shadows: Vec<_> = draws.iter().map(|draws| LampShadow { draws, counting }).collect();
-        if fault == Fault::Volume {
-            shadows[0].draws = &[];
-        }
+        let pass = StencilPass::new(gpu, depth).unwrap();
+        self.on_device(gpu, depth, samples, |lamp, samples| {
+            let draw = [Draw { volume: &volumes[lamp], method: StencilMethod::ZFail }];
+            let draws = if fault == Fault::Volume && lamp == 0 { &[] } else { &draw[..] };
+            pass.visibility(samples, draws, counting)
+        })
+    }
+
+    /// The picture with the visibility of each lamp.
+    fn on_device(
+        &self,
+        gpu: &Gpu,
+        depth: Depth,
+        samples: u32,
+        visibility: impl Fn(usize, &GpuSamples) -> Result<GpuVisibility, GpuError>,
+    ) -> Picture {
         let view = self.view(samples);
         let projection = self.camera.projection(view.size, 1e-3 * self.bounds.diagonal() as f32);
         let caster = Caster::new(self.mesh.clone());
-        let receivers = Receivers::upload(gpu, &caster).unwrap();
-        let pass = StencilPass::new(gpu, depth).unwrap();
-        render_stencil(&pass, &caster, &receivers, &view, &projection, &shadows).unwrap()
+        let uploaded = GpuCaster::upload(gpu, &caster).unwrap();
+        let samples = view.samples(&uploaded, &projection, depth).unwrap();
+        render_visibility(&samples, &caster, &view, |lamp| visibility(lamp, &samples)).unwrap()
     }
 }
 
@@ -224,18 +235,64 @@ fn stencil_picture_of_nothing_is_background_and_one_too_large_an_error() {
     let Some(gpu) = gpu() else { return };
     let subject = Subject::new(shapes::cube(), [1.0, 3.0, 5.0], ShadedLight::equal(&[light("point:3,5,4")]));
     let empty = Caster::new(Mesh::default());
-    let (pass, receivers) =
-        (StencilPass::new(&gpu, Depth::Plane).unwrap(), Receivers::upload(&gpu, &empty).unwrap());
+    let uploaded = GpuCaster::upload(&gpu, &empty).unwrap();
     let view = View { lamps: &[], ground: None, ..subject.view(1) };
     let projection = subject.camera.projection(view.size, 0.1);
-    let picture = render_stencil(&pass, &empty, &receivers, &view, &projection, &[]).unwrap();
+    let samples = view.samples(&uploaded, &projection, Depth::Plane).unwrap();
+    let none = |_| unreachable!("there is no lamp");
+    let picture = render_visibility(&samples, &empty, &view, none).unwrap();
     assert_eq!(differing(&picture, &render(&Oracle::build(empty.mesh()), &view, QUIET), 1), 0);
     for edge_samples in [2, u32::MAX] {
         let view = View { size: size("16384x1"), edge_samples, ..view };
-        let error = render_stencil(&pass, &empty, &receivers, &view, &projection, &[]).unwrap_err();
+        let error = view.samples(&uploaded, &projection, Depth::Plane).unwrap_err();
         assert!(matches!(error, GpuError::Picture { .. }), "{error}");
     }
     let view = View { size: size("16384x4097"), ..view };
-    let error = render_stencil(&pass, &empty, &receivers, &view, &projection, &[]).unwrap_err();
+    let error = view.samples(&uploaded, &projection, Depth::Plane).unwrap_err();
     assert!(matches!(error, GpuError::TooLarge { .. }), "{error}");
+}
+
+#[test]
+fn stencil_picture_multiplies_the_light_of_a_lamp_by_its_visibility() {
+    let Some(gpu) = gpu() else { return };
+    let mut changed = 0;
+    for (number, subject) in subjects().iter().enumerate() {
+        let constant = |lamps: &[ShadedLight], value: f32| {
+            let subject = Subject { mesh: subject.mesh.clone(), lamps: lamps.to_vec(), ..*subject };
+            subject.on_device(&gpu, Depth::Plane, 1, |_, samples| {
+                GpuVisibility::constant(&gpu, samples.size(), value)
+            })
+        };
+        let scaled = |by: f32| {
+            let scale = |lamp: &ShadedLight| ShadedLight { color: lamp.color.map(|x| by * x), ..*lamp };
+            subject.lamps.iter().map(scale).collect::<Vec<_>>()
+        };
+        // Dark: as without lamps. Half: as lamps of half the color, to the bit, since light is linear in the color and
+        // powers of two are exact. Lit: as without volumes.
+        assert_eq!(constant(&subject.lamps, 0.0), constant(&[], 1.0), "{number}");
+        assert_eq!(constant(&subject.lamps, 0.5), constant(&scaled(0.5), 1.0), "{number}");
+        let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
+        let unshadowed = subject
+            .on_device(&gpu, Depth::Plane, 1, |_, samples| pass.visibility(samples, &[], Counting::Stencil));
+        assert_eq!(constant(&subject.lamps, 1.0), unshadowed, "{number}");
+        // The injected fault: a visibility that is not what it should be.
+        let fault = constant(&subject.lamps, 0.25);
+        changed += differing(&fault, &constant(&scaled(0.5), 1.0), NOISE);
+        assert_ne!(fault, constant(&[], 1.0), "{number}");
+    }
+    assert!(changed > 500, "{changed}");
+    // An independent reference: on a sphere alone nothing is shadowed but the faces that turn away, which stay dark.
+    let lamps = ShadedLight::equal(&[light("point:3,5,4")]);
+    let sphere = Subject::new(shapes::icosphere(3), [1.0, 3.0, 5.0], lamps);
+    let view = View { ground: None, ..sphere.view(1) };
+    let caster = Caster::new(shapes::icosphere(3));
+    let uploaded = GpuCaster::upload(&gpu, &caster).unwrap();
+    let projection = sphere.camera.projection(view.size, 0.1);
+    let samples = view.samples(&uploaded, &projection, Depth::Plane).unwrap();
+    let lit = |value| {
+        render_visibility(&samples, &caster, &view, |_| GpuVisibility::constant(&gpu, samples.size(), value))
+    };
+    let exact = render(caster.oracle(), &view, QUIET);
+    assert!(differing(&lit(1.0).unwrap(), &exact, NOISE) <= AT_EDGES);
+    assert!(differing(&lit(0.5).unwrap(), &exact, NOISE) > 10 * AT_EDGES);
 }

@@ -1,50 +1,52 @@
-//! The pass in somebody else's frame: recorded into the caller's encoder, with nothing submitted and nothing waited for.
+//! Recording the pass into the caller's encoder: nothing is submitted, and nothing waits.
 
-use super::pipelines::{Drawing, VolumeBuffers};
-use super::{Draw, Pipelines, Receivers, StencilPass};
-use crate::gpu::raster::FORMAT;
+use super::{Draw, Pipelines, StencilPass};
+use crate::caster::GpuCaster;
+use crate::gpu::raster::{Drawing, FORMAT};
 use crate::gpu::{GpuError, wgpu};
 use crate::shadow::stencil::StencilMethod;
-use crate::shadow::volume::Part;
+use crate::shadow::volume::{GpuVolume, Part};
 use crate::view::Projection;
 use crate::view::Size;
 
-/// What one camera sees of receivers and volumes, ready to be drawn in a render pass of the caller's.
+/// The draws of one camera, for a render pass of the caller's.
 ///
-/// The pass has no color attachment and a depth-stencil attachment of [`StencilFrame::FORMAT`] with one sample, cleared
-/// to depth 0 (infinitely far: depth is reversed) and stencil 0. Afterwards the stencil of a pixel is how many volumes
-/// its visible point is in, modulo 256; light it where that is 0.
+/// The pass has no color attachment and a depth-stencil attachment of [`StencilFrame::FORMAT`] with one
+/// sample, cleared to depth 0 (infinitely far: depth is reversed) and stencil 0. Afterwards the stencil of a
+/// pixel is the number of volumes that its visible point is in, modulo 256; light the pixel where that is 0.
 #[derive(Clone, Debug)]
 pub struct StencilFrame {
     pipelines: Pipelines,
     receivers: wgpu::BindGroup,
     triangles: wgpu::Buffer,
     corners: u32,
-    volumes: Vec<(StencilMethod, wgpu::BindGroup, VolumeBuffers)>,
+    volumes: Vec<(StencilMethod, wgpu::BindGroup, GpuVolume)>,
 }
 
 impl StencilPass {
-    /// Prepares a frame for a picture of `size`. The volumes may be ones that earlier commands of the same encoder write.
+    /// Prepares a frame for a picture of `size`. Earlier commands of the same encoder may write the volumes.
     ///
     /// # Errors
     ///
-    /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    /// [`GpuError::Subnormal`] if the receivers are too small to be drawn, [`GpuError::OutOfMemory`],
+    /// [`GpuError::Lost`].
     pub fn prepare(
         &self,
         projection: &Projection,
         size: Size,
-        receivers: &Receivers,
+        receivers: &GpuCaster,
         volumes: &[Draw<'_>],
     ) -> Result<StencilFrame, GpuError> {
-        let frame = self.gpu.uniform(&self.frame(projection, size, receivers)?)?;
+        let receivers = receivers.receivers()?;
+        let frame = self.gpu.uniform(&receivers.frame(projection, size)?)?;
         let bind = |draw: &Draw<'_>| {
-            let (bind, _) = self.bind_volume(projection, size, draw.volume)?;
-            Ok((draw.method, bind, draw.volume.into()))
+            let frame = self.volume_frame(projection, size, draw.volume)?;
+            Ok((draw.method, self.bind_volume(&frame, draw.volume)?, draw.volume.clone()))
         };
         Ok(StencilFrame {
             pipelines: self.pipelines.clone(),
-            receivers: self.bind_receivers(&frame, receivers)?,
-            triangles: receivers.triangles.clone(),
+            receivers: self.gpu.bind_group(&self.pipelines.receivers.layout, receivers.bindings(&frame))?,
+            triangles: receivers.triangles,
             corners: receivers.corners,
             volumes: volumes.iter().map(bind).collect::<Result<_, _>>()?,
         })
@@ -55,14 +57,13 @@ impl StencilFrame {
     /// The format of the depth-stencil attachment.
     pub const FORMAT: wgpu::TextureFormat = FORMAT;
 
-    /// Draws the receivers' depth. Leave it out if the attachment holds it already, reversed and of this projection; then
-    /// every caster must have been drawn, both of its sides.
+    /// Draws the receivers' depth. Leave it out if the attachment holds the depth already, reversed and of
+    /// this projection; then both sides of every caster must have been drawn.
     pub fn draw_receivers(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.set_bind_group(0, &self.receivers, &[]);
-        self.pipelines.receivers.all(pass, &self.triangles, self.corners);
+        self.pipelines.receivers.draw(pass, &self.receivers, &self.triangles, self.corners);
     }
 
-    /// Counts the volumes, after the depth is there.
+    /// Counts the volumes, after the depth is drawn.
     pub fn draw_volumes(&self, pass: &mut wgpu::RenderPass<'_>) {
         let pipelines = &self.pipelines;
         for (method, bind, volume) in &self.volumes {
@@ -71,21 +72,27 @@ impl StencilFrame {
     }
 }
 
-/// Draws the parts of one volume that its method asks for, with the pipelines for z-pass sides, z-fail sides and caps.
+/// Draws the parts of one volume that its method asks for, with the pipelines for z-pass sides, z-fail sides
+/// and caps.
 pub(super) fn draw_volume(
     pass: &mut wgpu::RenderPass<'_>,
     method: StencilMethod,
     bind: &wgpu::BindGroup,
-    volume: &VolumeBuffers,
+    volume: &GpuVolume,
     [zpass, zfail, caps]: [&Drawing; 3],
 ) {
     pass.set_bind_group(0, bind, &[]);
     match method {
-        StencilMethod::ZPass => zpass.part(pass, volume, Part::Sides),
+        StencilMethod::ZPass => draw_part(pass, zpass, volume, Part::Sides),
         StencilMethod::ZFail => {
-            zfail.part(pass, volume, Part::Sides);
-            caps.part(pass, volume, Part::LightCap);
-            caps.part(pass, volume, Part::DarkCap);
+            draw_part(pass, zfail, volume, Part::Sides);
+            draw_part(pass, caps, volume, Part::LightCap);
+            draw_part(pass, caps, volume, Part::DarkCap);
         }
     }
+}
+
+/// Draws a part of a volume whose bindings are set.
+pub(super) fn draw_part(pass: &mut wgpu::RenderPass<'_>, drawing: &Drawing, volume: &GpuVolume, part: Part) {
+    drawing.indirect(pass, volume.triangles(), volume.arguments(), part.offset());
 }

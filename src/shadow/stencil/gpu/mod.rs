@@ -1,81 +1,25 @@
 //! The stencil pass on a graphics device, headless.
 //!
-//! First the receivers' depth, two-sided. Then the volumes, which write no depth: one draw for both of their sides,
-//! z-fail (Bilodeau and Songy 1999; John Carmack, 2000; Cass Everitt and Mark J. Kilgard, *Practical and Robust
-//! Stenciled Shadow Volumes for Hardware-Accelerated Rendering*, 2002) or z-pass (Tim Heidmann, *Real Shadows, Real
-//! Time*, 1991) as the caller says. A caster's faces are never in front of the visible surface, so its caps are
-//! drawn so as to fail the depth test whatever they are: no bias and no polygon offset anywhere.
+//! First the receivers' depth, two-sided. Then the volumes, which write no depth: one draw for both of their
+//! sides, z-fail (Bilodeau and Songy 1999; John Carmack, 2000; Cass Everitt and Mark J. Kilgard, *Practical
+//! and Robust Stenciled Shadow Volumes for Hardware-Accelerated Rendering*, 2002) or z-pass (Tim Heidmann,
+//! *Real Shadows, Real Time*, 1991) as the caller says. A caster's faces are never in front of the visible
+//! surface, so its caps are drawn with a depth test that always fails: no bias and no polygon offset
+//! anywhere.
 
 mod frame;
 mod pipelines;
-mod uniforms;
 
 pub use frame::StencilFrame;
 use pipelines::Pipelines;
-pub(crate) use pipelines::SOURCE;
-pub(crate) use uniforms::Frame;
 
 use super::{Counting, ShadowMask};
-use crate::caster::Caster;
-use crate::gpu::raster::Target;
+use crate::caster::GpuCaster;
+use crate::gpu::raster::{Depth, Frame, GpuSamples, GpuVisibility, Target, everywhere};
 use crate::gpu::{Gpu, GpuError, wgpu};
-use crate::mesh::FaceId;
 use crate::shadow::volume::{GpuVolume, Part};
+use crate::view::Projection;
 use crate::view::Size;
-use crate::view::{Projection, ProjectionKind};
-
-/// Where the depth of a fragment comes from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Depth {
-    /// From the plane of its face or side, in the fragment: off by some units in the last place, even where a side
-    /// runs from near the eye to infinity, and never of a place beyond the lines where the side ends, its silhouette
-    /// edge and the two on which that edge's ends are extruded: a rasterizer may cover a pixel there. Only the side of
-    /// an edge nearly in line with the light has a plane that is itself inexact, by the inverse of the sine of that
-    /// angle; it is as thin as the angle is small.
-    #[default]
-    Plane,
-    /// Interpolated from the corners by the rasterizer: fewer instructions, and an error that scales with the
-    /// nearest corner's depth, not the pixel's.
-    Interpolated,
-}
-
-/// The surfaces that shadows fall on, on the device.
-#[derive(Clone, Debug)]
-pub struct Receivers {
-    vertices: wgpu::Buffer,
-    triangles: wgpu::Buffer,
-    pub(crate) normals: wgpu::Buffer,
-    pub(crate) corners: u32,
-    /// The largest magnitude of a coordinate.
-    largest: f32,
-}
-
-impl Receivers {
-    /// Copies the faces of a caster, with their unit normals, to the device.
-    ///
-    /// # Errors
-    ///
-    /// [`GpuError::TooLarge`] if they do not fit the device's limits, [`GpuError::OutOfMemory`].
-    pub fn upload(gpu: &Gpu, caster: &Caster) -> Result<Self, GpuError> {
-        // Numbers below 2⁻¹²⁶ may be flushed; of a mesh this large they are its last few bits.
-        const SMALLEST: f32 = f32::MIN_POSITIVE * (1 << 24) as f32;
-        let mesh = caster.mesh();
-        let largest = mesh.largest_coordinate();
-        if largest > 0.0 && largest < SMALLEST {
-            return Err(GpuError::Subnormal(largest));
-        }
-        let planes = caster.planes();
-        let normals: Vec<[f32; 3]> =
-            (0..mesh.face_count()).map(|face| planes.normal(FaceId::new(face))).collect();
-        Ok(Self {
-            vertices: gpu.upload("vertices of receivers", mesh.positions())?,
-            triangles: gpu.upload_for("faces of receivers", mesh.triangles(), wgpu::BufferUsages::INDEX)?,
-            normals: gpu.upload("normals of receivers", &normals)?,
-            corners: 3 * mesh.face_count() as u32, // a mesh has fewer than 2³² corners
-            largest,
-        })
-    }
-}
 
 /// A volume, and how it is counted.
 #[derive(Clone, Copy, Debug)]
@@ -86,7 +30,7 @@ pub struct Draw<'a> {
     pub method: super::StencilMethod,
 }
 
-/// The compiled pass. Made once for a device; about 50 ms.
+/// The compiled pass, for one device. Compiling takes about 50 ms.
 #[derive(Clone, Debug)]
 pub struct StencilPass {
     gpu: Gpu,
@@ -101,36 +45,37 @@ impl StencilPass {
     ///
     /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
     pub fn new(gpu: &Gpu, depth: Depth) -> Result<Self, GpuError> {
-        Ok(Self { gpu: gpu.clone(), depth, pipelines: Pipelines::new(gpu, depth == Depth::Plane)? })
+        Ok(Self { gpu: gpu.clone(), depth, pipelines: Pipelines::new(gpu, depth)? })
     }
 
-    /// Counts for each pixel of a picture how many of the `volumes` its visible point is in. All volumes of one light
-    /// belong in one call; their counts add up.
+    /// Counts for each pixel of a picture how many of the `volumes` its visible point is in. All volumes of
+    /// one light belong in one call; their counts add up.
     ///
     /// With [`Counting::Stencil`] counts are right modulo 256.
     ///
     /// # Errors
     ///
-    /// [`GpuError::TooLarge`] if the picture does not fit the device's limits, [`GpuError::OutOfMemory`],
+    /// [`GpuError::Subnormal`] if the receivers are too small to be drawn; [`GpuError::TooLarge`] or
+    /// [`GpuError::Picture`] if the picture does not fit the device's limits; [`GpuError::OutOfMemory`];
     /// [`GpuError::Lost`].
     pub fn mask(
         &self,
         projection: &Projection,
         size: Size,
-        receivers: &Receivers,
+        receivers: &GpuCaster,
         volumes: &[Draw<'_>],
         counting: Counting,
     ) -> Result<ShadowMask, GpuError> {
+        let receivers = receivers.receivers()?;
         let target = Target::new(&self.gpu, size)?;
-        let receivers_frame = self.gpu.uniform(&self.frame(projection, size, receivers)?)?;
-        let bind = self.bind_receivers(&receivers_frame, receivers)?;
+        let frame = self.gpu.uniform(&receivers.frame(projection, size)?)?;
+        let bind = self.gpu.bind_group(&self.pipelines.receivers.layout, receivers.bindings(&frame))?;
         let counter = self.counter(&target, projection, volumes, counting)?;
         let depth_back = self.gpu.staging_for(&target.0, 4)?;
         let stencil_back = self.gpu.staging_for(&target.0, 1)?;
         self.gpu.submit(|encoder| {
             let mut pass = target.begin(encoder, &[]);
-            pass.set_bind_group(0, &bind, &[]);
-            self.pipelines.receivers.all(&mut pass, &receivers.triangles, receivers.corners);
+            self.pipelines.receivers.draw(&mut pass, &bind, &receivers.triangles, receivers.corners);
             drop(pass);
             self.count(encoder, &target, &counter);
             target.0.copy(encoder, wgpu::TextureAspect::DepthOnly, 4, &depth_back);
@@ -144,8 +89,45 @@ impl StencilPass {
         Ok(ShadowMask::new(size, counting, counts, receiver))
     }
 
-    /// What all triangles of the volumes add up to in each pixel, in front or behind, drawn so as to fail the depth
-    /// test: 0 everywhere if they are closed and the eye is in none of them. Modulo 256.
+    /// The visibility of every sample: 1 where its visible point is in none of the `volumes` of one light,
+    /// otherwise 0. Submits without waiting.
+    ///
+    /// With [`Counting::Stencil`] a count of 256 passes for 0. The counts go to the stencil of the samples;
+    /// with [`Counting::Integer`] they take 4 bytes per sample for a while.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::TooLarge`] if the counts do not fit the device's limits, [`GpuError::OutOfMemory`],
+    /// [`GpuError::Lost`].
+    pub fn visibility(
+        &self,
+        samples: &GpuSamples,
+        volumes: &[Draw<'_>],
+        counting: Counting,
+    ) -> Result<GpuVisibility, GpuError> {
+        let (target, pipelines) = (&samples.target, &self.pipelines);
+        let visibility = GpuVisibility::hard(&self.gpu, samples.size())?;
+        let counter = self.counter(target, &samples.projection, volumes, counting)?;
+        let bind = match &counter.counts {
+            None => None,
+            Some(counts) => {
+                let layout = pipelines.lit_by_count.get_bind_group_layout(0);
+                let resources = [(0, samples.uniform.as_entire_binding()), (5, counts.as_entire_binding())];
+                Some(self.gpu.bind_group(&layout, resources)?)
+            }
+        };
+        let pipeline = if bind.is_some() { &pipelines.lit_by_count } else { &pipelines.lit };
+        self.gpu.submit(|encoder| {
+            self.count(encoder, target, &counter);
+            let pass = target.begin_read_only(encoder, &[Some(visibility.0.attachment(true))]);
+            everywhere(pass, pipeline, bind.as_ref());
+        })?;
+        Ok(visibility)
+    }
+
+    /// The signed sum of all triangles of the volumes at each pixel, in front of the visible point or behind
+    /// it, modulo 256: 0 everywhere if the volumes are closed and the eye is in none of them. A test of what
+    /// the rasterizer makes of them.
     ///
     /// # Errors
     ///
@@ -159,15 +141,16 @@ impl StencilPass {
         let target = Target::new(&self.gpu, size)?;
         let bindings: Vec<_> = volumes
             .iter()
-            .map(|(volume, _)| self.bind_volume(projection, size, volume).map(|(bind, _)| bind))
+            .map(|(volume, _)| self.bind_volume(&self.volume_frame(projection, size, volume)?, volume))
             .collect::<Result<_, _>>()?;
         let back = self.gpu.staging_for(&target.0, 1)?;
         self.gpu.submit(|encoder| {
             let mut pass = target.begin(encoder, &[]);
             for ((volume, parts), bind) in volumes.iter().zip(&bindings) {
                 pass.set_bind_group(0, bind, &[]);
-                let volume = (*volume).into();
-                parts.iter().for_each(|part| self.pipelines.caps.part(&mut pass, &volume, *part));
+                parts
+                    .iter()
+                    .for_each(|&part| frame::draw_part(&mut pass, &self.pipelines.caps, volume, part));
             }
             drop(pass);
             target.0.copy(encoder, wgpu::TextureAspect::StencilOnly, 1, &back);
@@ -176,7 +159,7 @@ impl StencilPass {
     }
 
     /// Prepares to count the volumes of one light.
-    pub(crate) fn counter<'a>(
+    fn counter<'a>(
         &self,
         target: &Target,
         projection: &Projection,
@@ -192,134 +175,87 @@ impl StencilPass {
         };
         let depth = target.depth();
         let bind = |draw: &Draw<'_>| {
-            let (bind, frame) = self.bind_volume(projection, target.0.size, draw.volume)?;
+            let frame = self.volume_frame(projection, target.0.size, draw.volume)?;
             match &counts {
-                None => Ok(bind),
-                Some(counts) => self.bind_counting(draw.volume, &frame, counts, &depth),
+                None => self.bind_volume(&frame, draw.volume),
+                Some(counts) => {
+                    let more =
+                        [(4, wgpu::BindingResource::TextureView(&depth)), (5, counts.as_entire_binding())];
+                    let resources = volume_bindings(&frame, draw.volume).into_iter().chain(more);
+                    self.gpu.bind_group(&self.pipelines.counting_layout, resources)
+                }
             }
         };
         let bindings = volumes.iter().map(bind).collect::<Result<_, _>>()?;
         Ok(Counter { volumes, bindings, counts })
     }
 
-    /// Counts in the stencil, which is 0 before, or in the counter's buffer. Depth is there already.
-    pub(crate) fn count(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, counter: &Counter<'_>) {
+    /// Counts in the stencil, which is cleared to 0 first, or in the counter's buffer. The depth is drawn
+    /// already.
+    fn count(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, counter: &Counter<'_>) {
         let pipelines = &self.pipelines;
         let (mut pass, chosen) = match counter.counts {
             None => (target.begin_counting(encoder), pipelines.stencil()),
             Some(_) => (target.begin_read_only(encoder, &[]), pipelines.integer()),
         };
         for (draw, bind) in counter.volumes.iter().zip(&counter.bindings) {
-            frame::draw_volume(&mut pass, draw.method, bind, &draw.volume.into(), chosen);
+            frame::draw_volume(&mut pass, draw.method, bind, draw.volume, chosen);
         }
     }
 
-    /// The device that it was compiled for.
+    /// The device that the pass was compiled for.
     #[must_use]
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
     }
 
-    /// Where the depth of its fragments comes from.
+    /// Where the depth of the fragments comes from.
     #[must_use]
     pub fn depth(&self) -> Depth {
         self.depth
     }
 
-    /// What group 0 of a pipeline holds that draws receivers: see [`StencilPass::bind_receivers`].
-    pub(crate) fn layout(&self) -> &wgpu::BindGroupLayout {
-        &self.pipelines.layout
-    }
-
-    /// Refuses projections whose depth the shaders do not have.
-    pub(crate) fn frame(
-        &self,
-        projection: &Projection,
-        size: Size,
-        receivers: &Receivers,
-    ) -> Result<Frame, GpuError> {
-        drawable(projection)?;
-        Ok(Frame::new(projection, size, receivers.largest, None, 0))
-    }
-
-    pub(crate) fn bind_receivers(
-        &self,
-        frame: &wgpu::Buffer,
-        receivers: &Receivers,
-    ) -> Result<wgpu::BindGroup, GpuError> {
-        self.bind([frame, &receivers.vertices, &receivers.triangles, &receivers.normals])
-    }
-
-    fn bind_volume(
+    /// The camera and light of a volume.
+    fn volume_frame(
         &self,
         projection: &Projection,
         size: Size,
         volume: &GpuVolume,
-    ) -> Result<(wgpu::BindGroup, wgpu::Buffer), GpuError> {
-        drawable(projection)?;
-        let frame = Frame::new(projection, size, volume.largest, Some(&volume.light), volume.vertex_count);
-        let frame = self.gpu.uniform(&frame)?;
-        // No normals: the vertices stand in.
-        let bind = self.bind([&frame, &volume.vertices, &volume.triangles, &volume.vertices])?;
-        Ok((bind, frame))
+    ) -> Result<wgpu::Buffer, GpuError> {
+        let frame = Frame::new(projection, size, volume.largest())?;
+        self.gpu.uniform(&frame.with_light(volume.light(), volume.largest(), volume.vertex_count()))
     }
 
-    fn bind(&self, buffers: [&wgpu::Buffer; 4]) -> Result<wgpu::BindGroup, GpuError> {
-        let entries: Vec<_> = (0..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        let layout = &self.pipelines.layout;
-        self.gpu.attempt(|| {
-            let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
-            self.gpu.device().create_bind_group(&descriptor)
-        })
-    }
-
-    fn bind_counting(
-        &self,
-        volume: &GpuVolume,
-        frame: &wgpu::Buffer,
-        counts: &wgpu::Buffer,
-        depth: &wgpu::TextureView,
-    ) -> Result<wgpu::BindGroup, GpuError> {
-        let buffers = [frame, &volume.vertices, &volume.triangles, &volume.vertices, counts];
-        let mut entries: Vec<_> = (0..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        entries
-            .push(wgpu::BindGroupEntry { binding: 5, resource: wgpu::BindingResource::TextureView(depth) });
-        let layout = &self.pipelines.counting_layout;
-        self.gpu.attempt(|| {
-            let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
-            self.gpu.device().create_bind_group(&descriptor)
-        })
+    fn bind_volume(&self, frame: &wgpu::Buffer, volume: &GpuVolume) -> Result<wgpu::BindGroup, GpuError> {
+        self.gpu.bind_group(&self.pipelines.receivers.layout, volume_bindings(frame, volume))
     }
 }
 
-fn drawable(projection: &Projection) -> Result<(), GpuError> {
-    match projection.kind {
-        ProjectionKind::InfinitePerspective => Ok(()),
-        ProjectionKind::Perspective { .. } => Err(GpuError::NotBuilt("a far plane")),
-        ProjectionKind::Orthographic { .. } => Err(GpuError::NotBuilt("an orthographic camera")),
-    }
+/// What bindings 0 to 3 of raster.wgsl hold. A volume has no normals: the vertices take their place.
+fn volume_bindings<'a>(
+    frame: &'a wgpu::Buffer,
+    volume: &'a GpuVolume,
+) -> [(u32, wgpu::BindingResource<'a>); 4] {
+    let buffers = [frame, volume.vertices(), volume.triangles(), volume.vertices()];
+    let [frame, vertices, triangles, planes] = buffers.map(wgpu::Buffer::as_entire_binding);
+    [(0, frame), (1, vertices), (2, triangles), (3, planes)]
 }
 
 /// The volumes of one light, ready to be counted.
-pub(crate) struct Counter<'a> {
+struct Counter<'a> {
     volumes: &'a [Draw<'a>],
     bindings: Vec<wgpu::BindGroup>,
-    /// One `i32` a pixel, where the stencil does not count.
-    pub(crate) counts: Option<wgpu::Buffer>,
+    /// One `i32` per pixel, where the stencil does not count.
+    counts: Option<wgpu::Buffer>,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::caster::Caster;
     use crate::gpu::tests::limited_gpu;
     use crate::testing::shapes;
-    use crate::view::{Camera, Up};
+    use crate::view::{Camera, ProjectionKind, Up};
 
     #[test]
     fn stencil_picture_beyond_the_limits_is_refused_with_a_smaller_size_as_the_remedy() {
@@ -331,7 +267,7 @@ mod tests {
         let Some(gpu) = limited else { return };
         let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
         let mesh = shapes::cube();
-        let receivers = Receivers::upload(&gpu, &Caster::new(mesh)).unwrap();
+        let receivers = GpuCaster::upload(&gpu, &Caster::new(mesh)).unwrap();
         let camera = Camera::look_at([3.0, 4.0, 5.0], [0.0; 3], 1.0, Up::Y).unwrap();
         let mask = |width, height, counting| {
             let size = Size::new(width, height).unwrap();

@@ -1,19 +1,20 @@
-//! Volumes that the device extrudes itself.
+//! Extrusion of shadow volumes on the device.
 
 use super::GpuVolume;
+use crate::caster::GpuCaster;
 use crate::geom::Light;
 use crate::gpu::{Gpu, GpuError, Kernel, Scan, ScanOf, Shader, wgpu};
 use crate::shadow::volume::Caps;
-use crate::silhouette::GpuSilhouette;
+use crate::silhouette::{GpuSilhouette, SilhouetteShaders};
 
-/// How many words, of four faces each, one invocation counts.
+/// Words of four faces each that one invocation counts.
 const RUN: usize = 16;
 /// In the parameters: the volume has caps.
 const CAPS: u32 = 1;
 /// In the parameters: all vertices at infinity are one.
 const DIRECTIONAL: u32 = 2;
 
-/// Where the shader binds its buffers.
+/// The bindings of the shader.
 mod slot {
     pub(super) const PARAMETERS: u32 = 0;
     pub(super) const SIGNS: u32 = 1;
@@ -30,9 +31,10 @@ mod slot {
     pub(super) const DEMAND: u32 = 12;
 }
 
-/// The passes that extrude volumes, compiled for one device. Cheap to clone.
+/// The compiled shaders for silhouettes and volumes, for one device. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct VolumeShaders {
+    silhouettes: SilhouetteShaders,
     count_caps: Kernel,
     arrange: Kernel,
     caps: Kernel,
@@ -42,7 +44,7 @@ pub struct VolumeShaders {
 }
 
 impl VolumeShaders {
-    /// Compiles them, which takes some tens of milliseconds.
+    /// Compiles the shaders, which takes some tens of milliseconds.
     ///
     /// # Errors
     ///
@@ -51,6 +53,7 @@ impl VolumeShaders {
         let module = shader().module(gpu)?;
         let kernel = |entry| Kernel::new(gpu, &module, entry);
         Ok(Self {
+            silhouettes: SilhouetteShaders::new(gpu)?,
             count_caps: kernel("count_caps")?,
             arrange: kernel("arrange")?,
             caps: kernel("caps")?,
@@ -58,6 +61,12 @@ impl VolumeShaders {
             sides: kernel("sides")?,
             scan: Scan::new(gpu)?,
         })
+    }
+
+    /// The shaders for silhouettes alone.
+    #[must_use]
+    pub fn silhouettes(&self) -> &SilhouetteShaders {
+        &self.silhouettes
     }
 }
 
@@ -78,8 +87,9 @@ struct Parameters {
     flags: u32,
 }
 
-/// What a volume needs; `Demand` in `volume.wgsl`.
+/// The size of a recorded volume; `Demand` in `volume.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[non_exhaustive]
 #[repr(C)]
 pub struct Demand {
     /// Faces in the light cap.
@@ -88,12 +98,12 @@ pub struct Demand {
     pub edges: u32,
     /// The sum of their `|m|`.
     pub quads: u32,
-    /// 1 if there was no room for it: then its arguments draw nothing. Else 0.
+    /// 1 if the volume exceeded the capacity: then its arguments draw nothing. Otherwise 0.
     pub exceeded: u32,
 }
 
 impl Demand {
-    /// How many triangles the volume has.
+    /// The number of triangles of the volume.
     #[must_use]
     pub fn triangles(&self, light: &Light) -> u64 {
         let copies = if light.is_directional() { 1 } else { 2 };
@@ -101,7 +111,9 @@ impl Demand {
     }
 }
 
-/// Room for the volume of one [`GpuSilhouette`], and what fills it.
+/// Silhouette and shadow volume of one caster on the device, for light after light.
+///
+/// [`GpuExtrusion::record`] is all that a frame needs: sides, silhouette and volume in the caller's encoder.
 #[derive(Clone, Debug)]
 pub struct GpuExtrusion {
     shaders: VolumeShaders,
@@ -110,13 +122,12 @@ pub struct GpuExtrusion {
     capacity: u32,
     triangles: wgpu::Buffer,
     arguments: wgpu::Buffer,
-    /// `array<u32>`: the four numbers of a [`Demand`], once it is recorded.
-    pub demand: wgpu::Buffer,
+    demand: wgpu::Buffer,
     parameters: wgpu::Buffer,
     groups: Bindings,
 }
 
-/// What each pass is given.
+/// The buffers of each pass.
 #[derive(Clone, Debug)]
 struct Bindings {
     count_caps: wgpu::BindGroup,
@@ -128,21 +139,37 @@ struct Bindings {
 }
 
 impl GpuExtrusion {
-    /// Makes room for a volume of at most `capacity` triangles; without one for the worst that the silhouette's faces
-    /// can do, which is eight triangles a face (two without caps fewer): 96 bytes.
+    /// Allocates for a silhouette of `caster`, and for a volume of at most `capacity` triangles of 12 bytes.
+    /// Without a capacity, for the largest volume of any light: eight triangles per face, or six without
+    /// caps.
     ///
     /// # Errors
     ///
-    /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`].
+    /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`],
+    /// [`GpuError::Lost`].
     pub fn new(
+        shaders: &VolumeShaders,
+        caster: &GpuCaster,
+        caps: Caps,
+        capacity: Option<u32>,
+    ) -> Result<Self, GpuError> {
+        Self::of(shaders, &GpuSilhouette::new(&shaders.silhouettes, caster)?, caps, capacity)
+    }
+
+    /// As [`GpuExtrusion::new`], for a silhouette that exists already.
+    ///
+    /// # Errors
+    ///
+    /// As [`GpuExtrusion::new`].
+    pub fn of(
         shaders: &VolumeShaders,
         silhouette: &GpuSilhouette,
         caps: Caps,
         capacity: Option<u32>,
     ) -> Result<Self, GpuError> {
         let (caster, gpu) = (silhouette.caster(), silhouette.caster().gpu());
-        let topology = &caster.topology;
-        let worst = topology.face_count.saturating_mul(if caps == Caps::Both { 8 } else { 6 });
+        let topology = caster.topology();
+        let worst = topology.face_count().saturating_mul(if caps == Caps::Both { 8 } else { 6 });
         // A draw counts vertices in 32 bits.
         let capacity = capacity.unwrap_or(worst).min(u32::MAX / 3);
         let triangles = gpu.storage_for::<[u32; 3]>(
@@ -154,11 +181,11 @@ impl GpuExtrusion {
         let demand = gpu.storage::<Demand>("size of a volume", 1)?;
         let parameters =
             gpu.storage_for::<Parameters>("parameters of a volume", 1, wgpu::BufferUsages::UNIFORM)?;
-        let runs = runs(topology.face_count);
+        let runs = runs(topology.face_count());
         let run_faces = gpu.storage::<u32>("casting faces of runs", runs + 1)?;
         let ends =
-            gpu.storage::<[u32; 2]>("ends of silhouette edges", (topology.edge_count as usize).max(1))?;
-        let (edges, quads, signs) = (&silhouette.edges, &silhouette.quads, &silhouette.signs);
+            gpu.storage::<[u32; 2]>("ends of silhouette edges", (topology.edge_count() as usize).max(1))?;
+        let (edges, quads, signs) = (silhouette.edges(), silhouette.quads(), silhouette.signs());
         let groups = Bindings {
             count_caps: shaders.count_caps.bind(
                 gpu,
@@ -181,7 +208,7 @@ impl GpuExtrusion {
                     (slot::PARAMETERS, &parameters),
                     (slot::SIGNS, signs),
                     (slot::RUN_FACES, &run_faces),
-                    (slot::TRIANGLES, &topology.triangles),
+                    (slot::TRIANGLES, topology.triangles()),
                     (slot::VOLUME, &triangles),
                     (slot::DRAWS, &arguments),
                 ],
@@ -189,11 +216,11 @@ impl GpuExtrusion {
             find_ends: shaders.find_ends.bind(
                 gpu,
                 &[
-                    (slot::TRIANGLES, &topology.triangles),
-                    (slot::VERTICES, &caster.vertices),
+                    (slot::TRIANGLES, topology.triangles()),
+                    (slot::VERTICES, caster.vertices()),
                     (slot::FOUND, edges),
-                    (slot::OFFSETS, &topology.offsets),
-                    (slot::ENTRIES, &topology.entries),
+                    (slot::OFFSETS, topology.offsets()),
+                    (slot::ENTRIES, topology.entries()),
                     (slot::ENDS, &ends),
                 ],
             )?,
@@ -213,44 +240,73 @@ impl GpuExtrusion {
         Ok(Self { shaders, silhouette, caps, capacity, triangles, arguments, demand, parameters, groups })
     }
 
-    /// Records the extrusion of what the silhouette holds by then, which must be of the same `light`. Neither submits
-    /// nor waits. The volume that is returned stands in this room's buffers, until something else is recorded here.
-    ///
-    /// If there is no room for it, its arguments draw nothing and [`Demand::exceeded`] is set; nothing is cut off.
+    /// The silhouette that is extruded.
+    #[must_use]
+    pub fn silhouette(&self) -> &GpuSilhouette {
+        &self.silhouette
+    }
+
+    /// A [`Demand`], once a volume is recorded: four `u32`.
+    #[must_use]
+    pub fn demand(&self) -> &wgpu::Buffer {
+        &self.demand
+    }
+
+    /// Records silhouette and volume of a light: [`GpuSilhouette::record`], then
+    /// [`GpuExtrusion::record_volume`]. Neither submits nor waits. The volume lies in the buffers of this
+    /// extrusion until the next one is recorded.
     ///
     /// # Errors
     ///
     /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, light: &Light) -> Result<GpuVolume, GpuError> {
+        self.silhouette.record(encoder, light)?;
+        self.record_volume(encoder, light)
+    }
+
+    /// Records the extrusion of the silhouette as it is when the commands run, which must be that of `light`.
+    ///
+    /// If the volume exceeds the capacity, its arguments draw nothing and [`Demand::exceeded`] is set;
+    /// nothing is cut off.
+    ///
+    /// # Errors
+    ///
+    /// As [`GpuExtrusion::record`].
+    pub fn record_volume(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        light: &Light,
+    ) -> Result<GpuVolume, GpuError> {
         let (shaders, groups) = (&self.shaders, &self.groups);
-        let topology = &self.silhouette.caster().topology;
+        let caster = self.silhouette.caster();
+        let topology = caster.topology();
         self.record_arrangement(encoder, light)?;
-        // Few edges are silhouette; every invocation takes those that are left to it.
-        let edges = topology.edge_count as usize;
+        // Few edges are silhouette; they are shared out among these invocations.
+        let edges = topology.edge_count() as usize;
         let shared = (edges / 8).max(4096).min(edges);
         if self.caps == Caps::Both {
-            shaders.caps.record(encoder, &groups.caps, topology.face_count.div_ceil(4) as usize);
+            shaders.caps.record(encoder, &groups.caps, topology.face_count().div_ceil(4) as usize);
         }
         shaders.find_ends.record(encoder, &groups.find_ends, shared);
         shaders.sides.record(encoder, &groups.sides, shared);
         Ok(GpuVolume {
-            vertices: self.silhouette.caster().vertices.clone(),
-            vertex_count: topology.vertex_count,
+            vertices: caster.vertices().clone(),
+            vertex_count: topology.vertex_count(),
             triangles: self.triangles.clone(),
             arguments: self.arguments.clone(),
             light: *light,
-            largest: self.silhouette.caster().largest,
+            largest: caster.largest(),
         })
     }
 
-    /// Where the parts stand, and whether they fit.
+    /// Records the offsets of the parts, and whether they fit.
     fn record_arrangement(&self, encoder: &mut wgpu::CommandEncoder, light: &Light) -> Result<(), GpuError> {
         let caster = self.silhouette.caster();
         let flags = if self.caps == Caps::Both { CAPS } else { 0 }
             | if light.is_directional() { DIRECTIONAL } else { 0 };
         let parameters = Parameters {
-            vertices: caster.topology.vertex_count,
-            faces: caster.topology.face_count,
+            vertices: caster.topology().vertex_count(),
+            faces: caster.topology().face_count(),
             capacity: self.capacity,
             flags,
         };
@@ -258,7 +314,7 @@ impl GpuExtrusion {
         let staged = caster.gpu().upload("parameters of a volume", &[parameters])?;
         encoder.copy_buffer_to_buffer(&staged, 0, &self.parameters, 0, staged.size());
         if self.caps == Caps::Both {
-            let runs = runs(caster.topology.face_count);
+            let runs = runs(caster.topology().face_count());
             self.shaders.count_caps.record(encoder, &self.groups.count_caps, runs);
             self.groups.scan_caps.record(encoder);
         }
@@ -266,7 +322,7 @@ impl GpuExtrusion {
         Ok(())
     }
 
-    /// What the volume that was recorded last needs: a read-back that waits for the device.
+    /// The size of the volume that was recorded last. Waits for the device.
     ///
     /// # Errors
     ///
@@ -281,13 +337,14 @@ fn runs(faces: u32) -> usize {
 }
 
 impl GpuVolume {
-    /// Extrudes what `silhouette` holds, which must be of the same `light`, into buffers of just the right size:
-    /// triangle by triangle the volume of [`ShadowVolume::extrude`](crate::shadow::volume::ShadowVolume::extrude). Waits for
-    /// the device.
+    /// Extrudes a silhouette, which must be that of `light`, into buffers of exact size: triangle by triangle
+    /// the volume of [`ShadowVolume::extrude`](crate::shadow::volume::ShadowVolume::extrude). Waits for the
+    /// device.
     ///
     /// # Errors
     ///
-    /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`],
+    /// [`GpuError::Lost`].
     pub fn extrude(
         shaders: &VolumeShaders,
         silhouette: &GpuSilhouette,
@@ -295,74 +352,50 @@ impl GpuVolume {
         caps: Caps,
     ) -> Result<Self, GpuError> {
         let gpu = silhouette.caster().gpu();
-        let empty = GpuExtrusion::new(shaders, silhouette, caps, Some(0))?;
+        let empty = GpuExtrusion::of(shaders, silhouette, caps, Some(0))?;
         gpu.submit(|encoder| empty.record_arrangement(encoder, light))??;
         // Beyond 32 bits no buffer is large enough, and this error says so.
         let triangles = empty.download_demand()?.triangles(light).min(u32::MAX.into()) as u32;
-        let extrusion = GpuExtrusion::new(shaders, silhouette, caps, Some(triangles))?;
-        gpu.submit(|encoder| extrusion.record(encoder, light))?
+        let extrusion = GpuExtrusion::of(shaders, silhouette, caps, Some(triangles))?;
+        gpu.submit(|encoder| extrusion.record_volume(encoder, light))?
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::caster::Caster;
+    use crate::gpu::layout::{assert_layout, members};
     use crate::gpu::tests::gpu;
     use crate::shadow::volume::gpu::Part;
-    use crate::silhouette::{GpuCaster, SilhouetteShaders};
     use crate::testing::shapes;
-    use crate::topology::{GpuTopology, Topology};
 
     #[test]
-    fn volume_shader_is_laid_out_as_rust_writes_it() {
-        let module = naga::front::wgsl::parse_str(shader().source()).unwrap();
-        for (name, expected) in [
-            ("Parameters", &[("vertices", 0), ("faces", 4), ("capacity", 8), ("flags", 12)][..]),
-            ("Demand", &[("cap_faces", 0), ("edges", 4), ("quads", 8), ("exceeded", 12)]),
-            ("Found", &[("edges", 0), ("quads", 4), ("list", 8)]),
-            (
-                "Draw",
-                &[
-                    ("vertex_count", 0),
-                    ("instance_count", 4),
-                    ("first_vertex", 8),
-                    ("base_vertex", 12),
-                    ("first_instance", 16),
-                ],
-            ),
-        ] {
-            let found = module.types.iter().find(|(_, kind)| kind.name.as_deref() == Some(name));
-            let Some((_, naga::Type { inner: naga::TypeInner::Struct { members, .. }, .. })) = found else {
-                panic!("{name} is a structure");
-            };
-            let offsets: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset)).collect();
-            assert_eq!(offsets, expected, "{name}");
-        }
-        use std::mem::offset_of;
-        let of_parameters = [
-            offset_of!(Parameters, vertices),
-            offset_of!(Parameters, faces),
-            offset_of!(Parameters, capacity),
-            offset_of!(Parameters, flags),
+    fn volume_shader_has_one_layout_in_rust_and_wgsl() {
+        let shader = shader();
+        assert_layout!(shader.source(), "Parameters", Parameters: vertices, faces, capacity, flags);
+        assert_layout!(shader.source(), "Demand", Demand: cap_faces, edges, quads, exceeded);
+        use wgpu::util::DrawIndexedIndirectArgs as Arguments;
+        let offset = |name: &str, offset| (name.to_owned(), offset);
+        let draw = vec![
+            offset("vertex_count", std::mem::offset_of!(Arguments, index_count)),
+            offset("instance_count", std::mem::offset_of!(Arguments, instance_count)),
+            offset("first_vertex", std::mem::offset_of!(Arguments, first_index)),
+            offset("base_vertex", std::mem::offset_of!(Arguments, base_vertex)),
+            offset("first_instance", std::mem::offset_of!(Arguments, first_instance)),
         ];
-        let of_demand = [
-            offset_of!(Demand, cap_faces),
-            offset_of!(Demand, edges),
-            offset_of!(Demand, quads),
-            offset_of!(Demand, exceeded),
-        ];
-        assert_eq!((of_parameters, of_demand), ([0, 4, 8, 12], [0, 4, 8, 12]));
+        assert_eq!(members(shader.source(), "Draw"), (draw, size_of::<Arguments>()));
+        let found = [("edges", 0), ("quads", 4), ("list", 8)].map(|(name, at)| offset(name, at));
+        assert_eq!(members(shader.source(), "Found").0, found);
     }
 
     #[test]
     fn volume_that_does_not_fit_draws_nothing_and_says_so() {
         let Some(gpu) = gpu() else { return };
         let mesh = shapes::icosphere(2);
-        let topology = Topology::of(&mesh);
-        let topology = GpuTopology::upload(&gpu, &topology).unwrap();
-        let caster = GpuCaster::new(&SilhouetteShaders::new(&gpu).unwrap(), &mesh, topology).unwrap();
-        let silhouette = GpuSilhouette::new(&caster).unwrap();
+        let caster = GpuCaster::upload(&gpu, &Caster::new(mesh.clone())).unwrap();
         let shaders = VolumeShaders::new(&gpu).unwrap();
+        let silhouette = GpuSilhouette::new(shaders.silhouettes(), &caster).unwrap();
         for (light, copies) in [("point:2,3,4", 2), ("directional:-1,-2,-3", 1)] {
             let light: Light = light.parse().unwrap();
             let found = silhouette.find(&mesh, &light).unwrap();
@@ -373,8 +406,8 @@ mod tests {
             for (capacity, fits) in
                 [(Some(needed), true), (Some(needed - 1), false), (Some(0), false), (None, true)]
             {
-                let extrusion = GpuExtrusion::new(&shaders, &silhouette, Caps::Both, capacity).unwrap();
-                let volume = gpu.submit(|encoder| extrusion.record(encoder, &light)).unwrap().unwrap();
+                let extrusion = GpuExtrusion::of(&shaders, &silhouette, Caps::Both, capacity).unwrap();
+                let volume = gpu.submit(|encoder| extrusion.record_volume(encoder, &light)).unwrap().unwrap();
                 let demand = extrusion.download_demand().unwrap();
                 assert_eq!((demand.triangles(&light), demand.exceeded == 0), (needed.into(), fits));
                 assert_eq!(demand.edges as usize, found.silhouette.edges.len());

@@ -1,21 +1,24 @@
-//! The shader's filter as WGSL lets a device evaluate it, all ways at once, on faces and lights that are nearly ties.
+//! Every result that WGSL permits a device for the shader's filter, at once, on faces and lights that are
+//! nearly ties.
 //!
-//! WGSL lets a device round every `+` and `×` up or down, reassociate sums, fuse a product with the sum that it goes
-//! into, and flush subnormal numbers to 0, on the way into an operation or out of it. Here each value is a range.
+//! WGSL lets a device round every `+` and `×` up or down, reassociate sums, fuse a product with the sum that
+//! it goes into, and flush subnormal inputs and outputs of an operation to 0. Here each value is a range.
 //!
-//! - *Roundings.* A sum grows with its terms, rounded up or rounded down, and so does flushing. So of one tree of
-//!   sums the largest outcome is that with every operation rounded up, the smallest that with every one rounded
-//!   down, and every mixture lies between: two evaluations bound them all.
-//! - *Flushing.* A range that holds a subnormal end is extended to 0; a stored number that is subnormal may be 0.
-//! - *Fusing.* A fused product is not rounded, so it lies between the product rounded down and rounded up: no range
-//!   grows.
+//! - *Roundings.* A sum grows with its terms, rounded up or rounded down, and so does flushing. So of one
+//!   tree of sums the largest outcome is that with every operation rounded up, the smallest that with every
+//!   one rounded down, and every mixture lies between: two evaluations bound them all.
+//! - *Flushing.* A range that holds a subnormal end is extended to 0; a stored number that is subnormal may
+//!   be 0.
+//! - *Fusing.* A fused product is not rounded, so it lies between the product rounded down and rounded up: no
+//!   range grows.
 //! - *Reassociation.* A sum of four terms has 15 trees; all are evaluated, and their ranges joined.
 //!
-//! The bound is taken as small as any device may find it, whatever it found for the side. A device may even evaluate
-//! the side twice, once to compare it and once for its sign (a compiler that contracts one use of a value and not the
-//! other does): a pair is right only if, where any evaluation passes the bound, *every* evaluation has the true sign.
+//! The bound is taken as small as any device may find it, whatever it found for the side. A device may even
+//! evaluate the side twice, once to compare it and once for its sign (a compiler that contracts one use of a
+//! value and not the other does): a pair is right only if, where any evaluation passes the bound, *every*
+//! evaluation has the true sign.
 
-use super::filter::{ALWAYS_EDGE_ON, EVALUATION, Filter, LightParameters};
+use super::{ALWAYS_EDGE_ON, EVALUATION, Filter, LightParameters};
 use crate::facing::planes::{EVALUATION as EVALUATION_OF_PLANES, UNDERFLOW};
 use crate::facing::{FacePlanes, classify};
 use crate::geom::{Light, predicate};
@@ -76,7 +79,7 @@ fn flushed(x: f32) -> f32 {
     if x.abs() < f32::MIN_POSITIVE { 0.0 } else { x }
 }
 
-/// Of two numbers that may be flushed on the way in (as they may have been on the way out).
+/// Of two numbers that may be flushed as inputs (as they may have been as outputs).
 #[inline]
 fn sum(a: f32, b: f32) -> Range {
     let near = a + b;
@@ -291,7 +294,7 @@ fn pairs(count: u64, terms: Terms) -> Tally {
     })
 }
 
-/// `UMBRAGE_FILTER_PAIRS=100000000` looks at so many.
+/// `UMBRAGE_FILTER_PAIRS=100000000` tests that number of pairs.
 #[test]
 fn filter_certifies_no_wrong_side_however_a_device_evaluates_it() {
     let count =
@@ -314,7 +317,8 @@ fn filter_that_lacks_a_term_is_caught() {
     }
 }
 
-/// Every order, fused or not, rounded to nearest, flushed or not, lies in the range; and there are several outcomes.
+/// Every order, fused or not, rounded to nearest, flushed or not, lies in the range; and there are several
+/// outcomes.
 #[test]
 fn filter_ranges_hold_every_evaluation() {
     let mut random = SplitMix64(3);

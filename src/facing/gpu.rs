@@ -1,75 +1,81 @@
-//! The filter that a shader can evaluate: planes and lights in units in which nothing overflows, and their bound.
+//! The filter for the sides of faces that a shader can evaluate: planes and lights scaled so that nothing
+//! overflows, and an error bound.
 
-use crate::facing::FacePlanes;
-use crate::facing::planes::UNDERFLOW;
+#[cfg(test)]
+mod emulation;
+
+use super::FacePlanes;
+use super::planes::UNDERFLOW;
 use crate::geom::Light;
 use crate::geom::predicate::collinear;
 use crate::mesh::{FaceId, Mesh};
 
 /// 8.5·2⁻²³: what evaluating a plane twice costs, relative to the sum of the magnitudes.
 ///
-/// Of 10⁶ near ties none is certified wrong down to 2·2⁻²³; 1.25·2⁻²³ is caught. The roundings of five operations do
-/// not all fall the same way.
-pub(super) const EVALUATION: f32 = 8.5 * f32::EPSILON;
+/// Of 10⁶ near ties none is certified wrong down to 2·2⁻²³; 1.25·2⁻²³ is caught. The roundings of five
+/// operations do not all fall the same way.
+pub(crate) const EVALUATION: f32 = 8.5 * f32::EPSILON;
 /// More than everything that is lost below the normal range, 2⁻¹²⁰; itself a normal number.
 const FLOOR: f64 = 1e-36;
-/// An `e` with which a face is always unsure: the bound is then four times the largest possible side.
-pub(super) const ALWAYS_UNSURE: f32 = 4.0;
-/// An `e` with which a face is surely edge-on: a bound below zero is passed by every side, 0 too.
-pub(super) const ALWAYS_EDGE_ON: f32 = -4.0;
+/// The `e` of a face that is always unsure: the bound is then four times the largest possible side.
+pub(crate) const ALWAYS_UNSURE: f32 = 4.0;
+/// The `e` of a face that is certainly edge-on: every side exceeds a negative bound, 0 too.
+pub(crate) const ALWAYS_EDGE_ON: f32 = -4.0;
 
-/// What a shader is told of a light; `Light` in `silhouette.wgsl`.
+/// The parameters of a light; `Light` in `silhouette.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-pub(super) struct LightParameters {
-    pub(super) xyz: [f32; 3],
-    pub(super) w: f32,
-    /// What a plane's `e` is multiplied with.
-    pub(super) reach: f32,
-    /// What is added to every bound.
-    pub(super) floor: f32,
-    /// How many faces there are.
-    pub(super) faces: u32,
-    pub(super) padding: u32,
+pub(crate) struct LightParameters {
+    pub(crate) xyz: [f32; 3],
+    pub(crate) w: f32,
+    /// The factor of a plane's `e`.
+    pub(crate) reach: f32,
+    /// A constant term of every bound.
+    pub(crate) floor: f32,
+    /// The number of faces.
+    pub(crate) faces: u32,
+    pub(crate) padding: u32,
 }
 
 /// The planes of a mesh in units of its own size: a shader's twin of [`FacePlanes`].
 ///
 /// # The bound
 ///
-/// The side of a face is the sign of `S = N·l + w·D`, with its true unit normal `N` and offset `D` from the local
-/// origin `o`, and `l = L − o` (or the direction, and `w = 0`). WGSL rounds `+` and `×` either way, with a relative
-/// error below `u = 2⁻²³`, may reassociate, fuse and flush what is subnormal, and may assume that nothing is
-/// infinite or NaN. So everything is brought near 1 by exact powers of two:
+/// The side of a face is the sign of `S = N·l + w·D`, with its true unit normal `N` and offset `D` from the
+/// local origin `o`, and `l = L − o` (or the direction, and `w = 0`). WGSL rounds `+` and `×` either way,
+/// with a relative error below `u = 2⁻²³`, may reassociate, fuse and flush what is subnormal, and may assume
+/// that nothing is infinite or NaN. So everything is brought near 1 by exact powers of two:
 ///
 /// - offsets by `2ᵏ`, such that the reach `r` of the mesh comes to lie in [1, 2);
-/// - `l` by `2ᵏ⁻ʲ` and `w` by `2⁻ʲ`, where `j ≥ 0` makes `|lx| + |ly| + |lz|` less than 2 (for a directional light,
-///   whose length is free, `j` may be negative and makes it at least 1).
+/// - `l` by `2ᵏ⁻ʲ` and `w` by `2⁻ʲ`, where `j ≥ 0` makes `|lx| + |ly| + |lz|` less than 2 (for a directional
+///   light, whose length is free, `j` may be negative and makes it at least 1).
 ///
-/// The sign of `S` stays, every term is below 4, and `T = |lx| + |ly| + |lz| + w·r` lies in [1, 4). What is stored
-/// or computed differs from the truth by three parts.
+/// The sign of `S` stays, every term is below 4, and `T = |lx| + |ly| + |lz| + w·r` lies in [1, 4). What is
+/// stored or computed differs from the truth by three parts.
 ///
-/// 1. *Rounding.* On the host `n`, `l` and `d` are rounded to nearest: `u/2` each (forming `l` in `f64` adds 2⁻⁵³; `w`
-///    is a power of two). On the device each product is rounded once, and goes through at most three additions,
-///    in whatever order: `4u`. Together at most `5u·(1 + 5u)` of the sum of magnitudes `M = |nx·lx| + |ny·ly| +
-///    |nz·lz| + |w·d|`. But the shader uses `s` twice, once against the bound and once for its sign, and a compiler may
-///    contract or reassociate each use in its own way: two evaluations differ by `2 · 4u·(1 + 4u)·M` at most. Where
-///    one exceeds `8u·(1 + 4u)·M` in magnitude, every other has its sign; where it exceeds `5u·(1 + 5u)·M`, so has
-///    `S`. The sum is computed within `5u` of itself, and two more roundings follow until it is part of the bound;
-///    so `8.5u` times what is computed exceeds `8.5u·(1 − 8u)·M`, which is more than enough for both.
-/// 2. *The plane.* As [`FacePlanes`] derives: `e·T`. Two roundings are made on the way to the bound: `T` is
-///    enlarged by `2⁻²⁰`. Where there is no finite `e`, [`ALWAYS_UNSURE`] stands for it: no side is larger than
+/// 1. *Rounding.* On the host `n`, `l` and `d` are rounded to nearest: `u/2` each (forming `l` in `f64` adds
+///    2⁻⁵³; `w` is a power of two). On the device each product is rounded once, and goes through at most
+///    three additions, in whatever order: `4u`. Together at most `5u·(1 + 5u)` of the sum of magnitudes
+///    `M = |nx·lx| + |ny·ly| + |nz·lz| + |w·d|`. But the shader uses `s` twice, once against the bound and once
+///    for its sign, and a compiler may contract or reassociate each use in its own way: two evaluations
+///    differ by `2 · 4u·(1 + 4u)·M` at most. Where one exceeds `8u·(1 + 4u)·M` in magnitude, every other has
+///    its sign; where it exceeds `5u·(1 + 5u)·M`, so has `S`. The sum is computed within `5u` of itself, and
+///    two more roundings follow until it is part of the bound; so `8.5u` times what is computed exceeds
+///    `8.5u·(1 − 8u)·M`, which is more than enough for both.
+/// 2. *The plane.* As [`FacePlanes`] derives: `e·T`. Two roundings lead to the bound: `T` is
+///    enlarged by `2⁻²⁰`. Where there is no finite `e`, [`ALWAYS_UNSURE`] replaces it: no side is larger than
 ///    `T·(1 + 5u)`.
-/// 3. *Underflow.* A value that is flushed, or was rounded to a subnormal number, errs by at most 2⁻¹²⁶, times
-///    another factor below 2: three normals, three coordinates, an offset, `w` (times `d`), four products, three
-///    sums, less than 16 · 2⁻¹²⁵ = 2⁻¹²¹ in all, and twice that between two evaluations; 10⁻³⁶ is more. An offset that [`FacePlanes`] rounded below the
-///    normal range *before* it was scaled erred by less than [`UNDERFLOW`] then, which is `w·2ᵏ` as much now. `e` is
-///    at least 2⁻⁴⁸ and `T` at least 1, so no part of the bound is flushed itself.
+/// 3. *Underflow.* A value that is flushed, or was rounded to a subnormal number, errs by at most 2⁻¹²⁶,
+///    times another factor below 2: three normals, three coordinates, an offset, `w` (times `d`), four
+///    products, three sums, less than 16 · 2⁻¹²⁵ = 2⁻¹²¹ in all, and twice that between two evaluations;
+///    10⁻³⁶ is more. An offset that [`FacePlanes`] rounded below the normal range *before* it was scaled
+///    erred by less than [`UNDERFLOW`] then, which is `w·2ᵏ` as much now. `e` is at least 2⁻⁴⁸ and `T` at
+///    least 1, so no part of the bound is flushed itself.
 ///
-/// A mesh whose reach is not finite has no finite `e` anywhere, so every face is unsure. A face without area is
-/// edge-on for every light; that is proven here, once, and [`ALWAYS_EDGE_ON`] says so.
+/// A mesh whose reach is not finite has no finite `e` anywhere, so every face is unsure. A face without area
+/// is edge-on for every light; that is proven here, once, and stored as [`ALWAYS_EDGE_ON`].
 #[derive(Clone, Debug)]
-pub(super) struct Filter {
+pub(crate) struct Filter {
     origin: [f32; 3],
     /// `k`.
     exponent: i32,
@@ -79,9 +85,9 @@ pub(super) struct Filter {
 }
 
 impl Filter {
-    /// The units of a mesh, and its planes in them: five runs (x, y, z of the normals, offsets, `e`) with four
-    /// faces an entry, the last filled up with faces that are edge-on.
-    pub(super) fn new(mesh: &Mesh, planes: &FacePlanes) -> (Self, Vec<[f32; 4]>) {
+    /// The units of a mesh, and its planes in them: five runs (x, y, z of the normals, offsets, `e`) with
+    /// four faces an entry, the last filled up with faces that are edge-on.
+    pub(crate) fn new(mesh: &Mesh, planes: &FacePlanes) -> (Self, Vec<[f32; 4]>) {
         let reach = f64::from(planes.reach());
         let (exponent, reach) = match reach {
             0.0 => (0, 1.0),
@@ -115,8 +121,13 @@ impl Filter {
         (Self { origin: planes.origin(), exponent, reach, faces }, values)
     }
 
+    /// The length of a run in numbers.
+    pub(crate) fn stride(&self) -> u32 {
+        self.faces.next_multiple_of(4).max(4)
+    }
+
     /// A light in the units of the mesh.
-    pub(super) fn light(&self, light: &Light) -> LightParameters {
+    pub(crate) fn light(&self, light: &Light) -> LightParameters {
         let xyz = light.xyz();
         let (l, w) = if light.is_directional() {
             (xyz.map(f64::from), 0.0)

@@ -1,11 +1,13 @@
 //! An engine's two paths, headless: arrays of its own and a moving light; first into its own index buffer on the
 //! processor, then on a device in its own command encoder. Run it by `cargo run --release --example engine`.
 
+#![expect(clippy::print_stdout, reason = "an example prints what it did")]
+
 use std::time::Instant;
 
 use umbrage::caster::{Caster, GpuCaster};
 use umbrage::geom::Light;
-use umbrage::gpu::{Gpu, wgpu};
+use umbrage::gpu::Gpu;
 use umbrage::shadow::Depth;
 use umbrage::shadow::stencil::{Draw, StencilFrame, StencilMethod, StencilPass};
 use umbrage::shadow::volume::{Caps, FrameExtruder, GpuExtrusion, VolumeShaders};
@@ -42,8 +44,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for frame in 0..FRAMES {
         triangles += extruder.write(&caster, &light(frame), Caps::Both, &mut buffer)?.triangle_count();
     }
-    let (each, time) = (triangles / FRAMES as usize, start.elapsed() / FRAMES);
-    println!("processor: {each} triangles a frame, {time:.1?}; silhouette {:?}", extruder.method().map(|m| m.what));
+    println!(
+        "processor: {} triangles, {:.1?} per frame",
+        triangles / FRAMES as usize,
+        start.elapsed() / FRAMES
+    );
 
     // 2. On a device: yours, by `Gpu::from_device(device, queue)`; here any.
     let gpu = Gpu::new(None)?;
@@ -52,33 +57,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let extrusion = GpuExtrusion::new(&shaders, &on_device, Caps::Both, None)?;
     let size = Size::new(256, 256)?;
     let camera = Camera::look_at([20.0, 25.0, 60.0], [20.0, 0.0, 20.0], 0.8, Up::Y)?.projection(size, 0.1);
-    let target = gpu.device().create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: 256, height: 256, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: StencilFrame::FORMAT,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    });
-    let (view, store) = (target.create_view(&Default::default()), wgpu::StoreOp::Store);
+    let attachment = StencilFrame::attachment(&gpu, size)?.create_view(&Default::default()); // or your own
     for frame in 0..3 {
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         let volume = extrusion.record(&mut encoder, &light(frame))?;
         let draws = [Draw { volume: &volume, method: StencilMethod::ZFail }];
         let drawn = pass.prepare(&camera, size, &on_device, &draws)?;
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store }),
-                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
-            }),
-            ..Default::default()
-        });
-        drawn.draw_receivers(&mut pass); // or your own depth, reversed; then light what has stencil 0
-        drawn.draw_volumes(&mut pass);
-        drop(pass);
+        drawn.record(&mut encoder, &attachment); // or into a pass of yours; then light what has stencil 0
         gpu.queue().submit([encoder.finish()]);
     }
     println!("device: {}, every volume fits: {}", gpu.name(), extrusion.download_demand()?.exceeded == 0);

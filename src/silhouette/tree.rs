@@ -496,7 +496,7 @@ mod tests {
 
     /// A tree that searches whatever is left open.
     fn built(mesh: &Mesh) -> (Topology, SilhouetteTree) {
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         let tree = SilhouetteTree::new(mesh, &topology).unlimited();
         (topology, tree)
     }

@@ -322,23 +322,14 @@ fn stencil_frame_in_a_callers_encoder_counts_as_the_pass_of_our_own() {
     let stage = Stage::new(&gpu, &pass, &mesh, Some(CasterFaces::All), 64);
     let volumes = VolumeShaders::new(&gpu).unwrap();
     let extrusion = GpuExtrusion::new(&volumes, &stage.receivers, Caps::Both, None).unwrap();
-    let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: 64, height: 64, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: StencilFrame::FORMAT,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
+    let texture = StencilFrame::attachment(&gpu, stage.size).unwrap();
     let back = gpu.device().create_buffer(&wgpu::BufferDescriptor {
         label: None,
         size: 64 * 256,
         usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
-    for light in lights(&stage.caster.oracle().bounds()) {
+    for (turn, light) in lights(&stage.caster.oracle().bounds()).into_iter().enumerate() {
         let (_, projection) = projections(stage.caster.oracle(), &light, stage.size)[0];
         // A single encoder from the light to the counts, submitted once.
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -346,22 +337,27 @@ fn stencil_frame_in_a_callers_encoder_counts_as_the_pass_of_our_own() {
         let draw = Draw { volume: &volume, method: StencilMethod::ZFail };
         let frame = pass.prepare(&projection, stage.size, &stage.receivers, &[draw]).unwrap();
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let store = wgpu::StoreOp::Store;
-        let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: None,
-            color_attachments: &[],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store }),
-                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
-            }),
-            timestamp_writes: None,
-            occlusion_query_set: None,
-            multiview_mask: None,
-        });
-        frame.draw_receivers(&mut drawing);
-        frame.draw_volumes(&mut drawing);
-        drop(drawing);
+        if turn == 0 {
+            frame.record(&mut encoder, &view);
+        } else {
+            // A render pass of the caller's.
+            let store = wgpu::StoreOp::Store;
+            let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: None,
+                color_attachments: &[],
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &view,
+                    depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store }),
+                    stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
+                }),
+                timestamp_writes: None,
+                occlusion_query_set: None,
+                multiview_mask: None,
+            });
+            frame.draw_receivers(&mut drawing);
+            frame.draw_volumes(&mut drawing);
+            drop(drawing);
+        }
         let layout =
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256), rows_per_image: None };
         let mut from = texture.as_image_copy();

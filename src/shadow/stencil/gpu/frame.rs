@@ -3,7 +3,7 @@
 use super::{Draw, Pipelines, StencilPass};
 use crate::caster::GpuCaster;
 use crate::gpu::raster::{Drawing, FORMAT};
-use crate::gpu::{GpuError, wgpu};
+use crate::gpu::{Gpu, GpuError, wgpu};
 use crate::shadow::stencil::StencilMethod;
 use crate::shadow::volume::{GpuVolume, Part};
 use crate::view::Projection;
@@ -56,6 +56,30 @@ impl StencilPass {
 impl StencilFrame {
     /// The format of the depth-stencil attachment.
     pub const FORMAT: wgpu::TextureFormat = FORMAT;
+
+    /// An attachment for [`StencilFrame::record`], for those who have none.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Picture`] if the device has no textures of this size, [`GpuError::OutOfMemory`].
+    pub fn attachment(gpu: &Gpu, size: Size) -> Result<wgpu::Texture, GpuError> {
+        Ok(gpu.texture("depth and stencil", size, FORMAT)?.texture)
+    }
+
+    /// Draws receivers and volumes in a render pass of its own, which clears the attachment first.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, attachment: &wgpu::TextureView) {
+        let store = wgpu::StoreOp::Store;
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: attachment,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store }),
+                stencil_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0), store }),
+            }),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        self.draw_receivers(&mut pass);
+        self.draw_volumes(&mut pass);
+    }
 
     /// Draws the receivers' depth. Leave it out if the attachment holds the depth already, reversed and of
     /// this projection; then both sides of every caster must have been drawn.

@@ -73,8 +73,6 @@ mod log {
     fn fingerprint(triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> u64 {
         let positions = positions.as_flattened().iter().map(|x| x.to_bits());
         let words = triangles.as_flattened().iter().copied().chain(positions);
-        words.fold(0xcbf2_9ce4_8422_2325, |hash, word| {
-            (hash ^ u64::from(word)).wrapping_mul(0x100_0000_01b3)
-        })
+        words.fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ u64::from(word)).wrapping_mul(0x100_0000_01b3))
     }
 }

@@ -14,7 +14,7 @@ use crate::read::read_bytes;
 use crate::render::{CLAY, ShadedLight, View, render};
 use crate::scene::Scope;
 use crate::shadow::stencil::max_depth_complexity;
-use crate::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex};
+use crate::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex};
 use crate::silhouette::Silhouette;
 use crate::testing::shapes;
 use crate::topology::Topology;

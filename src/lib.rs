@@ -140,5 +140,5 @@ mod parallel;
 mod random;
 
 // Transforms and cameras speak glam; this is the version they speak.
-pub use glam;
 pub use choice::{Choice, Reason};
+pub use glam;

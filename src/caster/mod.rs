@@ -6,8 +6,8 @@ mod shell_boxes;
 use std::sync::OnceLock;
 
 pub use proofs::ShellProof;
-pub use shell_boxes::ShellBoxes;
 pub(crate) use shell_boxes::ShellBox;
+pub use shell_boxes::ShellBoxes;
 
 use crate::check::CrackReport;
 use crate::facing::{CasterFaces, FacePlanes};
@@ -86,9 +86,8 @@ impl Caster {
     /// The edge table, with what the crack report needs of it: some 40 ns per face when first asked for.
     #[must_use]
     pub fn topology(&self) -> &Topology {
-        self.topology.get_or_init(|| {
-            Topology::build_surveyed(self.mesh.vertex_count(), self.mesh.shared_triangles())
-        })
+        self.topology
+            .get_or_init(|| Topology::build_surveyed(self.mesh.vertex_count(), self.mesh.shared_triangles()))
     }
 
     /// The connected shells.

@@ -6,11 +6,11 @@ mod pixels;
 use std::f32::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
+use umbrage::caster::Caster;
 use umbrage::glam::{Mat4, Vec3};
 #[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::Mesh;
-use umbrage::caster::Caster;
 use umbrage::render;
 use umbrage::render::{CLAY, Picture, ShadedLight, View};
 use umbrage::scene::{Instance, Scene, SceneLight, Scope};
@@ -166,11 +166,7 @@ fn with_view<T>(
     work(View { camera, size, lamps: &lamps, up: Up::Y, ground: None, paint: &paint, edge_samples: 4 })
 }
 
-fn by_rays(
-    caster: &Caster,
-    lights: &[SceneLight],
-    size: (u32, u32),
-) -> Result<Picture, Failure> {
+fn by_rays(caster: &Caster, lights: &[SceneLight], size: (u32, u32)) -> Result<Picture, Failure> {
     with_view(caster.mesh(), lights, size, |view| {
         let progress = Progress::bar("drawing", view.steps());
         render::render(caster.oracle(), &view, &|steps| progress.done(steps))

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use umbrage::geom::Aabb;
 use umbrage::caster::Caster;
+use umbrage::geom::Aabb;
 use umbrage::scene::SceneLight;
 use umbrage::view::{Camera, Up};
 

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use umbrage::caster::Caster;
 #[cfg(feature = "gpu")]
 use umbrage::geom::Aabb;
 use umbrage::geom::Light;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
-use umbrage::caster::Caster;
 use umbrage::render;
 use umbrage::render::{CLAY, Ground, Picture, ShadedLight, View};
 #[cfg(feature = "gpu")]
@@ -193,7 +193,8 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let picture = match way {
         Way::Rays => by_rays(caster, &view(RAYS_SAMPLES))?,
         #[cfg(feature = "gpu")]
-        Way::Stencil { gpu, asked } => match by_stencil(&gpu, &caster, &bounds, view(STENCIL_SAMPLES), asked) {
+        Way::Stencil { gpu, asked } => match by_stencil(&gpu, &caster, &bounds, view(STENCIL_SAMPLES), asked)
+        {
             Ok(picture) => picture,
             // Anything but a defect of ours.
             Err(error) if asked.is_none() && !matches!(error, GpuError::Wgpu(_)) => {

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
+use umbrage::caster::Caster;
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::Facing;
 use umbrage::geom::Light;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::Gpu;
-use umbrage::caster::Caster;
 use umbrage::mesh::{Mesh, VertexId};
 use umbrage::scene::SceneLight;
 #[cfg(feature = "gpu")]

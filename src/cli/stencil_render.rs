@@ -1,13 +1,12 @@
 //! A picture by stencil shadows: from a mesh and a view to pixels, and what can be said of each light.
 
-use umbrage::geom::Aabb;
-use umbrage::gpu::{Gpu, GpuError};
 use umbrage::caster::Caster;
 use umbrage::facing::CasterFaces;
+use umbrage::geom::Aabb;
+use umbrage::gpu::{Gpu, GpuError};
 use umbrage::render::{LampShadow, Picture, View, render_stencil};
 use umbrage::shadow::stencil::{
-    Depth, GpuStencilVolumes, Receivers, ShadowMask, StencilMethod, StencilPass,
-    StencilVolumes,
+    Depth, GpuStencilVolumes, Receivers, ShadowMask, StencilMethod, StencilPass, StencilVolumes,
 };
 use umbrage::view::Projection;
 

@@ -16,8 +16,8 @@ pub use segment_triangle::{Intersection, intersect};
 
 use multiversion::multiversion;
 
-use crate::geom::Facing;
 use crate::built::{self, Part};
+use crate::geom::Facing;
 use crate::geom::bvh::{Bvh, Step, WideBvh};
 use crate::geom::predicate::{Homogeneous, Sign};
 use crate::geom::{Aabb, Light};

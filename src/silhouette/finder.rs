@@ -125,12 +125,7 @@ impl SilhouetteFinder {
     /// Panics if mesh or topology have other numbers of faces or edges than those it was made with, and the light is
     /// another one.
     #[inline]
-    pub fn find(
-        &mut self,
-        mesh: &Mesh,
-        topology: &Topology,
-        light: &Light,
-    ) -> Choice<SilhouetteMethod> {
+    pub fn find(&mut self, mesh: &Mesh, topology: &Topology, light: &Light) -> Choice<SilhouetteMethod> {
         if self.last.as_ref() != Some(light) {
             self.way = self.search(mesh, topology, light);
             self.last = Some(*light);
@@ -139,12 +134,7 @@ impl SilhouetteFinder {
         self.way
     }
 
-    fn search(
-        &mut self,
-        mesh: &Mesh,
-        topology: &Topology,
-        light: &Light,
-    ) -> Choice<SilhouetteMethod> {
+    fn search(&mut self, mesh: &Mesh, topology: &Topology, light: &Light) -> Choice<SilhouetteMethod> {
         match &mut self.ways {
             Ways::Scan { planes, facing, signs, reason } => {
                 planes.classify_into(mesh, light, facing);
@@ -221,8 +211,8 @@ mod tests {
         let mesh = shapes::icosphere(6);
         let topology = Topology::of(&mesh);
         let mut finder = SilhouetteFinder::new(&mesh, &topology, CasterFaces::All, usize::MAX);
-        use SilhouetteMethod::{Kinetic, Tree};
         use Reason::{ColdLight, SmallMove};
+        use SilhouetteMethod::{Kinetic, Tree};
         let expected = [
             ([3.0, 4.0, 5.0], Tree, ColdLight),
             ([3.0, 4.0001, 5.0], Kinetic, SmallMove),

@@ -5,6 +5,8 @@
 #[cfg(any(test, feature = "testing"))]
 pub use crate::built::{Part as BuiltPart, record as record_built};
 
+#[cfg(feature = "verify")]
+pub mod generate;
 pub mod shapes;
 #[cfg(any(test, feature = "testing"))]
 pub mod strategy;

@@ -12,8 +12,8 @@ use super::bucket::{self, Memory, Receive, SLACK};
 use super::network;
 use super::sort::{self, Blocks};
 use super::star::{self, Arcs, Stars};
-use crate::built::note_topology;
 use super::{EdgeCounts, Entry, Topology};
+use crate::built::note_topology;
 use crate::mesh::MAX_TRIANGLES;
 
 pub(super) fn build(vertex_count: usize, triangles: Arc<Vec<[u32; 3]>>) -> Topology {
@@ -353,7 +353,10 @@ mod tests {
             }
             // The sabotage: a face less.
             if let Some((_, fewer)) = triangles.split_last().filter(|(last, _)| !has_collapsed(**last)) {
-                assert_ne!(builder.build_by(vertices, fewer.to_vec().into(), Blocks { bits }).entries, entries);
+                assert_ne!(
+                    builder.build_by(vertices, fewer.to_vec().into(), Blocks { bits }).entries,
+                    entries
+                );
             }
         }
     }

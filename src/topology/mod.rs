@@ -24,8 +24,8 @@ mod validate;
 pub use build::TopologyBuilder;
 #[cfg(feature = "gpu")]
 pub use gpu::{GpuTopology, GpuTopologyBuilder};
-pub use shell::{Components, Shells};
 pub(crate) use shell::FacesByShell;
+pub use shell::{Components, Shells};
 
 use std::sync::{Arc, OnceLock};
 

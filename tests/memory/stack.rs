@@ -13,7 +13,7 @@ use umbrage::oracle::Oracle;
 use umbrage::read::read_bytes;
 use umbrage::scene::Scope;
 use umbrage::shadow::stencil::{ShellBoxes, max_depth_complexity};
-use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex};
+use umbrage::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex};
 use umbrage::silhouette::Silhouette;
 use umbrage::topology::Topology;
 

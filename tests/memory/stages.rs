@@ -7,7 +7,7 @@ use umbrage::geom::{Light, bvh::Bvh};
 use umbrage::mesh::{Weld, weld, weld_in_place};
 use umbrage::oracle::Oracle;
 use umbrage::shadow::stencil::{ShellBoxes, max_depth_complexity};
-use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex};
+use umbrage::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex};
 use umbrage::silhouette::Silhouette;
 use umbrage::topology::Topology;
 

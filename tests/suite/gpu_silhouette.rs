@@ -7,7 +7,7 @@ use umbrage::geom::{Aabb, Light};
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::{FaceId, Mesh, Weld, weld};
 use umbrage::scene::Scope;
-use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, ShellFaces, ShadowVolume, VolumeShaders};
+use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, ShadowVolume, ShellFaces, VolumeShaders};
 use umbrage::silhouette::{GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders};
 use umbrage::testing::shapes;
 use umbrage::topology::{GpuTopology, Topology};

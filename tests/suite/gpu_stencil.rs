@@ -32,7 +32,13 @@ struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    fn new(gpu: &'a Gpu, pass: &'a StencilPass, mesh: &'a Mesh, faces: Option<CasterFaces>, side: u32) -> Self {
+    fn new(
+        gpu: &'a Gpu,
+        pass: &'a StencilPass,
+        mesh: &'a Mesh,
+        faces: Option<CasterFaces>,
+        side: u32,
+    ) -> Self {
         Self {
             gpu,
             pass,
@@ -293,7 +299,8 @@ fn stencil_pass_of_a_volume_without_a_face_is_caught() {
     // Without the last caster that is seen, the pixels behind it are lit.
     let whole = stage.caster.topology().triangles();
     let without = Mesh::new(mesh.positions().to_vec(), whole[..whole.len() - 40].to_vec()).unwrap();
-    let other = Caster::new(&without, Some(CasterFaces::All)).cast(&light, &projection, Some(StencilMethod::ZFail));
+    let other =
+        Caster::new(&without, Some(CasterFaces::All)).cast(&light, &projection, Some(StencilMethod::ZFail));
     let cast = other.upload(&gpu).unwrap();
     let mask = stage.mask(&projection, &cast.draws(), Counting::Stencil);
     assert!(!stage.compare(&light, &projection, &casting.signs, &mask).agrees());

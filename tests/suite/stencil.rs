@@ -2,13 +2,15 @@
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
+use umbrage::Reason;
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::Light;
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::{Intersection, Oracle, intersect};
 use umbrage::scene::Scope;
-use umbrage::shadow::stencil::{Asked, DepthComplexity, ShellMethods, ShellBoxes, StencilMethod, max_depth_complexity};
-use umbrage::Reason;
+use umbrage::shadow::stencil::{
+    Asked, DepthComplexity, ShellBoxes, ShellMethods, StencilMethod, max_depth_complexity,
+};
 use umbrage::testing::shapes;
 use umbrage::testing::strategy::{light, place, soup};
 use umbrage::topology::{Shells, Topology};
@@ -157,7 +159,10 @@ fn zpass_faults_are_seen_by_the_samples() {
     };
     // Everything is z-pass; the rectangle is a point; the light is on the other side; half of the faces are skipped.
     let shell_of = |mesh: &Mesh| shells(mesh);
-    assert!(seen(&|mesh, p, l| ShellMethods::choose(mesh, &shell_of(mesh), p, l, Some(StencilMethod::ZPass))) > 20);
+    assert!(
+        seen(&|mesh, p, l| ShellMethods::choose(mesh, &shell_of(mesh), p, l, Some(StencilMethod::ZPass)))
+            > 20
+    );
     let mirrored = |light: &Light| {
         let other = light.xyz().map(|x| 0.0 - x);
         if light.is_directional() { Light::directional(light.xyz()) } else { Light::point(other) }.unwrap()
@@ -173,7 +178,13 @@ fn zpass_faults_are_seen_by_the_samples() {
         seen(&|mesh, p, l| {
             let half = skipped(mesh);
             let all_clear = auto(&half, p, l).count(StencilMethod::ZFail) == 0;
-            ShellMethods::choose(mesh, &shells(mesh), p, l, if all_clear { Some(StencilMethod::ZPass) } else { Some(StencilMethod::ZFail) })
+            ShellMethods::choose(
+                mesh,
+                &shells(mesh),
+                p,
+                l,
+                if all_clear { Some(StencilMethod::ZPass) } else { Some(StencilMethod::ZFail) },
+            )
         }) > 3
     );
 }

@@ -1,24 +1,23 @@
 //! The ray cast against a loop over all faces, and against whole numbers.
 
 use num_bigint::BigInt;
-use umbrage::geom::Facing;
-use umbrage::geom::Light;
+use umbrage::geom::{Facing, Light};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::{Crossings, Hit, Intersection, Oracle, intersect};
+use umbrage::testing::generate::{Bytes, light, mesh, point, position};
 use umbrage::verify::reference;
 
-use super::bytes::Bytes;
-use super::{shape, whole};
+use super::whole;
 
 pub(crate) fn run(data: &[u8]) {
     let bytes = &mut Bytes::new(data);
-    let mesh = shape::mesh(bytes);
+    let mesh = mesh(bytes);
     let oracle = Oracle::build(&mesh);
     for _ in 0..4 {
-        let light = shape::light(bytes, &mesh);
-        let p = shape::point(bytes, &mesh);
+        let light = light(bytes, &mesh);
+        let p = point(bytes, &mesh, &light);
         judge(&mesh, &oracle, p, &light);
-        judge_hit(&mesh, &oracle, p, bytes.place());
+        judge_hit(&mesh, &oracle, p, position(bytes));
         if bytes.is_empty() {
             break;
         }

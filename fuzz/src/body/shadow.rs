@@ -4,22 +4,21 @@ use std::collections::BTreeMap;
 
 use umbrage::caster::ShellProof;
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
-use umbrage::geom::Facing;
-use umbrage::geom::{Aabb, Light};
-use umbrage::mesh::{FaceId, Mesh};
+use umbrage::geom::{Aabb, Facing, Light};
+use umbrage::mesh::{FaceId, Mesh, Weld, weld};
 use umbrage::oracle::{Intersection, Oracle};
-use umbrage::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex, winding_number};
+use umbrage::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex, winding_number};
 use umbrage::silhouette::Silhouette;
+use umbrage::testing::generate::{Bytes, Draw, light, mesh, point};
 use umbrage::topology::Topology;
 
-use super::bytes::Bytes;
-use super::{naive, shape, whole};
+use super::{naive, whole};
 
 pub(crate) fn run(data: &[u8]) {
     let bytes = &mut Bytes::new(data);
-    let mesh = shape::welded(bytes);
-    let light = shape::light(bytes, &mesh);
-    let points: Vec<[f32; 3]> = (0..1 + bytes.below(6)).map(|_| shape::point(bytes, &mesh)).collect();
+    let mesh = weld(&mesh(bytes), Weld::Exact).mesh;
+    let light = light(bytes, &mesh);
+    let points: Vec<[f32; 3]> = (0..1 + bytes.below(6)).map(|_| point(bytes, &mesh, &light)).collect();
     let facing = FacePlanes::new(&mesh).classify(&mesh, &light);
     judge(&mesh, &light, &points, &facing);
 

@@ -2,16 +2,16 @@
 
 use umbrage::check::{CrackReport, DefectKind};
 use umbrage::mesh::{EdgeId, FaceId, HalfEdgeId, Mesh, VertexId, Weld, Welded, weld};
+use umbrage::testing::generate::{Bytes, mesh, position};
 use umbrage::topology::Topology;
 
-use super::bytes::Bytes;
-use super::{naive, shape, whole};
+use super::{naive, whole};
 
 pub(crate) fn run(data: &[u8]) {
     let bytes = &mut Bytes::new(data);
-    let mesh = shape::mesh(bytes);
+    let mesh = mesh(bytes);
     judge_exact_weld(&mesh, &weld(&mesh, Weld::Exact));
-    let reach = bytes.coordinate().abs();
+    let reach = position(bytes)[0].abs();
     judge_weld_within(&mesh, reach, &weld(&mesh, Weld::Within(reach)));
     let welded = weld(&mesh, Weld::Exact).mesh;
     let unwelded = (welded != mesh).then_some(mesh);

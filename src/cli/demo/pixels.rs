@@ -1,8 +1,8 @@
 //! Both judges of every pixel: the stencil pass beside the ray cast, and where they differ.
 
+use umbrage::caster::Caster;
 use umbrage::geom::Aabb;
 use umbrage::gpu::{Gpu, GpuError};
-use umbrage::caster::Caster;
 use umbrage::render;
 use umbrage::render::{Picture, View};
 use umbrage::scene::SceneLight;

@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use umbrage::caster::Caster;
 use umbrage::geom::Light;
 use umbrage::gpu::Gpu;
-use umbrage::caster::Caster;
 use umbrage::render::{MemoryError, verdict_color, verdicts};
 use umbrage::scene::SceneLight;
-use umbrage::shadow::stencil::{Counting, Depth, ShellMethods, Receivers, ShadowMask, StencilMethod, StencilPass, StencilVolumes};
+use umbrage::shadow::stencil::{
+    Counting, Depth, Receivers, ShadowMask, ShellMethods, StencilMethod, StencilPass, StencilVolumes,
+};
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
 use umbrage::view::Projection;
 use umbrage::view::{Camera, Size};
@@ -32,11 +34,7 @@ impl Graphics {
         adapter.open("--gpu").map(Self)
     }
 
-    pub(super) fn judge(
-        &self,
-        args: &Args,
-        source: &Source,
-    ) -> Result<Pixels, Failure> {
+    pub(super) fn judge(&self, args: &Args, source: &Source) -> Result<Pixels, Failure> {
         let size = args.size.unwrap_or(Size::new(SIDE, SIDE).expect("in range"));
         let camera = camera(args, source, size)?;
         let job = Job {

@@ -7,10 +7,10 @@
 //! side alone: a shell that nearly touches the hull is drawn with z-fail, which is right as well and only costs time.
 
 use super::StencilMethod;
-use crate::choice::{Choice, Reason};
 use super::light_pyramid::LightPyramid;
-use crate::geom::{Aabb, Light};
 use crate::caster::{ShellBox, ShellBoxes};
+use crate::choice::{Choice, Reason};
+use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
 use crate::topology::Shells;
 use crate::view::Projection;

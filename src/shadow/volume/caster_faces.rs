@@ -6,17 +6,16 @@
 //! negative volume the same holds with all signs turned. Anything less is not proof: a figure-eight prism is
 //! watertight and may have a positive volume, and its other lobe would stay lit.
 
-
 use super::winding::{Crossing, crossing, scattered};
 use super::{Caps, ShadowVolume};
 use crate::caster::{Caster, ShellProof};
-use crate::silhouette::Silhouette;
 use crate::choice::{Choice, Reason};
 use crate::facing::CasterFaces;
 use crate::geom::Facing;
 use crate::geom::Light;
 use crate::geom::predicate::Homogeneous;
 use crate::mesh::{FaceId, Mesh};
+use crate::silhouette::Silhouette;
 use crate::topology::Shells;
 
 /// Where a light is with respect to one shell.
@@ -228,8 +227,7 @@ mod tests {
         let topologies = [&one, &two].map(built);
         let shells = [0, 1].map(|i| topologies[i].shells());
         let reports = [(&one, &topologies[0]), (&two, &topologies[1])].map(|(m, t)| CrackReport::of(m, t));
-        let proofs_of_one =
-            |spare| ShellProof::within(&one, &topologies[0], &shells[0], &reports[0], spare);
+        let proofs_of_one = |spare| ShellProof::within(&one, &topologies[0], &shells[0], &reports[0], spare);
         assert_eq!(proofs_of_one(0), [ShellProof::Unsettled]);
         let step = 1 << 20;
         let spare = (1..16).map(|k| k * step).find(|&spare| proofs_of_one(spare) == [ShellProof::Outward]);

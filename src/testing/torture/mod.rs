@@ -18,14 +18,10 @@
 //! Beside it, on every query, runs what most programs do: facing by a cross product in `f32`, and visibility by an
 //! `f32` triangle test.
 
-pub(crate) mod lights;
-pub(crate) mod meshes;
 mod minimize;
 mod naive_f32;
-pub(crate) mod points;
 mod repro;
 mod round;
-pub(crate) mod scales;
 mod stratum;
 
 #[cfg(test)]
@@ -33,9 +29,9 @@ mod tests;
 
 pub use repro::{Case, CaseError, Ruling};
 
-use crate::geom::{Aabb, Light};
-use crate::mesh::Mesh;
+use crate::geom::Aabb;
 use crate::random::SplitMix64;
+use crate::testing::generate::Draw;
 use round::{Prepared, Seam};
 use stratum::{RECIPES, Recipe};
 
@@ -251,17 +247,18 @@ impl Tally {
     fn round(&mut self, seed: u64, stratum: usize, round: u64, points: u64, seam: Seam) {
         // 1. Mesh and light.
         let mut random = source(seed, stratum, round);
-        let (mesh, light) = draw(&RECIPES[stratum], &mut random);
+        let (mesh, light) = RECIPES[stratum].draw(&mut random);
         let signs = random.next();
         let prepared = Prepared::new(&mesh, &light, signs, round.is_multiple_of(HALF_EVERY), seam);
 
         // 2. Points.
         let sampler = prepared.sampler();
-        let aims = RECIPES[stratum].aims;
+        let kinds = RECIPES[stratum].points;
+        let draw: &mut dyn Draw = &mut random;
         let points: Vec<[f32; 3]> = (0..points)
             .map(|_| {
-                let aim = aims[random.below(aims.len())];
-                aim.draw(&sampler, &mut random)
+                let kind = draw.pick(kinds);
+                sampler.draw(kind, draw)
             })
             .collect();
         let asked = round < WHOLE_EVERY || round.is_multiple_of(WHOLE_EVERY);
@@ -308,15 +305,4 @@ impl Tally {
 fn source(seed: u64, stratum: usize, round: u64) -> SplitMix64 {
     let of_stratum = SplitMix64(seed).next() ^ stratum as u64;
     SplitMix64(SplitMix64(SplitMix64(of_stratum).next() ^ round).next())
-}
-
-fn draw(recipe: &Recipe, random: &mut SplitMix64) -> (Mesh, Light) {
-    let mut draft = recipe.shapes[random.below(recipe.shapes.len())].draw(random);
-    if recipe.damaged {
-        draft.damage(random);
-    }
-    recipe.scales[random.below(recipe.scales.len())].apply(&mut draft.positions, random);
-    let mesh = Mesh::new(draft.positions, draft.triangles).expect("drafts are finite and in range");
-    let light = recipe.places[random.below(recipe.places.len())].draw(&mesh, random);
-    (mesh, light)
 }

@@ -8,10 +8,10 @@ use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
 use crate::oracle::{Oracle, Verdict};
 use crate::random::SplitMix64;
-use crate::shadow::volume::{Caps, ShellFaces, ShadowVolume, WindingIndex, WindingTable, stands_on};
+use crate::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex, WindingTable, stands_on};
 use crate::silhouette::Silhouette;
+use crate::testing::generate::Sampler;
 use crate::topology::Topology;
-use crate::verify::points::draw::Sampler;
 use crate::verify::points::judge::Cast;
 
 /// Where tests spoil what a judge works with, to show that the fault is seen.
@@ -50,8 +50,8 @@ pub(super) struct Prepared<'a> {
     mesh: &'a Mesh,
     light: &'a Light,
     seam: Seam,
-    pub(super) topology: Topology,
-    pub(super) silhouette: Silhouette,
+    topology: Topology,
+    silhouette: Silhouette,
     oracle: Oracle,
     all: ShadowVolume,
     /// The volume of the faces that [`Plan`] chooses.
@@ -76,14 +76,7 @@ pub(super) struct Found {
 impl<'a> Prepared<'a> {
     /// What draws points around the mesh and its light.
     pub(super) fn sampler(&self) -> Sampler<'_> {
-        let [low, high] = self.mesh.bounds().expect("a drawn mesh has a face");
-        Sampler {
-            mesh: self.mesh,
-            topology: &self.topology,
-            silhouette: &self.silhouette,
-            light: self.light,
-            bounds: Aabb { low, high },
-        }
+        Sampler::new(self.mesh, self.light, &self.topology, &self.silhouette)
     }
 
     /// `signs` is what random signs are drawn from; their volume has to be closed as well. With `half` the halved

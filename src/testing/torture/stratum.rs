@@ -1,9 +1,9 @@
 //! The strata: which meshes, lights and points meet in a round.
 
-use super::lights::Place;
-use super::meshes::Shape;
-use super::points::Aim;
-use super::scales::Scale;
+use crate::geom::Light;
+use crate::mesh::Mesh;
+use crate::random::SplitMix64;
+use crate::testing::generate::{Damage, Draw, LightKind, PointKind, Scale, Shape, damage};
 
 /// What a stratum draws from, each list evenly.
 pub(super) struct Recipe {
@@ -12,64 +12,98 @@ pub(super) struct Recipe {
     /// Whether faces are dropped, turned, doubled and collapsed.
     pub(super) damaged: bool,
     pub(super) scales: &'static [Scale],
-    pub(super) places: &'static [Place],
-    pub(super) aims: &'static [Aim],
+    pub(super) lights: &'static [LightKind],
+    pub(super) points: &'static [PointKind],
 }
 
+impl Recipe {
+    /// A mesh with a face, and a light.
+    pub(super) fn draw(&self, random: &mut SplitMix64) -> (Mesh, Light) {
+        let draw: &mut dyn Draw = random;
+        let mut draft = draw.pick(self.shapes).draw(draw);
+        if self.damaged {
+            for _ in 0..1 + draw.below(4) {
+                damage(draw, Damage::KINDS, &mut draft);
+            }
+        }
+        draw.pick(self.scales).apply(draw, &mut draft.positions);
+        let mesh = Mesh::from(draft);
+        let light = draw.pick(self.lights).draw(draw, &mesh);
+        (mesh, light)
+    }
+}
+
+/// Those whose coordinates are near 1.
 const ANY_SHAPE: &[Shape] = &[
-    Shape::Soup,
-    Shape::Grid,
+    Shape::Known,
     Shape::Voxels,
-    Shape::Ball,
-    Shape::Tetrahedra,
     Shape::Boxes,
-    Shape::Classic,
+    Shape::Bent,
+    Shape::Tetrahedra,
+    Shape::Grid,
+    Shape::Soup,
     Shape::Sliver,
 ];
 /// Those with exact ties in all their planes.
-const EXACT: &[Shape] = &[Shape::Grid, Shape::Voxels, Shape::Boxes, Shape::Classic];
-const SOLID: &[Shape] = &[Shape::Voxels, Shape::Ball, Shape::Tetrahedra, Shape::Boxes];
-const FINITE: &[Place] =
-    &[Place::Outside, Place::Vertex, Place::Edge, Place::Plane, Place::UlpOff, Place::Inside, Place::Corner];
-const ANY_PLACE: &[Place] = &[
-    Place::Outside,
-    Place::Vertex,
-    Place::Edge,
-    Place::Plane,
-    Place::UlpOff,
-    Place::Far,
-    Place::Inside,
-    Place::Corner,
-    Place::Direction,
-    Place::Axis,
-    Place::InPlane,
+const EXACT: &[Shape] = &[Shape::Known, Shape::Voxels, Shape::Boxes, Shape::Grid];
+const SOLID: &[Shape] = &[Shape::Voxels, Shape::Boxes, Shape::Bent, Shape::Tetrahedra];
+const FINITE: &[LightKind] = &[
+    LightKind::Vertex,
+    LightKind::Edge,
+    LightKind::Plane,
+    LightKind::UlpOff,
+    LightKind::Inside,
+    LightKind::Corner,
+    LightKind::Outside,
 ];
-const DIRECTIONS: &[Place] = &[Place::Direction, Place::Axis, Place::InPlane];
-const ANY_AIM: &[Aim] =
-    &[Aim::Box, Aim::Face, Aim::Boundary, Aim::Plane, Aim::Vertex, Aim::Corner, Aim::Behind, Aim::Light];
+const ANY_LIGHT: &[LightKind] = &[
+    LightKind::Vertex,
+    LightKind::Edge,
+    LightKind::Plane,
+    LightKind::UlpOff,
+    LightKind::Inside,
+    LightKind::Corner,
+    LightKind::Outside,
+    LightKind::Far,
+    LightKind::Axis,
+    LightKind::InPlane,
+    LightKind::Direction,
+];
+const DIRECTIONS: &[LightKind] = &[LightKind::Axis, LightKind::InPlane, LightKind::Direction];
+const ANY_POINT: &[PointKind] = &[
+    PointKind::VertexOrEdge,
+    PointKind::NearFace,
+    PointKind::FacePlane,
+    PointKind::Corner,
+    PointKind::Behind,
+    PointKind::Boundary,
+    PointKind::Box,
+    PointKind::Light,
+];
 /// Three in four on the surface.
-const SURFACE: &[Aim] = &[Aim::Surface, Aim::Surface, Aim::Surface, Aim::Plane];
-const SHADOW: &[Aim] = &[Aim::Boundary, Aim::Behind];
+const SURFACE: &[PointKind] =
+    &[PointKind::Surface, PointKind::Surface, PointKind::Surface, PointKind::FacePlane];
+const SHADOW: &[PointKind] = &[PointKind::Boundary, PointKind::Behind];
 
 const GENERIC: Recipe = Recipe {
     name: "generic",
     shapes: ANY_SHAPE,
     damaged: false,
     scales: &[Scale::One],
-    places: &[Place::Outside, Place::Direction],
-    aims: &[Aim::Box],
+    lights: &[LightKind::Outside, LightKind::Direction],
+    points: &[PointKind::Box],
 };
 
-const fn lit(name: &'static str, places: &'static [Place]) -> Recipe {
-    Recipe { name, places, aims: ANY_AIM, ..GENERIC }
+const fn lit(name: &'static str, lights: &'static [LightKind]) -> Recipe {
+    Recipe { name, lights, points: ANY_POINT, ..GENERIC }
 }
 
 const fn scaled(name: &'static str, scales: &'static [Scale]) -> Recipe {
-    Recipe { name, scales, places: ANY_PLACE, aims: ANY_AIM, ..GENERIC }
+    Recipe { name, scales, lights: ANY_LIGHT, points: ANY_POINT, ..GENERIC }
 }
 
-/// All strata, in the order of the rows. Where nothing else is said: meshes of any kind without damage, near 1, and points
-/// of every kind that [`ANY_AIM`] holds.
+/// All strata, in the order of the rows. Unless stated otherwise: meshes of any kind without damage, near 1, and points
+/// of every kind that [`ANY_POINT`] holds.
 ///
 /// - `generic`: a light in a box five times as large as the mesh or far along any direction, points in a box twice as
 ///   large: nothing is aimed at.
@@ -92,43 +126,50 @@ const fn scaled(name: &'static str, scales: &'static [Scale]) -> Recipe {
 /// - `everything`: all of these, damaged, and vertices of any bits.
 pub(super) const RECIPES: [Recipe; 17] = [
     GENERIC,
-    lit("light_on_vertex", &[Place::Vertex]),
-    lit("light_on_edge", &[Place::Edge]),
-    lit("light_in_plane", &[Place::Plane]),
-    lit("light_one_ulp_off", &[Place::UlpOff]),
-    lit("light_far", &[Place::Far]),
-    Recipe { shapes: SOLID, ..lit("light_inside", &[Place::Inside]) },
-    Recipe { places: FINITE, aims: SURFACE, ..lit("points_on_surface", FINITE) },
-    Recipe { places: ANY_PLACE, aims: SHADOW, ..lit("shadow_boundary", ANY_PLACE) },
-    Recipe { shapes: &[Shape::Sliver], ..lit("slivers", ANY_PLACE) },
+    lit("light_on_vertex", &[LightKind::Vertex]),
+    lit("light_on_edge", &[LightKind::Edge]),
+    lit("light_in_plane", &[LightKind::Plane]),
+    lit("light_one_ulp_off", &[LightKind::UlpOff]),
+    lit("light_far", &[LightKind::Far]),
+    Recipe { shapes: SOLID, ..lit("light_inside", &[LightKind::Inside]) },
+    Recipe { lights: FINITE, points: SURFACE, ..lit("points_on_surface", FINITE) },
+    Recipe { lights: ANY_LIGHT, points: SHADOW, ..lit("shadow_boundary", ANY_LIGHT) },
+    Recipe { shapes: &[Shape::Sliver], ..lit("slivers", ANY_LIGHT) },
     scaled("tiny", &[Scale::Tiny]),
     scaled("huge", &[Scale::Huge]),
     Recipe {
-        shapes: &[Shape::Bits, Shape::Soup, Shape::Boxes, Shape::Ball, Shape::Tetrahedra, Shape::Voxels],
+        shapes: &[Shape::Bits, Shape::Soup, Shape::Boxes, Shape::Bent, Shape::Tetrahedra, Shape::Voxels],
         ..scaled("mixed_scales", &[Scale::Mixed, Scale::Away])
     },
     Recipe {
         shapes: EXACT,
-        places: &[Place::Vertex, Place::Edge, Place::Plane, Place::Corner, Place::Axis, Place::InPlane],
-        aims: &[Aim::Vertex, Aim::Plane, Aim::Corner, Aim::Behind],
-        ..lit("cad_ties", ANY_PLACE)
+        lights: &[
+            LightKind::Vertex,
+            LightKind::Edge,
+            LightKind::Plane,
+            LightKind::Corner,
+            LightKind::Axis,
+            LightKind::InPlane,
+        ],
+        points: &[PointKind::VertexOrEdge, PointKind::FacePlane, PointKind::Corner, PointKind::Behind],
+        ..lit("cad_ties", ANY_LIGHT)
     },
     lit("directional", DIRECTIONS),
-    Recipe { damaged: true, ..lit("damaged", ANY_PLACE) },
+    Recipe { damaged: true, ..lit("damaged", ANY_LIGHT) },
     Recipe {
         shapes: &[
-            Shape::Soup,
-            Shape::Grid,
+            Shape::Known,
             Shape::Voxels,
-            Shape::Ball,
-            Shape::Tetrahedra,
             Shape::Boxes,
-            Shape::Classic,
+            Shape::Bent,
+            Shape::Tetrahedra,
+            Shape::Grid,
+            Shape::Soup,
             Shape::Sliver,
             Shape::Bits,
         ],
         damaged: true,
-        scales: &[Scale::One, Scale::Tiny, Scale::Huge, Scale::Mixed, Scale::Away],
-        ..lit("everything", ANY_PLACE)
+        scales: &Scale::ALL,
+        ..lit("everything", ANY_LIGHT)
     },
 ];

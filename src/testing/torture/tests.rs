@@ -1,11 +1,10 @@
-use super::lights::{Place, one_ulp_off};
-use super::points::Aim;
 use super::round::Seam;
-use super::scales::Scale;
 use super::*;
-use crate::geom::Facing;
+use crate::geom::{Facing, Light};
+use crate::mesh::Mesh;
 use crate::oracle::Oracle;
 use crate::shadow::volume::ShadowVolume;
+use crate::testing::generate::PointKind;
 use crate::verify::points::judge::Cast;
 
 /// Queries of a small run: two rounds a stratum.
@@ -136,7 +135,7 @@ fn torture_draws_every_kind_of_mesh_within_its_size() {
     let mut most = 0;
     for stratum in 0..RECIPES.len() {
         for round in 0..300 {
-            let (mesh, _) = draw(&RECIPES[stratum], &mut source(1, stratum, round));
+            let (mesh, _) = RECIPES[stratum].draw(&mut source(1, stratum, round));
             assert!(mesh.face_count() > 0);
             most = most.max(mesh.face_count());
         }
@@ -183,53 +182,17 @@ fn torture_bound_by_rounds_is_that_of_independent_draws() {
 }
 
 #[test]
-fn torture_light_one_ulp_off_is_off_by_one_ulp() {
-    let mut random = SplitMix64(1);
-    for p in [[1.0, -2.5, 0.0], [f32::MAX, f32::MIN, f32::MIN_POSITIVE]] {
-        for _ in 0..200 {
-            let off = one_ulp_off(p, &mut random);
-            let near = |i: usize| [p[i].next_down(), p[i], p[i].next_up()].contains(&off[i]);
-            assert!(off != p && (0..3).all(near) && off.iter().all(|x| x.is_finite()), "{p:?} {off:?}");
-        }
-    }
-}
-
-#[test]
-fn torture_light_far_is_at_least_a_billion_diagonals_away() {
-    let mesh = crate::testing::shapes::cube();
-    let (mut random, [low, high]) = (SplitMix64(1), mesh.bounds().unwrap());
-    let bounds = Aabb { low, high };
-    for _ in 0..1000 {
-        let light = Place::Far.draw(&mesh, &mut random).xyz();
-        let away = (0..3).map(|i| f64::from(light[i] - bounds.center()[i]).powi(2)).sum::<f64>().sqrt();
-        let exponent = (away / bounds.diagonal()).log2();
-        assert!((29.999..40.001).contains(&exponent), "2^{exponent}");
-    }
-}
-
-#[test]
-fn torture_mixed_scales_always_mixes() {
-    let mut random = SplitMix64(1);
-    for _ in 0..500 {
-        let mut positions = vec![[1.0_f32; 3]; 3 + random.below(5)];
-        Scale::Mixed.apply(&mut positions, &mut random);
-        let first = positions[0][0];
-        assert!(positions.iter().flatten().any(|&x| x != first), "{positions:?}");
-    }
-}
-
-#[test]
 fn torture_points_on_surface_are_there() {
     let recipe = RECIPES.iter().find(|recipe| recipe.name == "points_on_surface").unwrap();
-    let there = recipe.aims.iter().filter(|&&aim| aim == Aim::Surface).count();
-    assert!(3 * there >= 2 * recipe.aims.len());
+    let there = recipe.points.iter().filter(|&&kind| kind == PointKind::Surface).count();
+    assert!(3 * there >= 2 * recipe.points.len());
     let mesh = crate::testing::shapes::cube();
     let light = Light::point([0.1, 0.2, 5.0]).unwrap();
     let prepared = Prepared::new(&mesh, &light, 1, false, Seam::SOUND);
     let sampler = prepared.sampler();
     let mut random = SplitMix64(1);
     for _ in 0..500 {
-        let p = Aim::Surface.draw(&sampler, &mut random);
+        let p = sampler.draw(PointKind::Surface, &mut random);
         // A cube's faces are axis-aligned: no rounding leads off them.
         assert!(
             sampler.bounds.contains(p)

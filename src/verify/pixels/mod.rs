@@ -132,11 +132,7 @@ pub struct Rendered<'a> {
 ///
 /// Panics if `signs` has another length than the faces of the mesh.
 #[must_use]
-pub fn compare(
-    rendered: &Rendered<'_>,
-    keep: usize,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Comparison {
+pub fn compare(rendered: &Rendered<'_>, keep: usize, progress: &(dyn Fn(u64) + Sync)) -> Comparison {
     assert_eq!(rendered.signs.len(), rendered.caster.mesh().face_count(), "one sign a face");
     match Recentered::of(rendered.caster.mesh(), rendered.light, rendered.projection) {
         None => judge_all(rendered.caster.mesh(), rendered.caster.oracle(), rendered, keep, progress),

@@ -17,6 +17,7 @@ use crate::geom::{Aabb, Light};
 use crate::oracle::Verdict;
 use crate::shadow::volume::{Caps, ShadowVolume, WindingIndex};
 use crate::silhouette::Silhouette;
+use crate::testing::generate::Sampler;
 use judge::Cast;
 
 /// How much to verify.
@@ -182,7 +183,7 @@ impl<'a> Verifier<'a> {
             ShadowVolume::extrude(mesh, topology, light, &signs, &silhouette, Caps::Both)
         };
         let edges = Silhouette::extract(topology, &CasterFaces::All.signs(&facing));
-        let points = draw::draw(mesh, topology, &edges, light, options);
+        let points = draw::draw(&Sampler::new(mesh, light, topology, &edges), options);
         let within = Aabb::around(points.iter().map(|(_, p)| *p));
         let (all, half) = (extrude(CasterFaces::All.signs(&facing)), extrude(chosen.clone()));
         let bench = Bench {
@@ -204,7 +205,8 @@ impl<'a> Verifier<'a> {
 
     /// Every how many points of a stratum the whole-number judge is asked.
     fn reference_every(&self, points: usize) -> usize {
-        let samples = (REFERENCE_FACES / (self.caster.mesh().face_count() + 1)).clamp(20, 1000) / STRATA.len();
+        let samples =
+            (REFERENCE_FACES / (self.caster.mesh().face_count() + 1)).clamp(20, 1000) / STRATA.len();
         points.div_ceil(samples).max(1)
     }
 }

@@ -1,8 +1,8 @@
 //! Lights and eyes in hard places, by the stencil pass against counts in closed form.
 
+use umbrage::Reason;
 use umbrage::mesh::Mesh;
 use umbrage::shadow::stencil::{Asked, Caster, StencilMethod};
-use umbrage::Reason;
 use umbrage::testing::shapes;
 use umbrage::view::Size;
 
@@ -64,7 +64,9 @@ fn hard_10_light_at_the_eye_lights_all_it_sees() {
     // Nothing lies between the eye and its near rectangle, so that z-pass is proven to be right for all five shells.
     assert!(by_zpass.is_none_or(|count| count == 5), "{by_zpass:?}");
     // The sabotage: the light moved behind the cover.
-    let Some(shot) = shoot(&scene, &point(0.0, 0.0, 24.0), &plain(), Some(StencilMethod::ZFail)) else { return };
+    let Some(shot) = shoot(&scene, &point(0.0, 0.0, 24.0), &plain(), Some(StencilMethod::ZFail)) else {
+        return;
+    };
     assert!(shot.wrong(8.0, |_, _| Pixel::Count(0)).len() > 200);
 }
 
@@ -100,7 +102,10 @@ fn hard_10_light_in_the_near_plane_casts_across_the_view() {
     // From (20, 0, 7) through the plate to the wall: x runs from −8 to 6, and the image widens as it goes.
     let must = |x: f32, y: f32| counted(x < 6.0 && y.abs() < (20.0 - x) / 4.0, 1);
     expect_pixels("light in the near plane", &scene, &point(20.0, 0.0, 7.0), (1.0, 8.0), must);
-    let Some(shot) = shoot(&scene, &point(20.0, 0.0, 6.0), &view(1.0, 8.0), Some(StencilMethod::ZFail)) else { return };
+    let Some(shot) = shoot(&scene, &point(20.0, 0.0, 6.0), &view(1.0, 8.0), Some(StencilMethod::ZFail))
+    else {
+        return;
+    };
     assert!(!shot.wrong(8.0, must).is_empty(), "the sabotage: the light one unit lower");
 }
 
@@ -113,7 +118,8 @@ fn hard_10_light_at_two_to_the_fortieth_is_nearly_a_sun() {
         let scene = walled(&[plate([shift - 3.0, -2.0], [shift + 3.0, 2.0], 16.0)]);
         let must = |x: f32, y: f32| counted(x.abs() < 3.0 && y.abs() < 2.0, 1);
         expect_pixels("light at 2^40", &scene, &point(x, 0.0, z), (0.5, 8.0), must);
-        let Some(shot) = shoot(&scene, &point(x + 0.25 * far, 0.0, z), &plain(), Some(StencilMethod::ZFail)) else {
+        let Some(shot) = shoot(&scene, &point(x + 0.25 * far, 0.0, z), &plain(), Some(StencilMethod::ZFail))
+        else {
             return;
         };
         assert!(!shot.wrong(8.0, must).is_empty(), "the sabotage: the light a quarter to the side");
@@ -247,7 +253,9 @@ fn hard_12_geometry_behind_the_eye_and_volumes_through_w_zero() {
     // Of a sun from below the wall alone is in the way.
     expect_pixels("a sun from below", &around, &sun(0.01, 0.02, 1.0), (0.5, 8.0), |_, _| Pixel::Count(1));
     // The sabotage: the light above the middle one.
-    let Some(shot) = shoot(&around, &point(0.5, 0.25, 20.0), &plain(), Some(StencilMethod::ZFail)) else { return };
+    let Some(shot) = shoot(&around, &point(0.5, 0.25, 20.0), &plain(), Some(StencilMethod::ZFail)) else {
+        return;
+    };
     assert_eq!(shot.wrong(8.0, |_, _| Pixel::Count(0)).len(), 256);
 }
 
@@ -298,7 +306,9 @@ fn hard_19_dark_cap_of_a_sun_is_one_point_at_infinity() {
     expect_pixels("a slanting sun", &scene, &day, (0.5, 8.0), must);
     let sky = |x: f32, y: f32| if within(x, y, 4.0) { Pixel::Count(0) } else { Pixel::Sky };
     expect_pixels("a sun in the sky", &cover(2.0, 4.0), &day, (0.5, 8.0), sky);
-    let Some(shot) = shoot(&scene, &sun(-1.25, 0.0, -1.0), &plain(), Some(StencilMethod::ZFail)) else { return };
+    let Some(shot) = shoot(&scene, &sun(-1.25, 0.0, -1.0), &plain(), Some(StencilMethod::ZFail)) else {
+        return;
+    };
     assert!(!shot.wrong(8.0, must).is_empty(), "the sabotage: another sun");
 }
 
@@ -313,6 +323,8 @@ fn hard_20_zero_lights_and_zero_casters_leave_a_picture_lit() {
     );
     // A triangle of its own is enough to be seen.
     let scene = walled(&[plate([-20.0; 2], [20.0; 2], 16.0)]);
-    let Some(shot) = shoot(&scene, &point(1.0, 2.0, 19.0), &plain(), Some(StencilMethod::ZFail)) else { return };
+    let Some(shot) = shoot(&scene, &point(1.0, 2.0, 19.0), &plain(), Some(StencilMethod::ZFail)) else {
+        return;
+    };
     assert_eq!(shot.wrong(8.0, |_, _| Pixel::Count(0)).len(), 256, "the sabotage: a cover");
 }

@@ -3,7 +3,7 @@
 use umbrage::caster::ShellProof;
 use umbrage::facing::CasterFaces;
 use umbrage::mesh::{Mesh, Weld, weld};
-use umbrage::shadow::volume::{ShellFaces};
+use umbrage::shadow::volume::ShellFaces;
 use umbrage::testing::shapes;
 
 use super::figures::*;

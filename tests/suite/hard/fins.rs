@@ -43,7 +43,9 @@ fn expect_beside_shadows(seed: u32, fins: Mesh) {
         }
     }
     // The sabotage: one more or less in each pixel, as a side on the wrong side of the wall makes it.
-    let Some(Shot { mask, casting, .. }) = shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), None) else {
+    let Some(Shot { mask, casting, .. }) =
+        shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), None)
+    else {
         return;
     };
     let by = if seed.is_multiple_of(2) { 1 } else { -1 };

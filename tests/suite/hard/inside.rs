@@ -2,9 +2,9 @@
 
 use umbrage::caster::ShellProof;
 use umbrage::facing::CasterFaces;
+use umbrage::facing::CasterFaces;
 use umbrage::mesh::Mesh;
 use umbrage::shadow::volume::{LightPlace, ShellFaces};
-use umbrage::facing::CasterFaces;
 use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use umbrage::facing::CasterFaces;
 use umbrage::facing::facing_of;
 use umbrage::geom::Facing;
 use umbrage::geom::Light;
@@ -9,8 +10,7 @@ use umbrage::glam::Vec3;
 use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
 use umbrage::shadow::stencil::{Asked, Caster, Counting, ShadowMask};
-use umbrage::shadow::volume::{ShadowVolume};
-use umbrage::facing::CasterFaces;
+use umbrage::shadow::volume::ShadowVolume;
 use umbrage::testing::shapes;
 use umbrage::verify::pixels::PixelVerdict;
 
@@ -39,12 +39,15 @@ fn hard_13_wrap_of_the_stencil_is_foreseen_and_counted_beyond() {
         let caster = Caster::new(&scene, faces);
         let each = if faces == Some(CasterFaces::All) { 2 } else { 1 };
         let must = |x: f32, y: f32| Pixel::Count(each * covering(shells, x, y));
-        let Some(shot) = shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), None) else { return };
+        let Some(shot) = shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), None) else {
+            return;
+        };
         assert_eq!(shot.casting.counting(), counting, "{shells} {faces:?}: {}", shot.casting.layers);
         assert_eq!(shot.wrong(8.0, must), [], "{shells} {faces:?}");
         assert!(shot.comparison.agrees(), "{:?}", shot.comparison.mismatches);
         // The sabotage: to trust eight bits. The first count that they take for another is 256, all shells in a pixel.
-        let eight = shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), Some(Counting::Stencil)).unwrap();
+        let eight =
+            shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), Some(Counting::Stencil)).unwrap();
         let wraps = |x: f32, y: f32| Pixel::Count((each * covering(shells, x, y)) & 255);
         assert_eq!(eight.wrong(8.0, wraps), [], "{shells} {faces:?}");
         let overflown = eight.comparison.count(PixelVerdict::Overflow);

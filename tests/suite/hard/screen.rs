@@ -129,7 +129,12 @@ pub(super) fn judge(
 }
 
 /// Draws `mesh` with all its faces casting.
-pub(super) fn shoot(mesh: &Mesh, light: &Light, projection: &Projection, asked: Option<StencilMethod>) -> Option<Shot> {
+pub(super) fn shoot(
+    mesh: &Mesh,
+    light: &Light,
+    projection: &Projection,
+    asked: Option<StencilMethod>,
+) -> Option<Shot> {
     shoot_as(&Caster::new(mesh, Some(CasterFaces::All)), light, projection, asked, None)
 }
 

@@ -1,8 +1,8 @@
 //! Sheets: one layer of faces, lit from either side, single and double; and meshes that hold next to nothing.
 
 use umbrage::facing::CasterFaces;
-use umbrage::mesh::Mesh;
 use umbrage::facing::CasterFaces;
+use umbrage::mesh::Mesh;
 use umbrage::testing::shapes;
 
 use super::figures::*;

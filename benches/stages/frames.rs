@@ -3,13 +3,13 @@
 
 use std::cell::RefCell;
 
-use umbrage::facing::{CasterFaces, FacePlanes};
+use umbrage::caster::Caster;
+use umbrage::facing::CasterFaces;
 use umbrage::geom::Facing;
 use umbrage::geom::{Aabb, Light};
 use umbrage::glam::Vec3;
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::Mesh;
-use umbrage::oracle::Oracle;
 use umbrage::shadow::stencil::{Counting, Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass};
 use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, ShadowVolume, VolumeShaders};
 use umbrage::silhouette::{GpuCaster, GpuSilhouette, Silhouette, SilhouetteShaders};
@@ -90,10 +90,8 @@ pub(crate) fn run(bench: &mut Bench<'_>) -> Option<Frames> {
 /// A mesh, a camera that sees all of it, and everything that is made before the first frame.
 struct Stage<'a> {
     pass: &'a StencilPass,
-    mesh: &'a Mesh,
+    caster: Caster,
     view: View,
-    topology: Topology,
-    planes: FacePlanes,
     facing: RefCell<Vec<Facing>>,
     receivers: Receivers,
     silhouette: GpuSilhouette,
@@ -102,24 +100,21 @@ struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    fn new(pass: &'a StencilPass, mesh: &'a Mesh) -> Self {
+    fn new(pass: &'a StencilPass, mesh: &Mesh) -> Self {
         let gpu = pass.gpu();
-        let topology = Topology::of(&mesh);
-        let planes = FacePlanes::new(mesh);
-        let uploaded = GpuTopology::upload(gpu, &topology).expect("it fits");
+        let prepared = Caster::new(mesh.clone());
+        let uploaded = GpuTopology::upload(gpu, prepared.topology()).expect("it fits");
         let shaders = SilhouetteShaders::new(gpu).expect("they compile");
-        let caster = GpuCaster::with_planes(&shaders, mesh, uploaded, &planes).expect("it fits");
+        let caster = GpuCaster::with_planes(&shaders, mesh, uploaded, prepared.planes()).expect("it fits");
         let silhouette = GpuSilhouette::new(&caster).expect("it fits");
         let volumes = VolumeShaders::new(gpu).expect("they compile");
         let extrusion = GpuExtrusion::new(&volumes, &silhouette, Caps::Both, None).expect("it fits");
         Self {
             pass,
-            mesh,
             view: View::of(mesh),
-            topology,
-            planes,
             facing: RefCell::default(),
-            receivers: Receivers::upload(gpu, mesh).expect("it fits"),
+            receivers: Receivers::upload(gpu, &prepared).expect("it fits"),
+            caster: prepared,
             silhouette,
             extrusion,
             canvas: Canvas::new(gpu, SIDE),
@@ -161,7 +156,7 @@ impl<'a> Stage<'a> {
                 timed(|| self.frame(kind, &lights[place]), check)
             })
         });
-        let (mesh, contenders) = (named(self.mesh, gpu), contenders.into());
+        let (mesh, contenders) = (named(self.caster.mesh(), gpu), contenders.into());
         bench.run(Group { stage: "frames", mesh, units: 1, unit: "frame", contenders });
     }
 
@@ -172,7 +167,7 @@ impl<'a> Stage<'a> {
                 Kind::NoShadows => None,
                 Kind::Cpu => {
                     let mut facing = self.facing.borrow_mut();
-                    self.planes.classify_into(self.mesh, light, &mut facing);
+                    self.caster.planes().classify_into(self.caster.mesh(), light, &mut facing);
                     Some(upload(self.pass.gpu(), &self.extrude(light, &CasterFaces::All.signs(&facing))))
                 }
                 Kind::Gpu => {
@@ -194,13 +189,20 @@ impl<'a> Stage<'a> {
     }
 
     fn extrude(&self, light: &Light, signs: &[i8]) -> ShadowVolume {
-        let silhouette = Silhouette::extract(&self.topology, signs);
-        ShadowVolume::extrude(self.mesh, &self.topology, light, signs, &silhouette, Caps::Both)
+        let silhouette = Silhouette::extract(self.caster.topology(), signs);
+        ShadowVolume::extrude(
+            self.caster.mesh(),
+            self.caster.topology(),
+            light,
+            signs,
+            &silhouette,
+            Caps::Both,
+        )
     }
 
     /// The volume of exact sides on the device, and what the pass makes of it.
     fn exact(&self, light: &Light) -> (GpuVolume, ShadowMask) {
-        let signs = CasterFaces::All.signs(&self.planes.classify(self.mesh, light));
+        let signs = CasterFaces::All.signs(&self.caster.facing(light));
         let volume = upload(self.pass.gpu(), &self.extrude(light, &signs));
         let draws = [Draw { volume: &volume, method: StencilMethod::ZFail }];
         let View { projection, size, .. } = &self.view;
@@ -211,10 +213,10 @@ impl<'a> Stage<'a> {
     /// How many pixels are not what the exact oracle says: for which their footprint is the reason, and for which there
     /// is none.
     fn accuracy(&self, light: &Light, mask: &ShadowMask) -> String {
-        let signs = CasterFaces::All.signs(&self.planes.classify(self.mesh, light));
-        let (mesh, topology, projection) = (self.mesh, &self.topology, &self.view.projection);
-        let rendered = Rendered { mesh, topology, signs: &signs, light, projection, mask, unsure: &[] };
-        let found = compare(&Oracle::build(mesh), &rendered, 0, &|_| {});
+        let signs = CasterFaces::All.signs(&self.caster.facing(light));
+        let (caster, projection) = (&self.caster, &self.view.projection);
+        let rendered = Rendered { caster, signs: &signs, light, projection, mask, unsure: &[] };
+        let found = compare(&rendered, 0, &|_| {});
         let [shadowed, grazing, overflow, real] =
             [PixelVerdict::Shadowed, PixelVerdict::Grazing, PixelVerdict::Overflow, PixelVerdict::Real]
                 .map(|verdict| found.count(verdict));
@@ -291,7 +293,7 @@ fn one_volume(bench: &mut Bench<'_>, gpu: &Gpu) {
 
 /// What is made once for a mesh.
 fn preparation(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) {
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let uploaded = GpuTopology::upload(gpu, &topology).expect("it fits");
     let words = uploaded.download(gpu).expect("it is there");
     let shaders = SilhouetteShaders::new(gpu).expect("they compile");
@@ -300,7 +302,7 @@ fn preparation(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) {
     let edges = |count| format!("edges={count}");
     let contenders = vec![
         Contender::new("Topology::build", || {
-            let build = || Topology::of(&mesh);
+            let build = || Topology::of(mesh);
             timed(build, |topology| edges(topology.edge_count()))
         })
         .expects(edges(topology.edge_count())),

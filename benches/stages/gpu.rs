@@ -32,7 +32,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
 }
 
 fn facing(bench: &mut Bench<'_>, gpu: &Gpu, shaders: &SilhouetteShaders, mesh: &Mesh, light: &Light) {
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let caster = GpuCaster::new(shaders, mesh, GpuTopology::upload(gpu, &topology).expect("it fits"))
         .expect("it fits");
     let silhouette = GpuSilhouette::new(&caster).expect("it fits");
@@ -89,7 +89,7 @@ fn silhouette(
     what: &str,
 ) {
     let planes = FacePlanes::new(mesh);
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let uploaded = GpuTopology::upload(gpu, &topology).expect("it fits");
     let caster = GpuCaster::with_planes(shaders, mesh, uploaded, &planes).expect("it fits");
     let device = GpuSilhouette::new(&caster).expect("it fits");

@@ -18,7 +18,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
 }
 
 fn edge_table(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) -> Result<(), GpuError> {
-    let on_host = || Topology::of(&mesh);
+    let on_host = || Topology::of(mesh);
     let sent = GpuTopology::upload(gpu, &on_host())?;
     let expected = sent.download(gpu)?;
     let builder = GpuTopologyBuilder::new(gpu)?;

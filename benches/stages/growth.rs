@@ -80,7 +80,7 @@ fn light() -> Light {
 impl Right {
     fn of(mesh: &Mesh, queries: usize) -> Self {
         let light = light();
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         let facing = classify(mesh, &light);
         let signs = CasterFaces::All.signs(&facing);
         let silhouette = Silhouette::extract(&topology, &signs);

@@ -77,7 +77,7 @@ fn lights(mesh: &Mesh) -> [Light; 8] {
 }
 
 fn any_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let lights = lights(mesh);
     let expected: Vec<Silhouette> = lights
         .iter()
@@ -114,7 +114,7 @@ fn any_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
 /// There and back in steps of a ten-thousandth of the diagonal.
 fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
     const STEPS: usize = 32;
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let at = |i: usize| {
         let way = 1e-4 * i as f32;
         place(mesh, [0.5 + 0.6 * way, 0.8 - 0.64 * way, 0.3 + 0.48 * way])
@@ -175,7 +175,7 @@ fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
 /// certificates run twice, each pair of their own: where even those differ, memory decides and not the way.
 fn choice(bench: &mut Bench<'_>, mesh: &Mesh) {
     const STEPS: u8 = 16;
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let tree = SilhouetteTree::new(mesh, &topology);
     let mut scatter = Scatter(1);
     for (how, step) in [("rests", 0.0), ("1e-4", 1e-4), ("1e-2", 1e-2), ("anywhere", f32::INFINITY)] {

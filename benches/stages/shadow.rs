@@ -27,7 +27,7 @@ fn light() -> Light {
 
 fn silhouette_and_volume(bench: &mut Bench<'_>, mesh: &Mesh) {
     let light = light();
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let facing = classify(mesh, &light);
     let signs = CasterFaces::All.signs(&facing);
     let silhouette = Silhouette::extract(&topology, &signs);

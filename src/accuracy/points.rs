@@ -35,7 +35,7 @@ const KINDS: [PointKind; 7] = [
 
 /// The points of each stratum and light, for `mesh`, which has a face: about as many of each light.
 pub(super) fn draw(mesh: &Mesh, lights: &[Light], options: &Options) -> Vec<Vec<Vec<[f32; 3]>>> {
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let planes = FacePlanes::new(mesh);
     let count = options.queries.div_ceil(lights.len() as u64).max(1);
     let mut random: Vec<SplitMix64> =

@@ -6,7 +6,7 @@ use crate::testing::shapes;
 use crate::topology::Topology;
 
 fn topology(mesh: &Mesh) -> Topology {
-    Topology::of(&mesh)
+    Topology::of(mesh)
 }
 
 /// Cubes in cubes, outermost first, every second one a cavity, but for those in `turned`.

@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn silhouette_finder_scans_where_a_tree_does_not_pay() {
         let reason = |mesh: &Mesh, lights| {
-            let topology = Topology::of(&mesh);
+            let topology = Topology::of(mesh);
             let mut finder = SilhouetteFinder::new(mesh, &topology, CasterFaces::Front, lights);
             let light = Light::directional([1.0, 2.0, 3.0]).unwrap();
             let Choice { what: method, why: reason } = finder.find(mesh, &topology, &light);

@@ -449,7 +449,7 @@ mod tests {
 
     /// A tree that searches whatever is left open.
     fn built(mesh: &Mesh) -> (Topology, SilhouetteTree) {
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         let mut tree = SilhouetteTree::new(mesh, &topology);
         tree.limits = NONE;
         (topology, tree)

@@ -4,6 +4,7 @@
 
 use std::thread;
 
+use umbrage::caster::ShellBoxes;
 use umbrage::caster::ShellProof;
 use umbrage::check::{CrackReport, DefectKind};
 use umbrage::facing::FacePlanes;
@@ -12,7 +13,7 @@ use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::Oracle;
 use umbrage::read::read_bytes;
 use umbrage::scene::Scope;
-use umbrage::shadow::stencil::{ShellBoxes, max_depth_complexity};
+use umbrage::shadow::stencil::max_depth_complexity;
 use umbrage::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex};
 use umbrage::silhouette::Silhouette;
 use umbrage::topology::Topology;
@@ -38,7 +39,7 @@ fn on_a_stack<T: Send + 'static>(kib: usize, work: impl FnOnce() -> T + Send + '
 fn all_stages(mesh: &Mesh) {
     let light = Light::point([3.1, 7.3, 11.7]).unwrap();
     let _ = (weld(mesh, Weld::Exact), weld(mesh, Weld::Within(1e-4)));
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let shells = topology.shells();
     let report = CrackReport::of(mesh, &topology);
     let _ = DefectKind::ALL.map(|kind| report.items(kind, mesh, &topology, 2));

@@ -1,12 +1,13 @@
 //! Peak bytes a face of each stage, in memory that the caller does not hold already.
 
+use umbrage::caster::ShellBoxes;
 use umbrage::caster::ShellProof;
 use umbrage::check::{CrackReport, DefectKind};
 use umbrage::facing::{FacePlanes, classify};
 use umbrage::geom::{Light, bvh::Bvh};
 use umbrage::mesh::{Weld, weld, weld_in_place};
 use umbrage::oracle::Oracle;
-use umbrage::shadow::stencil::{ShellBoxes, max_depth_complexity};
+use umbrage::shadow::stencil::max_depth_complexity;
 use umbrage::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex};
 use umbrage::silhouette::Silhouette;
 use umbrage::topology::Topology;

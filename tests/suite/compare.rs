@@ -1,20 +1,17 @@
 //! The comparison itself, on masks that no device made: right ones agree, and a single wrong pixel is called so.
 
+use umbrage::caster::Caster;
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::Light;
 use umbrage::mesh::{FaceId, Mesh};
-use umbrage::oracle::Oracle;
 use umbrage::shadow::stencil::{Counting, ShadowMask};
 use umbrage::testing::shapes;
-use umbrage::topology::Topology;
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
 use umbrage::view::Projection;
 use umbrage::view::{Camera, Size, Up};
 
 struct Scene {
-    mesh: Mesh,
-    topology: Topology,
-    oracle: Oracle,
+    caster: Caster,
     light: Light,
     projection: Projection,
     size: Size,
@@ -24,17 +21,11 @@ struct Scene {
 impl Scene {
     fn new(mesh: Mesh, light: Light) -> Self {
         let size = Size::new(40, 32).unwrap();
-        let oracle = Oracle::build(&mesh);
-        let camera = Camera::fit(&oracle.bounds(), Up::Y, size.aspect());
-        Self {
-            topology: Topology::of(&mesh),
-            oracle,
-            projection: camera.projection(size, 0.01),
-            size,
-            signs: CasterFaces::All.signs(&classify(&mesh, &light)),
-            mesh,
-            light,
-        }
+        let signs = CasterFaces::All.signs(&classify(&mesh, &light));
+        let caster = Caster::new(mesh);
+        let bounds = caster.oracle().bounds();
+        let camera = Camera::fit(&bounds, Up::Y, size.aspect());
+        Self { caster, projection: camera.projection(size, 0.01), size, signs, light }
     }
 
     /// The exact count of each pixel, by the oracle's own; `None` for sky.
@@ -48,8 +39,8 @@ impl Scene {
                     1.0 - 2.0 * (f64::from(y) + 0.5) / f64::from(height),
                 ];
                 let ray = self.projection.ray(ndc.into()).as_vec3().into();
-                let seen = self.oracle.first_visible_beyond(self.projection.eye, ray, 0.01)?;
-                let crossings = self.oracle.crossings(seen.point, &self.light);
+                let seen = self.caster.oracle().first_visible_beyond(self.projection.eye, ray, 0.01)?;
+                let crossings = self.caster.oracle().crossings(seen.point, &self.light);
                 Some((crossings.front + crossings.back) as i32)
             })
             .collect()
@@ -59,9 +50,9 @@ impl Scene {
         let raw = counts.iter().map(|count| count.unwrap_or(0)).collect();
         let receivers = counts.iter().map(Option::is_some).collect();
         let mask = ShadowMask::new(self.size, counting, raw, receivers);
-        let Self { mesh, topology, signs, light, projection, .. } = self;
-        let rendered = Rendered { mesh, topology, signs, light, projection, mask: &mask, unsure };
-        compare(&self.oracle, &rendered, 10, &|_| {})
+        let Self { caster, signs, light, projection, .. } = self;
+        let rendered = Rendered { caster, signs, light, projection, mask: &mask, unsure };
+        compare(&rendered, 10, &|_| {})
     }
 }
 
@@ -132,7 +123,7 @@ fn compare_tells_overflow_from_other_mismatches() {
 fn compare_tells_mismatches_of_unsure_faces_from_real_ones() {
     let scene = knot();
     let wrong: Vec<_> = scene.exact().iter().map(|count| count.map(|count| count + 1)).collect();
-    let all: Vec<FaceId> = scene.topology.faces().collect();
+    let all: Vec<FaceId> = scene.caster.topology().faces().collect();
     let result = scene.judge(&wrong, Counting::Integer, &all);
     assert_eq!(result.count(PixelVerdict::Real), 0);
     assert!(result.count(PixelVerdict::Unsure) > 0 && !result.agrees());

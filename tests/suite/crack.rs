@@ -9,7 +9,7 @@ use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 
 fn topology(mesh: &Mesh) -> Topology {
-    Topology::of(&mesh)
+    Topology::of(mesh)
 }
 
 fn report(mesh: &Mesh) -> CrackReport {

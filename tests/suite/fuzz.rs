@@ -117,7 +117,7 @@ fn fuzz_arguments_stay_in_their_folder() {
 fn fuzz_a_wrong_answer_fails_its_target() {
     let (cube, light) = (shapes::cube(), Light::point([3.0, 4.0, 5.0]).unwrap());
     let points = [[-3.0, -4.0, -5.0], [0.0, 0.0, 9.0]];
-    let topology_of = |mesh: &Mesh| Topology::of(&mesh);
+    let topology_of = |mesh: &Mesh| Topology::of(mesh);
     let with = |change: fn(&mut Vec<[u32; 3]>)| {
         let (positions, mut triangles, ..) = cube.clone().into_parts();
         change(&mut triangles);

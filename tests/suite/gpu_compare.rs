@@ -1,13 +1,11 @@
 //! The comparison of pixels must find what is wrong, and call it by its name.
 
+use umbrage::caster::Caster;
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::Light;
 use umbrage::gpu::Gpu;
 use umbrage::mesh::{FaceId, Mesh};
-use umbrage::oracle::Oracle;
-use umbrage::shadow::stencil::{
-    Asked, Caster, Counting, Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass,
-};
+use umbrage::shadow::stencil::{Counting, Depth, Draw, Receivers, ShadowMask, StencilMethod, StencilPass};
 use umbrage::shadow::volume::{Caps, GpuVolume, ShadowVolume};
 use umbrage::silhouette::Silhouette;
 use umbrage::testing::shapes;
@@ -22,18 +20,19 @@ use crate::support::gpu;
 struct Scene<'a> {
     mesh: &'a Mesh,
     light: Light,
-    oracle: Oracle,
+    caster: Caster,
     size: Size,
     projection: Projection,
 }
 
 impl<'a> Scene<'a> {
     fn new(mesh: &'a Mesh, light: [f32; 3], eye: [f32; 3], target: [f32; 3]) -> Self {
-        let oracle = Oracle::build(mesh);
+        let caster = Caster::new(mesh.clone());
+        let bounds = caster.oracle().bounds();
         let size = Size::new(96, 96).unwrap();
         let camera = Camera::look_at(eye, target, 0.7, Up::Y).unwrap();
-        let projection = camera.projection(size, camera.near(&oracle.bounds(), size));
-        Self { mesh, light: Light::point(light).unwrap(), oracle, size, projection }
+        let projection = camera.projection(size, camera.near(&bounds, size));
+        Self { mesh, light: Light::point(light).unwrap(), caster, size, projection }
     }
 
     fn signs(&self) -> Vec<i8> {
@@ -42,28 +41,26 @@ impl<'a> Scene<'a> {
 
     /// What the device counts if faces cast with these signs.
     fn mask(&self, gpu: &Gpu, signs: &[i8], counting: Counting) -> ShadowMask {
-        let topology = Topology::of(&self.mesh);
+        let topology = Topology::of(self.mesh);
         let silhouette = Silhouette::extract(&topology, signs);
         let volume = ShadowVolume::extrude(self.mesh, &topology, &self.light, signs, &silhouette, Caps::Both);
         let volume = GpuVolume::upload(gpu, &volume).unwrap();
         let pass = StencilPass::new(gpu, Depth::Plane).unwrap();
-        let receivers = Receivers::upload(gpu, self.mesh).unwrap();
+        let receivers = Receivers::upload(gpu, &self.caster).unwrap();
         let draw = Draw { volume: &volume, method: StencilMethod::ZFail };
         pass.mask(&self.projection, self.size, &receivers, &[draw], counting).unwrap()
     }
 
     fn compare(&self, mask: &ShadowMask, signs: &[i8], unsure: &[FaceId]) -> Comparison {
-        let topology = Topology::of(&self.mesh);
         let rendered = Rendered {
-            mesh: self.mesh,
-            topology: &topology,
+            caster: &self.caster,
             signs,
             light: &self.light,
             projection: &self.projection,
             mask,
             unsure,
         };
-        compare(&self.oracle, &rendered, 3, &|_| {})
+        compare(&rendered, 3, &|_| {})
     }
 }
 
@@ -99,10 +96,10 @@ fn compare_finds_one_face_that_casts_no_shadow() {
     let mut met = vec![0; mesh.face_count()];
     for place in 0..scene.size.pixels() {
         let (x, y) = ((place % 96) as f64 + 0.5, (place / 96) as f64 + 0.5);
-        let seen = scene.oracle.first_visible(camera.eye.into(), camera.ray(x, y, scene.size));
+        let seen = scene.caster.oracle().first_visible(camera.eye.into(), camera.ray(x, y, scene.size));
         let Some(seen) = seen else { continue };
         met[seen.face.index()] += 1;
-        scene.oracle.for_each_meeting(seen.point, &scene.light, |face, _| met[face.index()] += 1);
+        scene.caster.oracle().for_each_meeting(seen.point, &scene.light, |face, _| met[face.index()] += 1);
     }
     let casting = (0..met.len()).filter(|&face| signs[face] == 1);
     let face = FaceId::new(casting.max_by_key(|&face| met[face]).expect("some face is lit"));
@@ -134,7 +131,7 @@ fn compare_calls_a_wrapped_stencil_an_overflow() {
     // The eye sees the dark sides of the outermost cube: each cube within is crossed twice.
     let scene = Scene::new(&mesh, [1000.0, 900.0, 800.0], [-1800.0, -1300.0, -1500.0], [0.0; 3]);
     let signs = scene.signs();
-    let casting = Caster::new(&mesh, Some(CasterFaces::All)).cast(&scene.light, &scene.projection, None);
+    let casting = scene.caster.stencil_volumes(&scene.light, &scene.projection, Some(CasterFaces::All), None);
     assert_eq!(casting.counting(), Counting::Integer, "{}", casting.layers);
     let wrapped = scene.compare(&scene.mask(&gpu, &signs, Counting::Stencil), &signs, &[]);
     assert!(wrapped.count(PixelVerdict::Overflow) > 500 && !wrapped.agrees(), "{:?}", wrapped.mismatches);

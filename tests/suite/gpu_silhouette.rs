@@ -39,7 +39,7 @@ struct Case<'a> {
 impl<'a> Case<'a> {
     fn new(device: &'a Device, mesh: &'a Mesh) -> Self {
         let planes = FacePlanes::new(mesh);
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         let uploaded = GpuTopology::upload(&device.gpu, &topology).unwrap();
         let caster = GpuCaster::with_planes(&device.silhouettes, mesh, uploaded, &planes).unwrap();
         let silhouette = GpuSilhouette::new(&caster).unwrap();

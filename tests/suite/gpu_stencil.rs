@@ -2,6 +2,8 @@
 //!
 //! `UMBRAGE_STENCIL_SIZE=512 cargo test --release --test suite stencil_pass_counts -- --nocapture` is the long form.
 
+use umbrage::caster::Caster;
+use umbrage::facing::CasterFaces;
 use umbrage::geom::{Aabb, Light};
 use umbrage::glam::Vec3;
 use umbrage::gpu::{Gpu, wgpu};
@@ -9,7 +11,7 @@ use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::{Oracle, Verdict};
 use umbrage::scene::Scope;
 use umbrage::shadow::stencil::{
-    Asked, Caster, Counting, Depth, Draw, Receivers, ShadowMask, StencilFrame, StencilMethod, StencilPass,
+    Counting, Depth, Draw, Receivers, ShadowMask, StencilFrame, StencilMethod, StencilPass, StencilVolumes,
 };
 use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, VolumeShaders};
 use umbrage::silhouette::{GpuCaster, GpuSilhouette, SilhouetteShaders};
@@ -25,28 +27,27 @@ use crate::support::{gpu, real_meshes};
 struct Stage<'a> {
     gpu: &'a Gpu,
     pass: &'a StencilPass,
-    caster: Caster<'a>,
-    oracle: Oracle,
+    caster: Caster,
+    faces: Option<CasterFaces>,
     receivers: Receivers,
     size: Size,
 }
 
 impl<'a> Stage<'a> {
-    fn new(
-        gpu: &'a Gpu,
-        pass: &'a StencilPass,
-        mesh: &'a Mesh,
-        faces: Option<CasterFaces>,
-        side: u32,
-    ) -> Self {
+    fn new(gpu: &'a Gpu, pass: &'a StencilPass, mesh: &Mesh, faces: Option<CasterFaces>, side: u32) -> Self {
+        let caster = Caster::new(mesh.clone());
         Self {
             gpu,
             pass,
-            caster: Caster::new(mesh, faces),
-            oracle: Oracle::build(mesh),
-            receivers: Receivers::upload(gpu, mesh).unwrap(),
+            receivers: Receivers::upload(gpu, &caster).unwrap(),
+            caster,
+            faces,
             size: Size::new(side, side).unwrap(),
         }
+    }
+
+    fn cast(&self, light: &Light, projection: &Projection, method: Option<StencilMethod>) -> StencilVolumes {
+        self.caster.stencil_volumes(light, projection, self.faces, method)
     }
 
     fn mask(&self, projection: &Projection, draws: &[Draw<'_>], counting: Counting) -> ShadowMask {
@@ -54,10 +55,9 @@ impl<'a> Stage<'a> {
     }
 
     fn compare(&self, light: &Light, projection: &Projection, signs: &[i8], mask: &ShadowMask) -> Comparison {
-        let mesh = self.caster.mesh();
-        let topology = self.caster.topology();
-        let rendered = Rendered { mesh, topology, signs, light, projection, mask, unsure: &[] };
-        compare(&self.oracle, &rendered, 5, &|_| {})
+        let caster = &self.caster;
+        let rendered = Rendered { caster, signs, light, projection, mask, unsure: &[] };
+        compare(&rendered, 5, &|_| {})
     }
 
     /// The pixels of each verdict, by z-fail, and by the chosen method where that is another for any shell. Nothing may
@@ -65,8 +65,8 @@ impl<'a> Stage<'a> {
     fn judge(&self, light: &Light, projection: &Projection, what: &str) -> [usize; 7] {
         let mut sum = [0; 7];
         for asked in [Some(StencilMethod::ZFail), None] {
-            let casting = self.caster.cast(light, projection, asked);
-            if asked == None && casting.methods.count(StencilMethod::ZPass) == 0 {
+            let casting = self.cast(light, projection, asked);
+            if asked.is_none() && casting.methods.count(StencilMethod::ZPass) == 0 {
                 continue;
             }
             let cast = casting.upload(self.gpu).unwrap();
@@ -149,8 +149,8 @@ fn stencil_pass_counts_what_the_oracle_counts_on_every_real_mesh() {
         // Half the faces where that is proven, for meshes that are quickly proven.
         let faces = if mesh.face_count() < 30_000 { None } else { Some(CasterFaces::All) };
         let stage = Stage::new(&gpu, &pass, &mesh, faces, side);
-        for light in lights(&stage.oracle.bounds()) {
-            for (eye, projection) in projections(&stage.oracle, &light, stage.size) {
+        for light in lights(&stage.caster.oracle().bounds()) {
+            for (eye, projection) in projections(stage.caster.oracle(), &light, stage.size) {
                 let counts = stage.judge(&light, &projection, &format!("{name} {eye}"));
                 for (sum, count) in sum.iter_mut().zip(counts) {
                     *sum += count;
@@ -179,9 +179,9 @@ fn stencil_pass_adds_up_to_nothing_around_closed_volumes_and_to_something_withou
     ];
     for mesh in solids {
         let stage = Stage::new(&gpu, &pass, &mesh, Some(CasterFaces::All), 64);
-        let light = lights(&stage.oracle.bounds())[0];
-        let (_, projection) = projections(&stage.oracle, &light, stage.size)[0];
-        let casting = stage.caster.cast(&light, &projection, Some(StencilMethod::ZFail));
+        let light = lights(&stage.caster.oracle().bounds())[0];
+        let (_, projection) = projections(stage.caster.oracle(), &light, stage.size)[0];
+        let casting = stage.cast(&light, &projection, Some(StencilMethod::ZFail));
         let volume = GpuVolume::upload(&gpu, &casting.volumes[0].1).unwrap();
         let sum = |parts: &[Part]| pass.signed_sum(&projection, stage.size, &[(&volume, parts)]).unwrap();
         assert!(sum(&Part::ALL).iter().all(|&sum| sum == 0));
@@ -224,9 +224,9 @@ fn stencil_pass_holds_where_drawing_is_hard() {
     let mut sum = [0; 7];
     for (what, mesh) in &cases {
         let stage = Stage::new(&gpu, &pass, mesh, None, 40);
-        let bounds = stage.oracle.bounds();
+        let bounds = stage.caster.oracle().bounds();
         let diagonal = bounds.diagonal() as f32;
-        let outside = projections(&stage.oracle, &lights(&bounds)[0], stage.size)[0].1;
+        let outside = projections(stage.caster.oracle(), &lights(&bounds)[0], stage.size)[0].1;
         let ahead = |t: f32| [0, 1, 2].map(|i| outside.eye[i] + t * outside.forward[i]);
         let mut all = lights(&bounds).to_vec();
         all.extend(
@@ -248,7 +248,7 @@ fn stencil_pass_holds_where_drawing_is_hard() {
             if *what == "far from the origin" && number == 7 {
                 continue;
             }
-            for (eye, projection) in projections(&stage.oracle, &light, stage.size) {
+            for (eye, projection) in projections(stage.caster.oracle(), &light, stage.size) {
                 let counts = stage.judge(&light, &projection, &format!("{what}, {eye}"));
                 for (sum, count) in sum.iter_mut().zip(counts) {
                     *sum += count;
@@ -267,9 +267,10 @@ fn stencil_pass_counts_beyond_eight_bits_in_whole_numbers() {
         let mesh = shapes::nested_cubes(shells);
         let stage = Stage::new(&gpu, &pass, &mesh, Some(CasterFaces::All), 48);
         // Against the light, so that the dark sides are seen.
-        let (_, projection) = projections(&stage.oracle, &Light::point([0.0; 3]).unwrap(), stage.size)[0];
+        let (_, projection) =
+            projections(stage.caster.oracle(), &Light::point([0.0; 3]).unwrap(), stage.size)[0];
         let light = Light::point(projection.eye.map(|x| -x)).unwrap();
-        let casting = stage.caster.cast(&light, &projection, Some(StencilMethod::ZFail));
+        let casting = stage.cast(&light, &projection, Some(StencilMethod::ZFail));
         assert_eq!(casting.counting() == Counting::Integer, wraps, "{shells}: {:?}", casting.layers);
         let cast = casting.upload(&gpu).unwrap();
         let mask = stage.mask(&projection, &cast.draws(), casting.counting());
@@ -293,14 +294,18 @@ fn stencil_pass_of_a_volume_without_a_face_is_caught() {
     let pass = StencilPass::new(&gpu, Depth::Plane).unwrap();
     let mesh = shapes::torus_knot(2, 3, 60, 8, 0.3);
     let stage = Stage::new(&gpu, &pass, &mesh, Some(CasterFaces::All), 64);
-    let light = lights(&stage.oracle.bounds())[0];
-    let (_, projection) = projections(&stage.oracle, &light, stage.size)[0];
-    let casting = stage.caster.cast(&light, &projection, Some(StencilMethod::ZFail));
+    let light = lights(&stage.caster.oracle().bounds())[0];
+    let (_, projection) = projections(stage.caster.oracle(), &light, stage.size)[0];
+    let casting = stage.cast(&light, &projection, Some(StencilMethod::ZFail));
     // Without the last caster that is seen, the pixels behind it are lit.
     let whole = stage.caster.topology().triangles();
     let without = Mesh::new(mesh.positions().to_vec(), whole[..whole.len() - 40].to_vec()).unwrap();
-    let other =
-        Caster::new(&without, Some(CasterFaces::All)).cast(&light, &projection, Some(StencilMethod::ZFail));
+    let other = Caster::new(without).stencil_volumes(
+        &light,
+        &projection,
+        Some(CasterFaces::All),
+        Some(StencilMethod::ZFail),
+    );
     let cast = other.upload(&gpu).unwrap();
     let mask = stage.mask(&projection, &cast.draws(), Counting::Stencil);
     assert!(!stage.compare(&light, &projection, &casting.signs, &mask).agrees());
@@ -333,8 +338,8 @@ fn stencil_frame_in_a_callers_encoder_counts_as_the_pass_of_our_own() {
         usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
-    for light in lights(&stage.oracle.bounds()) {
-        let (_, projection) = projections(&stage.oracle, &light, stage.size)[0];
+    for light in lights(&stage.caster.oracle().bounds()) {
+        let (_, projection) = projections(stage.caster.oracle(), &light, stage.size)[0];
         // One encoder from the light to the counts, submitted once.
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         silhouette.record(&mut encoder, &light).unwrap();
@@ -379,7 +384,7 @@ fn stencil_frame_in_a_callers_encoder_counts_as_the_pass_of_our_own() {
             .flat_map(|row| row[..64].iter().map(|&count| i32::from(count)).collect::<Vec<_>>())
             .collect();
         back.unmap();
-        let casting = stage.caster.cast(&light, &projection, Some(StencilMethod::ZFail));
+        let casting = stage.cast(&light, &projection, Some(StencilMethod::ZFail));
         let cast = casting.upload(&gpu).unwrap();
         let mask = stage.mask(&projection, &cast.draws(), Counting::Stencil);
         assert!(counts == mask.raw(), "{light}");

@@ -23,7 +23,7 @@ fn gpu_topology_of_real_meshes_equals_the_hosts() {
     let (Some(gpu), Some(folder)) = (gpu(), real_meshes()) else { return };
     let builder = GpuTopologyBuilder::new(&gpu).unwrap();
     let check = |mesh: &Mesh| {
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         let sent = GpuTopology::upload(&gpu, &topology).unwrap();
         let built = builder.build(&gpu, sent.vertex_count, &sent.triangles, sent.face_count).unwrap();
         let expected = words(&topology);

@@ -13,7 +13,7 @@ use super::support::real_meshes;
 
 /// What the edge table says.
 fn balanced(mesh: &Mesh) -> bool {
-    Topology::of(&mesh).edge_counts().balanced
+    Topology::of(mesh).edge_counts().balanced
 }
 
 /// Compares the screen with the edge table by numbers and by positions; gives the answer by positions.

@@ -57,7 +57,7 @@ fn walk(mesh: &Mesh, i: u16) -> Light {
 
 /// Every way against the scan.
 fn judge(mesh: &Mesh, taken: &mut Taken) {
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     let planes = FacePlanes::new(mesh);
     let mut tree = SilhouetteTree::new(mesh, &topology);
     for light in lights(mesh) {
@@ -146,7 +146,7 @@ fn silhouette_of_an_empty_mesh_is_empty_by_every_way() {
     moving.step(&mesh, &topology, &mut tree, &b);
     assert!(moving.is_empty() && moving.changes().is_empty());
     let mut finder = SilhouetteFinder::new(&mesh, &topology, CasterFaces::All, usize::MAX);
-    assert_eq!(finder.find(&mesh, &topology, &a).0, SilhouetteMethod::Scan);
+    assert_eq!(finder.find(&mesh, &topology, &a).what, SilhouetteMethod::Scan);
     assert_eq!(finder.edges().count(), 0);
 }
 

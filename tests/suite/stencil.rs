@@ -3,14 +3,13 @@
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use umbrage::Reason;
+use umbrage::caster::ShellBoxes;
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::Light;
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::{Intersection, Oracle, intersect};
 use umbrage::scene::Scope;
-use umbrage::shadow::stencil::{
-    Asked, DepthComplexity, ShellBoxes, ShellMethods, StencilMethod, max_depth_complexity,
-};
+use umbrage::shadow::stencil::{DepthComplexity, ShellMethods, StencilMethod, max_depth_complexity};
 use umbrage::testing::shapes;
 use umbrage::testing::strategy::{light, place, soup};
 use umbrage::topology::{Shells, Topology};
@@ -19,7 +18,7 @@ use umbrage::view::Projection;
 use crate::support::real_meshes;
 
 fn shells(mesh: &Mesh) -> Shells {
-    Topology::of(&mesh).shells()
+    Topology::of(mesh).shells()
 }
 
 fn auto(mesh: &Mesh, projection: &Projection, light: &Light) -> ShellMethods {
@@ -86,7 +85,7 @@ fn harmful(mesh: &Mesh, shells: &Shells, shell: usize, projection: &Projection, 
 fn miscounted(mesh: &Mesh, projection: &Projection, light: &Light, plan: &ShellMethods) -> Option<usize> {
     let shells = shells(mesh);
     (0..shells.count).find(|&shell| {
-        plan.choices[shell].method == StencilMethod::ZPass && harmful(mesh, &shells, shell, projection, light)
+        plan.choices[shell].what == StencilMethod::ZPass && harmful(mesh, &shells, shell, projection, light)
     })
 }
 
@@ -252,9 +251,9 @@ fn zpass_hard_cases_of_light_and_camera() {
         ),
     ] {
         let plan = auto(&cube, &projection, &light);
-        assert_eq!(plan.choices[0].method, expected, "{name}");
+        assert_eq!(plan.choices[0].what, expected, "{name}");
         let reason = if expected == ZPass { Reason::NothingBetween } else { Reason::MayLieBetween };
-        assert_eq!(plan.choices[0].reason, reason);
+        assert_eq!(plan.choices[0].why, reason);
         assert_eq!(miscounted(&cube, &projection, &light, &plan), None, "{name}");
     }
 }
@@ -267,7 +266,7 @@ fn zpass_does_not_depend_on_the_size_of_the_scene_until_numbers_leave_f32() {
         let mesh = shapes::scaled(&cube, scale);
         let projection = ahead([0.0, 0.0, 8.0 * scale], 0.5 * scale);
         let method = |light: [f32; 3]| {
-            auto(&mesh, &projection, &Light::point(light.map(|x| x * scale)).unwrap()).choices[0].method
+            auto(&mesh, &projection, &Light::point(light.map(|x| x * scale)).unwrap()).choices[0].what
         };
         assert_eq!(method([0.0, 9.0, 2.0]), StencilMethod::ZPass, "2^{k}");
         assert_eq!(method([0.0, 0.0, -9.0]), StencilMethod::ZFail, "2^{k}");
@@ -275,14 +274,14 @@ fn zpass_does_not_depend_on_the_size_of_the_scene_until_numbers_leave_f32() {
     // Nothing is claimed where a shader's numbers may overflow, or of a projection that is none.
     let huge = shapes::cuboid([-3e38; 3], [3e38, 3e38, -1e38]);
     let light = Light::directional([0.0, 0.0, -1.0]).unwrap();
-    assert_eq!(auto(&huge, &ahead([0.0; 3], 1.0), &light).choices[0].method, StencilMethod::ZFail);
+    assert_eq!(auto(&huge, &ahead([0.0; 3], 1.0), &light).choices[0].what, StencilMethod::ZFail);
     for broken in [
         Projection { near: 0.0, ..ahead([0.0, 0.0, 8.0], 1.0) },
         Projection { near: f32::NAN, ..ahead([0.0, 0.0, 8.0], 1.0) },
         Projection { right: [f32::NAN; 3], ..ahead([0.0, 0.0, 8.0], 1.0) },
         Projection { forward: [0.0; 3], ..ahead([0.0, 0.0, 8.0], 1.0) },
     ] {
-        assert_eq!(auto(&cube, &broken, &light).choices[0].method, StencilMethod::ZFail, "{broken:?}");
+        assert_eq!(auto(&cube, &broken, &light).choices[0].what, StencilMethod::ZFail, "{broken:?}");
     }
 }
 
@@ -293,7 +292,7 @@ fn zpass_is_decided_for_each_shell_by_itself() {
         .unwrap();
     let (projection, light) = (ahead([0.0, 0.0, 8.0], 0.1), Light::point([0.0, 0.0, -5.0]).unwrap());
     let plan = auto(&mesh, &projection, &light);
-    let methods: Vec<&str> = plan.choices.iter().map(|choice| choice.method.name()).collect();
+    let methods: Vec<&str> = plan.choices.iter().map(|choice| choice.what.name()).collect();
     assert_eq!(methods, ["zfail", "zpass", "zpass"]);
     assert_eq!(
         plan.summary(),

@@ -2,6 +2,7 @@
 //!
 //! `UMBRAGE_VERIFY_POINTS=100000 cargo test --release --test suite verify_all -- --nocapture` is the long form.
 
+use umbrage::caster::Caster;
 use umbrage::geom::{Aabb, Light};
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::scene::Scope;
@@ -39,7 +40,8 @@ fn verify_all_judges_agree_on_every_real_mesh() {
         let meshes: Vec<Mesh> =
             scene.bake(Scope::Mesh).unwrap().iter().map(|mesh| weld(mesh, Weld::Exact).mesh).collect();
         let mesh = Mesh::concat(&meshes).unwrap();
-        let verifier = Verifier::new(&mesh);
+        let caster = Caster::new(mesh.clone());
+        let verifier = Verifier::new(&caster);
         for light in lights(&mesh) {
             let options = Options { points, ..Options::default() };
             let result = verifier.verify(&light, &options, &|_| {});

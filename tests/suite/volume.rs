@@ -7,7 +7,6 @@ use proptest::sample::Index;
 use proptest::test_runner::{Config, TestRunner};
 use umbrage::caster::ShellProof;
 use umbrage::check::CrackReport;
-use umbrage::facing::CasterFaces;
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::{Aabb, Light};
 use umbrage::mesh::{Mesh, Weld, weld};
@@ -19,7 +18,7 @@ use umbrage::testing::strategy::{light, place, soup};
 use umbrage::topology::Topology;
 
 fn topology(mesh: &Mesh) -> Topology {
-    Topology::of(&mesh)
+    Topology::of(mesh)
 }
 
 fn volume(mesh: &Mesh, light: &Light, signs: &[i8]) -> ShadowVolume {

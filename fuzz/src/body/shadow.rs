@@ -73,7 +73,7 @@ struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     fn new(mesh: &'a Mesh, light: &'a Light, points: &'a [[f32; 3]]) -> Self {
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         Self { mesh, light, points, topology, oracle: Oracle::build(mesh) }
     }
 

@@ -178,7 +178,7 @@ mod tests {
     use umbrage::testing::shapes;
 
     fn marks_of(mesh: &Mesh) -> Model {
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         let mut report = CrackReport::of(mesh, &topology);
         report.add_self_intersections(mesh, &topology, PAIRS_MARKED);
         let mut marks = Marks::default();

@@ -223,7 +223,7 @@ mod tests {
     fn plan_shells_that_would_each_take_seconds_share_one_allowance() {
         let one = double_cone(1500);
         let two = Mesh::concat(&[one.clone(), one.clone()]).unwrap();
-        let built = |mesh: &Mesh| Topology::of(&mesh);
+        let built = |mesh: &Mesh| Topology::of(mesh);
         let topologies = [&one, &two].map(built);
         let shells = [0, 1].map(|i| topologies[i].shells());
         let reports = [(&one, &topologies[0]), (&two, &topologies[1])].map(|(m, t)| CrackReport::of(m, t));

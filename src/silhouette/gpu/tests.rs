@@ -12,7 +12,7 @@ fn shaders() -> Option<SilhouetteShaders> {
 }
 
 fn topology(mesh: &Mesh) -> Topology {
-    Topology::of(&mesh)
+    Topology::of(mesh)
 }
 
 fn on_device(shaders: &SilhouetteShaders, mesh: &Mesh, planes: &FacePlanes) -> GpuSilhouette {

@@ -86,7 +86,7 @@ pub(crate) struct Sampler<'a> {
 impl<'a> Sampler<'a> {
     /// With a silhouette of its own, of all faces.
     pub(crate) fn of(mesh: &'a Mesh, light: &'a Light) -> Self {
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         let silhouette = Silhouette::extract(&topology, &CasterFaces::All.signs(&classify(mesh, light)));
         Self::new(mesh, light, &topology, &silhouette)
     }

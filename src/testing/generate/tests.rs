@@ -71,7 +71,7 @@ fn generate_faces_have_three_corners_or_any() {
 
 #[test]
 fn generate_known_solids_are_closed_and_bending_opens_none() {
-    let balanced = |mesh: &Mesh| Topology::of(&mesh).edge_counts().balanced;
+    let balanced = |mesh: &Mesh| Topology::of(mesh).edge_counts().balanced;
     for (index, known) in KNOWN.iter().enumerate() {
         let mesh = known();
         assert!(balanced(&mesh) || index >= CLOSED, "{}", mesh.name);

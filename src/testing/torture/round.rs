@@ -83,7 +83,7 @@ impl<'a> Prepared<'a> {
     /// volume is judged beside the general one.
     pub(super) fn new(mesh: &'a Mesh, light: &'a Light, signs: u64, half: bool, seam: Seam) -> Self {
         // 1. The side of every face, by the filter and one by one.
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         let mut facing = FacePlanes::new(mesh).classify(mesh, light);
         (seam.facing)(&mut facing);
         let truth = classify(mesh, light);

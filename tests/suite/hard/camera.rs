@@ -1,8 +1,9 @@
 //! Lights and eyes in hard places, by the stencil pass against counts in closed form.
 
 use umbrage::Reason;
+use umbrage::facing::CasterFaces;
 use umbrage::mesh::Mesh;
-use umbrage::shadow::stencil::{Asked, Caster, StencilMethod};
+use umbrage::shadow::stencil::StencilMethod;
 use umbrage::testing::shapes;
 use umbrage::view::Size;
 
@@ -29,7 +30,7 @@ fn hard_01_sheet_throws_the_same_picture_from_either_side() {
     }
     // The sabotage: with front faces alone one of the two throws nothing.
     let turned = walled(&[shapes::inside_out(&sheet)]);
-    let front = Caster::new(&turned, Some(CasterFaces::Front));
+    let front = casting(&turned, Some(CasterFaces::Front));
     let Some(shot) = shoot_as(&front, &light, &plain(), Some(StencilMethod::ZFail), None) else { return };
     assert_eq!(shot.wrong(8.0, |x, y| counted(within(x, y, 3.0), 1)).len(), 36);
 }
@@ -45,7 +46,7 @@ fn hard_02_light_inside_a_box_leaves_its_outside_dark() {
     let room = shapes::cuboid([-20.0, -20.0, -1.0], [20.0, 20.0, 30.0]);
     expect_pixels("a room", &room, &point(1.0, 2.0, 9.0), (0.5, 8.0), |_, _| Pixel::Count(0));
     // The sabotage: front faces alone.
-    let front = Caster::new(&lamp, Some(CasterFaces::Front));
+    let front = casting(&lamp, Some(CasterFaces::Front));
     let Some(shot) = shoot_as(&front, &light, &plain(), Some(StencilMethod::ZFail), None) else { return };
     assert_eq!(shot.wrong(8.0, must).len(), 64);
 }
@@ -82,7 +83,7 @@ fn hard_10_light_behind_the_eye_throws_what_is_between_them() {
     assert!(by_zpass.is_none_or(|count| count == 1), "the wall alone: {by_zpass:?}");
     let Some(shot) = shoot(&scene, &light, &plain(), None) else { return };
     let choice = shot.casting.methods.choices[1];
-    assert_eq!((choice.method, choice.reason), (StencilMethod::ZFail, Reason::MayLieBetween));
+    assert_eq!((choice.what, choice.why), (StencilMethod::ZFail, Reason::MayLieBetween));
     assert_eq!(choice.to_string(), "a face may lie between the light and the near rectangle");
     // The sabotage: z-pass all the same.
     let Some(shot) = shoot(&scene, &light, &plain(), Some(StencilMethod::ZPass)) else { return };

@@ -1,5 +1,6 @@
 //! What one light makes of a mesh, as numbers, and how often given points are behind it.
 
+use umbrage::caster::Caster;
 use umbrage::check::{Counts, CrackReport};
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::Light;
@@ -12,7 +13,7 @@ use umbrage::verify::points::{Options, Verifier};
 use umbrage::verify::reference;
 
 pub(super) fn topology(mesh: &Mesh) -> Topology {
-    let topology = Topology::of(&mesh);
+    let topology = Topology::of(mesh);
     topology.validate();
     topology
 }
@@ -89,7 +90,7 @@ pub(super) fn expect_crossings(mesh: &Mesh, light: &Light, points: &[([f32; 3], 
 /// Asserts that no judge contradicts another at adversarial points.
 pub(super) fn expect_agreement(mesh: &Mesh, light: &Light) {
     let options = Options { points: 250, ..Options::default() };
-    let found = Verifier::new(mesh).verify(light, &options, &|_| {});
+    let found = Verifier::new(&Caster::new(mesh.clone())).verify(light, &options, &|_| {});
     assert!(found.agrees(), "{} {light}: {:?} {:?}", mesh.name, found.judges, found.disagreements);
     assert_eq!(found.total().points, 250);
 }

@@ -1,9 +1,11 @@
 //! Sides that the eye sees nearly edge-on, some 256ths of a pixel from the middle of a pixel: a rasterizer covers pixels
 //! beside them, where their planes are anywhere.
 
+use umbrage::facing::CasterFaces;
 use umbrage::glam::Vec3;
 use umbrage::mesh::Mesh;
-use umbrage::shadow::stencil::{Asked, Caster, Counting, ShadowMask};
+use umbrage::shadow::stencil::StencilMethod;
+use umbrage::shadow::stencil::{Counting, ShadowMask};
 use umbrage::verify::pixels::PixelVerdict;
 
 use super::figures::*;
@@ -33,7 +35,7 @@ fn fins(seed: u32, depth: f32, corners: impl Fn(Vec3, Vec3, &mut dyn FnMut() -> 
 /// Asserts that no pixel is miscounted, with few forgiven: their middles are beside the shadows, not on their rims.
 fn expect_beside_shadows(seed: u32, fins: Mesh) {
     let (light, scene) = (sun(TRAVEL.x, TRAVEL.y, TRAVEL.z), walled(&[fins]));
-    let caster = Caster::new(&scene, Some(CasterFaces::All));
+    let caster = casting(&scene, Some(CasterFaces::All));
     for asked in [Some(StencilMethod::ZFail), None] {
         for counting in [Counting::Stencil, Counting::Integer] {
             let shot = shoot_as(&caster, &light, &plain(), asked, Some(counting));
@@ -51,7 +53,7 @@ fn expect_beside_shadows(seed: u32, fins: Mesh) {
     let by = if seed.is_multiple_of(2) { 1 } else { -1 };
     let raw = mask.raw().iter().map(|count| count + by).collect();
     let altered = ShadowMask::new(mask.size(), Counting::Integer, raw, vec![true; 256]);
-    let found = judge(&scene, &casting.signs, &light, &plain(), &altered);
+    let found = judge(&caster.0, &casting.signs, &light, &plain(), &altered);
     assert!(found.count(PixelVerdict::Real) > 200);
 }
 

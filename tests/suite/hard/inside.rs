@@ -1,10 +1,10 @@
 //! Lights inside closed shells; cavities, and shells in shells.
 
+use umbrage::Reason;
 use umbrage::caster::ShellProof;
 use umbrage::facing::CasterFaces;
-use umbrage::facing::CasterFaces;
 use umbrage::mesh::Mesh;
-use umbrage::shadow::volume::{LightPlace, ShellFaces};
+use umbrage::shadow::volume::ShellFaces;
 use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 
@@ -18,7 +18,7 @@ fn plan(mesh: &Mesh, light: &umbrage::geom::Light) -> ShellFaces {
     ShellFaces::choose(mesh, &shells, &proofs, light, None)
 }
 
-fn variants(plan: &ShellFaces) -> Vec<Variant> {
+fn variants(plan: &ShellFaces) -> Vec<CasterFaces> {
     plan.choices.iter().map(|choice| choice.what).collect()
 }
 
@@ -41,7 +41,7 @@ fn hard_02_light_inside_a_closed_shell_shadows_all_outside() {
         expect_agreement(&mesh, &light);
         let choice = plan(&mesh, &light).choices[0];
         assert_eq!(choice.what, CasterFaces::All);
-        assert_eq!(choice.light, Some(LightPlace::Winding(if inverted { -1 } else { 1 })));
+        assert_eq!(choice.why, Reason::LightInside { winding: if inverted { -1 } else { 1 } });
         assert_eq!(choice.to_string(), "the light is inside the shell");
     }
     // The sabotage is that very engine.
@@ -158,7 +158,7 @@ fn hard_21_winding_of_a_lobe_is_negative_and_front_faces_are_refused() {
     expect_crossings(&mesh, &light, &rows.map(|(p, all, _)| (p, all)));
     expect_agreement(&mesh, &light);
     let choice = plan(&mesh, &light).choices[0];
-    assert_eq!((choice.what, choice.proof), (CasterFaces::All, Some(ShellProof::MeetsItself)));
+    assert_eq!((choice.what, choice.why), (CasterFaces::All, Reason::MeetsItself));
     assert_eq!(choice.to_string(), "the shell meets itself");
     // The sabotage: front faces alone light the inside of the negative lobe.
     for (p, _, front) in rows {

@@ -58,7 +58,7 @@ fn hard_16_many_vertices_beyond_what_f32_counts_exactly() {
     let mesh = cube_at_the_end((1 << 24) + 64);
     let least = mesh.triangles().iter().flatten().min().copied().unwrap();
     assert!(least > 1 << 24 && mesh.triangles().iter().flatten().all(|v| v % 2 == 1));
-    let build = |mesh: &Mesh| Topology::of(&mesh);
+    let build = |mesh: &Mesh| Topology::of(mesh);
     let topology = build(&mesh);
     let c = CrackReport::of(&mesh, &topology).counts;
     assert_eq!((c.edges, c.euler_characteristic, c.sound()), (18, 2, true));

@@ -9,7 +9,8 @@ use umbrage::geom::Light;
 use umbrage::glam::Vec3;
 use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
-use umbrage::shadow::stencil::{Asked, Caster, Counting, ShadowMask};
+use umbrage::shadow::stencil::StencilMethod;
+use umbrage::shadow::stencil::{Counting, ShadowMask};
 use umbrage::shadow::volume::ShadowVolume;
 use umbrage::testing::shapes;
 use umbrage::verify::pixels::PixelVerdict;
@@ -36,7 +37,7 @@ fn hard_13_wrap_of_the_stencil_is_foreseen_and_counted_beyond() {
         (300, Some(CasterFaces::All), Counting::Integer),
     ] {
         let scene = walled(&[placed(&shapes::nested_cubes(shells), 0.5, [0.25, 0.125, 256.0])]);
-        let caster = Caster::new(&scene, faces);
+        let caster = casting(&scene, faces);
         let each = if faces == Some(CasterFaces::All) { 2 } else { 1 };
         let must = |x: f32, y: f32| Pixel::Count(each * covering(shells, x, y));
         let Some(shot) = shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), None) else {
@@ -171,13 +172,13 @@ fn hard_21_winding_of_lobes_adds_up_in_the_stencil() {
         Pixel::Count(2 * (i32::from(inside([a, b, c])) + i32::from(inside([a, c, d]))))
     };
     expect_pixels("a figure-eight prism", &scene, &light, (0.5, 8.0), must);
-    let caster = Caster::new(&scene, None);
+    let caster = casting(&scene, None);
     let Some(shot) = shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), None) else { return };
     assert_eq!(shot.casting.faces.choices[1].what, CasterFaces::All);
     assert_eq!(shot.wrong(8.0, must), []);
     assert!([2, 4].iter().all(|count| shot.mask.raw().contains(count)));
     // The sabotage: front faces alone count half.
-    let front = Caster::new(&scene, Some(CasterFaces::Front));
+    let front = casting(&scene, Some(CasterFaces::Front));
     let shot = shoot_as(&front, &light, &plain(), Some(StencilMethod::ZFail), None).unwrap();
     assert!(!shot.wrong(8.0, must).is_empty());
 }
@@ -229,6 +230,6 @@ fn hard_24_terminator_follows_the_facets() {
         raw.push(seen.map_or(0, |seen| if round_is_lit(seen.point, &light) { 0 } else { 2 }));
     }
     let smooth = ShadowMask::new(shot.mask.size(), Counting::Integer, raw, receivers);
-    let found = judge(&ball, &shot.casting.signs, &light, &plain(), &smooth);
+    let found = judge(&casting(&ball, None).0, &shot.casting.signs, &light, &plain(), &smooth);
     assert_eq!(found.count(PixelVerdict::Real) as i32, smooth_differs, "{:?}", found.mismatches);
 }

@@ -5,18 +5,18 @@
 
 use std::sync::OnceLock;
 
+use umbrage::caster::Caster;
+use umbrage::facing::CasterFaces;
 use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
-use umbrage::oracle::Oracle;
 use umbrage::shadow::stencil::{
-    Asked, Caster, Counting, Depth, Receivers, ShadowMask, StencilMethod, StencilPass, StencilVolumes,
+    Counting, Depth, Receivers, ShadowMask, StencilMethod, StencilPass, StencilVolumes,
 };
 use umbrage::testing::shapes;
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
 use umbrage::view::Projection;
 use umbrage::view::Size;
 
-use super::figures::topology;
 use crate::support::gpu;
 
 const SIDE: u32 = 16;
@@ -98,34 +98,37 @@ fn pass() -> Option<StencilPass> {
 
 /// Draws what `caster` throws on its mesh, and compares. `None` without an adapter.
 pub(super) fn shoot_as(
-    caster: &Caster<'_>,
+    (caster, faces): &(Caster, Option<CasterFaces>),
     light: &Light,
     projection: &Projection,
     asked: Option<StencilMethod>,
     counting: Option<Counting>,
 ) -> Option<Shot> {
-    let (pass, mesh) = (pass()?, caster.mesh());
+    let pass = pass()?;
     let size = Size::new(SIDE, SIDE).unwrap();
-    let casting = caster.cast(light, projection, asked);
+    let casting = caster.stencil_volumes(light, projection, *faces, asked);
     let device = casting.upload(pass.gpu()).unwrap();
-    let receivers = Receivers::upload(pass.gpu(), mesh).unwrap();
+    let receivers = Receivers::upload(pass.gpu(), caster).unwrap();
     let counting = counting.unwrap_or(casting.counting());
     let mask = pass.mask(projection, size, &receivers, &device.draws(), counting).unwrap();
-    let comparison = judge(mesh, &casting.signs, light, projection, &mask);
+    let comparison = judge(caster, &casting.signs, light, projection, &mask);
     Some(Shot { casting, mask, comparison })
 }
 
-/// The comparison of any mask with what the faces of `mesh` cast by `signs`.
+/// The comparison of any mask with what the faces of `caster` cast by `signs`.
 pub(super) fn judge(
-    mesh: &Mesh,
+    caster: &Caster,
     signs: &[i8],
     light: &Light,
     projection: &Projection,
     mask: &ShadowMask,
 ) -> Comparison {
-    let topology = &topology(mesh);
-    let rendered = Rendered { mesh, topology, signs, light, projection, mask, unsure: &[] };
-    compare(&Oracle::build(mesh), &rendered, 3, &|_| {})
+    compare(&Rendered { caster, signs, light, projection, mask, unsure: &[] }, 3, &|_| {})
+}
+
+/// A caster of a mesh, with the faces that are asked to cast.
+pub(super) fn casting(mesh: &Mesh, faces: Option<CasterFaces>) -> (Caster, Option<CasterFaces>) {
+    (Caster::new(mesh.clone()), faces)
 }
 
 /// Draws `mesh` with all its faces casting.
@@ -135,7 +138,7 @@ pub(super) fn shoot(
     projection: &Projection,
     asked: Option<StencilMethod>,
 ) -> Option<Shot> {
-    shoot_as(&Caster::new(mesh, Some(CasterFaces::All)), light, projection, asked, None)
+    shoot_as(&casting(mesh, Some(CasterFaces::All)), light, projection, asked, None)
 }
 
 /// Asserts every pixel, by z-fail and by the method that is chosen, and that the comparison agrees with both. Gives how
@@ -176,6 +179,6 @@ pub(super) fn counted(inside: bool, count: i32) -> Pixel {
 /// A picture of `mesh` without any light.
 pub(super) fn zero_lights(mesh: &Mesh) -> Option<ShadowMask> {
     let pass = pass()?;
-    let receivers = Receivers::upload(pass.gpu(), mesh).unwrap();
+    let receivers = Receivers::upload(pass.gpu(), &Caster::new(mesh.clone())).unwrap();
     Some(pass.mask(&plain(), Size::new(SIDE, SIDE).unwrap(), &receivers, &[], Counting::Stencil).unwrap())
 }

@@ -1,7 +1,6 @@
 //! Sheets: one layer of faces, lit from either side, single and double; and meshes that hold next to nothing.
 
 use umbrage::facing::CasterFaces;
-use umbrage::facing::CasterFaces;
 use umbrage::mesh::Mesh;
 use umbrage::testing::shapes;
 
@@ -111,8 +110,8 @@ fn hard_20_one_triangle_casts_a_prism() {
         &lamp,
         &[([-0.125, 1.5, -2.0], 1), ([0.75, 1.25, -2.0], 0), ([0.75, 0.5, -2.0], 1)],
     );
-    let c = umbrage::shadow::stencil::Caster::new(&triangle, None);
-    let casting = c.cast(&lamp, &projection(), umbrage::shadow::stencil::None);
+    let caster = umbrage::caster::Caster::new(triangle);
+    let casting = caster.stencil_volumes(&lamp, &projection(), None, None);
     assert_eq!(casting.faces.choices[0].what, CasterFaces::All);
     assert_eq!(casting.faces.choices[0].to_string(), "the shell is not watertight");
 }

@@ -118,7 +118,7 @@ impl Answers {
     fn with(case: &Case, wrong: Option<Way>) -> Result<Self, String> {
         let wrong = |way| wrong == Some(way);
         let Case { mesh, light, points } = case;
-        let topology = Topology::of(&mesh);
+        let topology = Topology::of(mesh);
         let facing = classify(mesh, light);
         let mut by_planes = FacePlanes::new(mesh).classify(mesh, light);
         if wrong(Way::Planes) {

@@ -1,5 +1,6 @@
 //! The picture by stencil shadows against the exact one of the same view.
 
+use umbrage::caster::Caster;
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::{Aabb, Light};
 use umbrage::glam;
@@ -74,9 +75,10 @@ impl Subject {
         }
         let view = self.view(samples);
         let projection = self.camera.projection(view.size, 1e-3 * self.bounds.diagonal() as f32);
-        let receivers = Receivers::upload(gpu, &self.mesh).unwrap();
+        let caster = Caster::new(self.mesh.clone());
+        let receivers = Receivers::upload(gpu, &caster).unwrap();
         let pass = StencilPass::new(gpu, depth).unwrap();
-        render_stencil(&pass, &self.mesh, &receivers, &view, &projection, &shadows).unwrap()
+        render_stencil(&pass, &caster, &receivers, &view, &projection, &shadows).unwrap()
     }
 }
 
@@ -181,13 +183,13 @@ fn stencil_picture_does_not_depend_on_the_unit() {
 fn stencil_picture_of_nothing_is_background_and_one_too_large_an_error() {
     let Some(gpu) = gpu() else { return };
     let subject = Subject::new(shapes::cube(), [1.0, 3.0, 5.0], ShadedLight::equal(&[light("point:3,5,4")]));
-    let empty = Mesh::default();
+    let empty = Caster::new(Mesh::default());
     let (pass, receivers) =
         (StencilPass::new(&gpu, Depth::Plane).unwrap(), Receivers::upload(&gpu, &empty).unwrap());
     let view = View { lamps: &[], ground: None, ..subject.view(1) };
     let projection = subject.camera.projection(view.size, 0.1);
     let picture = render_stencil(&pass, &empty, &receivers, &view, &projection, &[]).unwrap();
-    assert_eq!(differing(&picture, &render(&Oracle::build(&empty), &view, QUIET), 1), 0);
+    assert_eq!(differing(&picture, &render(&Oracle::build(empty.mesh()), &view, QUIET), 1), 0);
     for edge_samples in [2, u32::MAX] {
         let view = View { size: size("16384x1"), edge_samples, ..view };
         let error = render_stencil(&pass, &empty, &receivers, &view, &projection, &[]).unwrap_err();

@@ -1,4 +1,4 @@
-//! Work that is shared by threads: rows of pixels, halves of a task.
+//! Work that is shared by threads: rows of pixels, sums, halves of a task.
 
 /// Calls `work` with the number and the elements of each row of `buffer`: on several threads if the feature
 /// `parallel` is on. Rows do not see each other, so the result does not depend on the order.
@@ -24,6 +24,31 @@ pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B)
     (a(), b())
 }
 
+/// Adds all numbers below `count` to results that start `empty`, and joins these in the order of the numbers.
+///
+/// `add` and `join` have to give the same sum wherever the numbers are cut into runs; memory does not grow
+/// with `count`.
+#[cfg(feature = "parallel")]
+pub(crate) fn sum<R: Send>(
+    count: u64,
+    empty: impl Fn() -> R + Send + Sync,
+    add: impl Fn(R, u64) -> R + Send + Sync,
+    join: impl Fn(R, R) -> R + Send + Sync,
+) -> R {
+    use rayon::prelude::*;
+    (0..count).into_par_iter().fold(&empty, add).reduce(&empty, join)
+}
+
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn sum<R>(
+    count: u64,
+    empty: impl Fn() -> R,
+    add: impl Fn(R, u64) -> R,
+    join: impl Fn(R, R) -> R,
+) -> R {
+    join(empty(), (0..count).fold(empty(), add))
+}
+
 /// What `of` makes of a list, taken in parts of at most `grain` that `both` puts together.
 pub(crate) fn fold<T: Sync, R: Send>(
     list: &[T],
@@ -37,4 +62,23 @@ pub(crate) fn fold<T: Sync, R: Send>(
     let (left, right) = list.split_at(list.len() / 2);
     let (left, right) = join(|| fold(left, grain, of, both), || fold(right, grain, of, both));
     both(left, right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sum;
+
+    #[test]
+    fn parallel_sum_joins_in_order_whatever_the_threads() {
+        let add = |mut list: Vec<u64>, number| {
+            list.push(number);
+            list
+        };
+        let list = sum(1000, Vec::new, add, |a, b| [a, b].concat());
+        assert_eq!(list, (0..1000).collect::<Vec<u64>>());
+        assert!(sum(0, Vec::new, add, |a, b| [a, b].concat()).is_empty());
+        // The sabotage: joined in reverse, the order of the numbers is lost.
+        let reversed = sum(1000, Vec::new, add, |a: Vec<u64>, b| [b, a].concat());
+        assert!(reversed.len() == 1000 && (cfg!(not(feature = "parallel")) || reversed != list));
+    }
 }

@@ -6,7 +6,8 @@ use crate::mesh::Mesh;
 use crate::random::SplitMix64;
 use crate::testing::generate::LightKind;
 
-/// The kinds of lights; without a kind those that were given. See [`Question::strata`](super::Question::strata).
+/// The kinds of lights; without a kind those that were given. See
+/// [`Question::strata`](super::Question::strata).
 pub(super) const STRATA: [(&str, Option<LightKind>); 8] = [
     ("given", None),
     ("general", Some(LightKind::Outside)),

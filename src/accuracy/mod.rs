@@ -19,6 +19,7 @@ mod visibility;
 
 use crate::geom::Light;
 use crate::mesh::Mesh;
+use crate::verify::Tally;
 
 /// Of more lights than these as many are taken, evenly spread over all of them.
 pub const MOST_LIGHTS: usize = 16;
@@ -193,18 +194,23 @@ impl Accuracy {
 }
 
 impl Row {
-    /// Wrong answers a query that was judged.
+    /// The counts as those of any verification.
     #[must_use]
-    pub fn error(&self) -> f64 {
-        self.wrong as f64 / self.judged.max(1) as f64
+    pub fn tally(&self) -> Tally {
+        let Self { queries, ties, judged, wrong, .. } = *self;
+        Tally { queries, ties, judged, wrong }
     }
 
-    /// With no wrong answer in n queries, the rate of wrong ones is below 3/n with 95 % confidence (the rule of three),
-    /// if the queries were independent draws; those of one mesh share its surface and its lights. `None` after a wrong
-    /// answer, or without a query that was judged.
+    /// Wrong answers per judged query.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        self.tally().error()
+    }
+
+    /// See [`Tally::bound_95`]. The queries of one mesh share its surface and its lights.
     #[must_use]
     pub fn bound_95(&self) -> Option<f64> {
-        (self.wrong == 0 && self.judged > 0).then(|| (3.0 / self.judged as f64).min(1.0))
+        self.tally().bound_95()
     }
 }
 

@@ -16,6 +16,7 @@ use umbrage::geom::Light;
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::Oracle;
 use umbrage::read::read_bytes;
+use umbrage::testing::generate::Bytes;
 use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 
@@ -38,7 +39,8 @@ fn replay(target: &str, path: &Path) {
     }
 }
 
-/// The command itself, where the target has only its parser: it ends by itself, and says in one line what is wrong.
+/// The command itself, where the target has only its parser: it ends by itself, and says in one line what is
+/// wrong.
 fn runs_in_a_scratch_folder(data: &[u8]) {
     let arguments = command::arguments(data);
     let folder = tempfile::tempdir().unwrap();
@@ -62,6 +64,29 @@ fn fuzz_finds_stay_fixed() {
     }
     for (target, _) in TARGETS {
         files(&format!("fuzz/regressions/{target}")).iter().for_each(|path| replay(target, path));
+    }
+}
+
+/// The bytes of a find mean what its name says, and its claim still fails where its exception is left out.
+#[test]
+fn fuzz_finds_are_what_their_names_say() {
+    for (name, is_so) in [
+        ("light_at_a_corner", (|at, p, _| at == p) as fn([f32; 3], [f32; 3], [f32; 3]) -> bool),
+        ("light_on_an_edge", |at, p, q| p != q && [0, 1, 2].map(|i| 0.5 * (p[i] + q[i])) == at),
+    ] {
+        let data =
+            fs::read(format!("{}/fuzz/regressions/shadow/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let (mesh, light, points) = shadow::drawn(&mut Bytes::new(&data));
+        let vertices = mesh.positions();
+        let pairs = vertices.iter().flat_map(|&p| vertices.iter().map(move |&q| (p, q)));
+        assert!(
+            !light.is_directional() && pairs.into_iter().any(|(p, q)| is_so(light.xyz(), p, q)),
+            "{name}: {light}"
+        );
+        assert_eq!((mesh.face_count(), vertices.len()), (4, 4), "{name}");
+        let facing = classify(&mesh, &light);
+        assert!(!fails(|| shadow::judge(&mesh, &light, &points, &facing)));
+        assert!(fails(|| shadow::judge_signs(&mesh, &light, &points, &facing, &[-1; 4])), "{name}");
     }
 }
 
@@ -136,7 +161,8 @@ fn fuzz_a_wrong_answer_fails_its_target() {
     assert!(!fails(|| topology::judge_weld_within(&cube, 2.0, &weld(&cube, Weld::Within(2.0)))));
     assert!(fails(|| topology::judge_weld_within(&cube, 2.0, &weld(&cube, Weld::Exact))));
 
-    // The same triangles elsewhere: mirrored, they enclose the opposite volume; one moved away, it meets no other.
+    // The same triangles elsewhere: mirrored, they enclose the opposite volume; one moved away, it meets no
+    // other.
     let elsewhere = |mesh: &Mesh, place: fn([f32; 3]) -> [f32; 3]| {
         let (positions, triangles, ..) = mesh.clone().into_parts();
         Mesh::new(positions.into_iter().map(place).collect(), triangles).unwrap()

@@ -1,7 +1,7 @@
 //! Bytes to the arguments of a command line, and the values that it takes.
 //!
-//! Arguments are put together from words that the command knows and from free text. No argument holds a separator
-//! of folders, and none is `..`, so that whatever runs with them in a scratch folder stays there.
+//! Arguments are put together from words that the command knows and from free text. No argument holds a
+//! separator of folders, and none is `..`, so that whatever runs with them in a scratch folder stays there.
 
 use std::fmt::{Debug, Display};
 use std::str::FromStr;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use umbrage::testing::torture::{Stratum, Torture};
+use umbrage::testing::torture::{Outcomes, Torture};
 
 use crate::cli::output::{number, number32};
 
@@ -45,7 +45,7 @@ pub(super) fn document(found: &Torture, seed: u64, seconds: f64, case: Option<&P
     })
 }
 
-fn row(row: &Stratum) -> Value {
+fn row(row: &Outcomes) -> Value {
     json!({
         "name": row.name,
         "queries": row.queries,

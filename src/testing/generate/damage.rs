@@ -16,8 +16,8 @@ pub enum Damage {
     Doubled(u32),
     /// A face was added a second time, at the end, wound the other way.
     DoubledTurned(u32),
-    /// A new vertex, the rounded middle of the face's first edge, and the face cut in two there; its neighbor was not:
-    /// a T-junction. The second half is the last face.
+    /// A new vertex, the rounded middle of the face's first edge, and the face cut in two there; its neighbor
+    /// was not: a T-junction. The second half is the last face.
     Split(u32),
     /// The third corner of a face became its second.
     Collapsed(u32),

@@ -37,7 +37,8 @@ pub(super) fn face(draw: &mut dyn Draw, mesh: &Mesh) -> [f64; 3] {
     if u + v > 1.0 { combined(corners, 1.0 - u, 1.0 - v) } else { combined(corners, u, v) }
 }
 
-/// A point in the plane of a face, inside or outside it: at eighths, so that it is not rounded on simple meshes.
+/// A point in the plane of a face, inside or outside it: at eighths, so that it is not rounded on simple
+/// meshes.
 pub(super) fn plane(draw: &mut dyn Draw, mesh: &Mesh) -> [f64; 3] {
     let corners = corners(draw, mesh);
     let [u, v] = [(); 2].map(|()| f64::from(draw.between(-16, 24)) / 8.0);

@@ -18,7 +18,8 @@ pub(crate) enum LightKind {
     Face,
     /// In the plane of a face, inside or outside it.
     Plane,
-    /// Off a vertex, an edge or a plane by exactly one ulp in at least one coordinate, and at most one in each.
+    /// Off a vertex, an edge or a plane by exactly one ulp in at least one coordinate, and at most one in
+    /// each.
     UlpOff,
     /// Between vertices: inside most solids.
     Inside,
@@ -41,8 +42,8 @@ pub(crate) enum LightKind {
 }
 
 impl LightKind {
-    /// All kinds as often as they deserve, the simplest first.
-    const WEIGHTED: [Self; 20] = [
+    /// The kinds without extreme bits, the harder ones several times; the simplest first.
+    const MODERATE: [Self; 20] = [
         Self::Anywhere,
         Self::Anywhere,
         Self::Anywhere,
@@ -121,10 +122,19 @@ impl LightKind {
     }
 }
 
-/// A light for `mesh`: of any kind, one in eight of them at any bits.
+/// A light for `mesh`: of any kind, one in eight of them of any bits.
 pub fn light(draw: &mut dyn Draw, mesh: &Mesh) -> Light {
-    let kind = draw.pick(&LightKind::WEIGHTED);
-    let kind = if draw.below(8) == 7 { draw.pick(&[LightKind::Direction, LightKind::Bits]) } else { kind };
+    if draw.below(8) < 7 {
+        return moderate_light(draw, mesh);
+    }
+    let kind = draw.pick(&[LightKind::Direction, LightKind::Bits]);
+    kind.draw(draw, mesh)
+}
+
+/// A light for `mesh` at most 2⁴⁰ diagonals away, whose coordinates may still be scaled by large powers of
+/// two.
+pub(crate) fn moderate_light(draw: &mut dyn Draw, mesh: &Mesh) -> Light {
+    let kind = draw.pick(&LightKind::MODERATE);
     kind.draw(draw, mesh)
 }
 

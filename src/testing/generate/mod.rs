@@ -1,10 +1,10 @@
-//! Hard meshes, lights and points, drawn from any source of choices: written once, for the torture, for proptest and
-//! for the fuzz targets.
+//! Hard meshes, lights and points, drawn from any source of choices: written once, for the torture, for
+//! proptest and for the fuzz targets.
 //!
-//! A generator asks a [`Draw`] for one small choice after another. Each choice is ordered so that 0 is the simplest
-//! one. A stream of zeros therefore gives the simplest mesh, and whoever makes choices smaller makes the mesh simpler.
-//! Three sources exist: random numbers (the torture), [`Bytes`] (the fuzz targets), and recorded choices that proptest
-//! shrinks ([`strategy`](super::strategy)).
+//! A generator asks a [`Draw`] for one small choice after another. Each choice is ordered so that 0 is the
+//! simplest one. A stream of zeros therefore gives the simplest mesh, and whoever makes choices smaller makes
+//! the mesh simpler. Three sources exist: random numbers (the torture), [`Bytes`] (the fuzz targets), and
+//! recorded choices that proptest shrinks ([`strategy`](super::strategy)).
 //!
 //! ```
 //! use umbrage::testing::generate::{Bytes, Draw, light, mesh, point};
@@ -40,7 +40,7 @@ pub use point::point;
 pub(crate) use damage::damage;
 #[cfg(test)]
 pub(crate) use feature::one_ulp_off;
-pub(crate) use light::LightKind;
+pub(crate) use light::{LightKind, moderate_light};
 pub(crate) use mesh::{Draft, Shape, faces};
 pub(crate) use point::{PointKind, Sampler};
 pub(crate) use scale::{Scale, power_of_two};
@@ -132,8 +132,8 @@ impl dyn Draw + '_ {
     }
 }
 
-/// A position, often on the grid of integers, whose coordinates may be any finite `f32`: next to an integer, tiny,
-/// huge, or of any bits.
+/// A position, often on the grid of integers, whose coordinates may be any finite `f32`: next to an integer,
+/// tiny, huge, or of any bits.
 pub fn position(draw: &mut dyn Draw) -> [f32; 3] {
     [(); 3].map(|()| {
         let (kind, near) = (draw.below(16), draw.coordinate());

@@ -1,5 +1,5 @@
-//! Points where the answer is easy to get wrong: uniform sampling finds nothing where targeted sampling finds one
-//! wrong answer in seventy.
+//! Points where the answer is easy to get wrong: uniform sampling finds nothing where targeted sampling finds
+//! one wrong answer in seventy.
 
 use super::Draw;
 use super::feature::{along, combined, corners, edge, face, nudged, plane, rounded, vertex};
@@ -26,8 +26,8 @@ pub(crate) enum PointKind {
     FacePlane,
     /// Each coordinate that of some vertex.
     Corner,
-    /// Behind a vertex or the middle of a silhouette edge by a simple multiple of the light's distance; half of them up
-    /// to two ulps off.
+    /// Behind a vertex or the middle of a silhouette edge by a simple multiple of the light's distance; half
+    /// of them up to two ulps off.
     Behind,
     /// Behind a vertex, but for rounding.
     BehindVertex,
@@ -48,7 +48,7 @@ pub(crate) enum PointKind {
 }
 
 impl PointKind {
-    /// All kinds as often as they deserve, the simplest first.
+    /// What [`Sampler::any`] draws from, the harder kinds several times; the simplest first.
     const WEIGHTED: [Self; 16] = [
         Self::Anywhere,
         Self::Feature,
@@ -202,7 +202,8 @@ impl<'a> Sampler<'a> {
         if u + v > 1.0 { combined(corners, 1.0 - u, 1.0 - v) } else { combined(corners, u, v) }
     }
 
-    /// The center of the box plus `part`, from −1 to 1, of its size along each axis. A flat box gets some thickness.
+    /// The center of the box plus `part`, from −1 to 1, of its size along each axis. A flat box gets some
+    /// thickness.
     fn in_box(&self, mut part: impl FnMut() -> f64) -> [f32; 3] {
         let least = 0.25 * self.bounds.diagonal();
         rounded([0, 1, 2].map(|i| {
@@ -230,8 +231,8 @@ impl<'a> Sampler<'a> {
         [0, 1, 2].map(|i| if self.light.is_directional() { -light[i] } else { p[i] - light[i] })
     }
 
-    /// `p` moved away from the light by a simple multiple of its distance: doubling it keeps the coordinates of a grid
-    /// exact.
+    /// `p` moved away from the light by a simple multiple of its distance: doubling it keeps the coordinates
+    /// of a grid exact.
     fn behind(&self, draw: &mut dyn Draw, p: [f64; 3]) -> [f64; 3] {
         let eighths = match draw.below(5) {
             0 | 1 => 8,

@@ -12,7 +12,8 @@ pub(crate) enum Scale {
     Tiny,
     /// Times 1e30, or up to the end of `f32`.
     Huge,
-    /// Axes, halves or vertices times factors of their own, of which at least two differ: 1, 1e-15, 1e12, 1e-30, 1e30.
+    /// Axes, halves or vertices times factors of their own, of which at least two differ: 1, 1e-15, 1e12,
+    /// 1e-30, 1e30.
     Mixed,
     /// Moved away by up to 2²⁰ times its size along each axis.
     Away,

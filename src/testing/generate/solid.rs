@@ -50,8 +50,8 @@ fn centered(size: [u32; 3], filled: impl Fn([u32; 3]) -> bool) -> Mesh {
     shapes::translated(&shapes::voxels(size, filled), size.map(|cells| -((cells / 2) as f32)))
 }
 
-/// A known or a voxel solid whose vertices have been moved, each by up to `most` in every coordinate, half of them in
-/// none: faces are not axis-aligned any more and quads no longer flat, and no edge opens.
+/// A known or a voxel solid whose vertices have been moved, each by up to `most` in every coordinate, half of
+/// them in none: faces are not axis-aligned any more and quads no longer flat, and no edge opens.
 pub(crate) fn bent(draw: &mut dyn Draw, most: f64) -> Mesh {
     let known = draw.pick(&KNOWN[..CLOSED]);
     let mut draft = Draft::from(if draw.flag() { voxel_solid(draw, [2; 3]) } else { known() });
@@ -59,7 +59,8 @@ pub(crate) fn bent(draw: &mut dyn Draw, most: f64) -> Mesh {
     draft.into()
 }
 
-/// One to three closed meshes at any position, without shared vertices: apart, touching, or through each other.
+/// One to three closed meshes at any position, without shared vertices: apart, touching, or through each
+/// other.
 pub(crate) fn several(draw: &mut dyn Draw) -> Mesh {
     let slots = 1 + draw.index(3);
     let parts = draw.list(1, slots, |draw| {

@@ -8,7 +8,7 @@ use crate::topology::Topology;
 fn generate_zeros_are_the_simplest_choices() {
     let zeros = &mut Bytes::new(&[]);
     let draw: &mut dyn Draw = zeros;
-    assert_eq!(mesh(draw), KNOWN[0]());
+    assert_eq!(mesh(draw).with_name("tetrahedron"), KNOWN[0]());
     assert_eq!([draw.between(-3, 3), i32::from(draw.flag())], [0; 2]);
     assert_eq!([draw.signed(), draw.coordinate().into(), draw.bits().into()], [0.0; 3]);
     for (shape, faces) in Shape::ALL.into_iter().zip([4, 12, 12, 4, 4, 1, 1, 1, 1, 1]) {

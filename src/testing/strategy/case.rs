@@ -23,9 +23,9 @@ pub fn light() -> impl Strategy<Value = Light> + Clone {
 
 /// A light that is drawn before its mesh is known; `any::<LightPick>()` draws one.
 ///
-/// On a vertex, on an edge, on a face, in a face's plane, or one unit in the last place off; between vertices, and
-/// where its coordinates are those of vertices; anywhere; up to 2⁴⁰ diagonals away; directional along an axis, along an
-/// edge, or anywhere; some of any bits.
+/// On a vertex, on an edge, on a face, in a face's plane, or one unit in the last place off; between
+/// vertices, and where its coordinates are those of vertices; anywhere; up to 2⁴⁰ diagonals away; directional
+/// along an axis, along an edge, or anywhere.
 ///
 /// ```
 /// use proptest::prelude::*;
@@ -42,7 +42,7 @@ impl LightPick {
     /// The light for `mesh`.
     #[must_use]
     pub fn at(&self, mesh: &Mesh) -> Light {
-        self.0.give(|draw| generate::light(draw, mesh))
+        self.0.give(|draw| generate::moderate_light(draw, mesh))
     }
 }
 
@@ -57,9 +57,9 @@ impl Arbitrary for LightPick {
 
 /// A point that is drawn before its mesh and light are known; `any::<PointPick>()` draws one.
 ///
-/// On a vertex, on an edge, on a face, in a face's plane; such a position pushed away from the light or pulled towards
-/// it; on a side of the shadow volume, behind a silhouette edge or one of its ends; anywhere in twice the box around the
-/// mesh, or anywhere. One in four is moved by up to two units in the last place.
+/// On a vertex, on an edge, on a face, in a face's plane; such a position pushed away from the light or
+/// pulled towards it; on a side of the shadow volume, behind a silhouette edge or one of its ends; anywhere
+/// in twice the box around the mesh, or anywhere. One in four is moved by up to two units in the last place.
 ///
 /// ```
 /// use proptest::prelude::*;

@@ -1,7 +1,7 @@
 //! A strategy of any generator: its choices are recorded, and shrinking makes them smaller.
 //!
-//! After David MacIver and Alastair Donaldson, "Test-case reduction via test-case generation: insights from the
-//! Hypothesis reducer", ECOOP 2020: reduce what a generator draws from, not what it makes.
+//! After David MacIver and Alastair Donaldson, "Test-case reduction via test-case generation: insights from
+//! the Hypothesis reducer", ECOOP 2020: reduce what a generator draws from, not what it makes.
 
 use std::fmt::{self, Debug};
 

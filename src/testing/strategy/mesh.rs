@@ -7,8 +7,8 @@ use super::choices::{Choices, drawn};
 use crate::mesh::Mesh;
 use crate::testing::{generate, shapes};
 
-/// A coordinate: four in five are integers from −3 to 3, where exact ties are common, the others any `f32` from −3
-/// to 3. Shrinks towards 0.
+/// A coordinate: four in five are integers from −3 to 3, where exact ties are common, the others any `f32`
+/// from −3 to 3. Shrinks towards 0.
 ///
 /// ```
 /// use proptest::prelude::*;
@@ -25,8 +25,8 @@ pub fn place() -> impl Strategy<Value = [f32; 3]> + Clone {
     drawn(|draw| draw.position())
 }
 
-/// A mesh of fewer than `faces` triangles over 3 to 9 shared vertices at any [`place`]: open, non-manifold, with
-/// collapsed and flat faces. Shrinks towards no faces.
+/// A mesh of fewer than `faces` triangles over 3 to 9 shared vertices at any [`place`]: open, non-manifold,
+/// with collapsed and flat faces. Shrinks towards no faces.
 ///
 /// ```
 /// use proptest::prelude::*;
@@ -74,8 +74,8 @@ pub fn closed() -> impl Strategy<Value = Mesh> + Clone {
     drawn(generate::closed)
 }
 
-/// The boundary of up to `side`³ unit cells around the origin, never none. Parts may touch in an edge or a corner
-/// alone, and there may be cavities. Shrinks towards few cells.
+/// The boundary of up to `side`³ unit cells around the origin, never none. Parts may touch in an edge or a
+/// corner alone, and there may be cavities. Shrinks towards few cells.
 ///
 /// See [`shapes::voxels`].
 ///
@@ -87,32 +87,34 @@ pub fn voxel_solid(side: u32) -> impl Strategy<Value = Mesh> + Clone {
     drawn(move |draw| generate::voxel_solid(draw, [side; 3]))
 }
 
-/// A cube of 4³ cells with cavities: its surface is whole, and any of the eight cells inside may be missing, at least
-/// one is.
+/// A cube of 4³ cells with cavities: its surface is whole, and any of the eight cells inside may be missing,
+/// at least one is.
 pub fn hollow() -> impl Strategy<Value = Mesh> + Clone {
     drawn(generate::hollow)
 }
 
-/// A solid whose vertices have been moved, each by up to an eighth in every coordinate: faces are not axis-aligned any
-/// more and quads no longer flat, and no edge opens. Half of the offsets are none. Shrinks towards the solid itself.
+/// A solid whose vertices have been moved, each by up to an eighth in every coordinate: faces are not
+/// axis-aligned any more and quads no longer flat, and no edge opens. Half of the offsets are none. Shrinks
+/// towards the solid itself.
 pub fn bent() -> impl Strategy<Value = Mesh> + Clone {
     drawn(|draw| generate::bent(draw, 0.125))
 }
 
-/// One to three closed meshes in any [`place`], without shared vertices: apart, touching, or through each other.
+/// One to three closed meshes in any [`place`], without shared vertices: apart, touching, or through each
+/// other.
 pub fn several() -> impl Strategy<Value = Mesh> + Clone {
     drawn(generate::several)
 }
 
-/// What computer-aided design exports look like to a predicate. Axis-aligned solids: overlapping and touching boxes on
-/// the grid, or voxel solids stretched along the axes; some with flat sides cut into many faces. Closed; most
-/// coordinates, edges and planes coincide with others.
+/// What computer-aided design exports look like to a predicate. Axis-aligned solids: overlapping and touching
+/// boxes on the grid, or voxel solids stretched along the axes; some with flat sides cut into many faces.
+/// Closed; most coordinates, edges and planes coincide with others.
 pub fn cad() -> impl Strategy<Value = Mesh> + Clone {
     drawn(generate::cad)
 }
 
-/// Any small mesh with a face, as the torture and the fuzz targets draw them: solids, sheets, soups, slivers, half of
-/// them damaged, some of them tiny, huge or far away.
+/// Any small mesh with a face, as the torture and the fuzz targets draw them: solids, sheets, soups, slivers,
+/// half of them damaged, some of them tiny, huge or far away.
 ///
 /// ```
 /// use proptest::prelude::*;
@@ -138,8 +140,8 @@ pub fn power_of_two() -> impl Strategy<Value = f32> + Clone {
 ///
 /// # Panics
 ///
-/// A case panics if a coordinate leaves the range of `f32`; those of [`mesh()`] may, those of the other strategies here
-/// do not.
+/// A case panics if a coordinate leaves the range of `f32`; those of [`mesh()`] may, those of the other
+/// strategies here do not.
 pub fn at_scale(meshes: impl Strategy<Value = Mesh> + Clone) -> impl Strategy<Value = Mesh> + Clone {
     (meshes, power_of_two()).prop_map(|(mesh, factor)| shapes::scaled(&mesh, factor))
 }
@@ -153,8 +155,8 @@ pub struct Damaged {
     pub damage: Vec<generate::Damage>,
 }
 
-/// Meshes from `meshes`, each with one to `most` pieces of random [`Damage`](super::Damage) that unbalance an edge of
-/// every closed mesh. Shrinks towards little damage.
+/// Meshes from `meshes`, each with one to `most` pieces of random [`Damage`](super::Damage) that unbalance an
+/// edge of every closed mesh. Shrinks towards little damage.
 ///
 /// ```
 /// use proptest::prelude::*;

@@ -1,11 +1,11 @@
 //! Strategies for property tests: meshes, lights and points that are hard for shadows.
 //!
-//! For the `proptest` crate. Values come from [`generate`](super::generate). The choices of the generator are what
-//! shrinks, so a failure ends at few faces with small integer coordinates. Sizes are small: hundreds of cases take
-//! seconds.
+//! For the `proptest` crate. Values come from [`generate`](super::generate). The choices of the generator are
+//! what shrinks, so a failure ends at few faces with small integer coordinates. Sizes are small: hundreds of
+//! cases take seconds.
 //!
-//! - meshes: [`soup`], [`soup_at`]; [`closed()`] (of [`voxel_solid`], [`hollow`], [`bent`], [`several`]); [`cad()`];
-//!   [`damaged`], which reports its damage; [`mesh()`], any of the small ones; [`at_scale`]
+//! - meshes: [`soup`], [`soup_at`]; [`closed()`] (of [`voxel_solid`], [`hollow`], [`bent`], [`several`]);
+//!   [`cad()`]; [`damaged`], which reports its damage; [`mesh()`], any of the small ones; [`at_scale`]
 //! - lights: [`light()`], and for a given mesh [`LightPick`]
 //! - points: [`place`], and for a given mesh and light [`PointPick`]
 //! - all three together: [`case()`], a [`Case`]

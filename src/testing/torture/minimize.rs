@@ -1,17 +1,20 @@
-//! A case with as little in it as still disagrees.
+//! Minimizing a contradiction: fewer faces, simpler coordinates.
+//!
+//! After Andreas Zeller and Ralf Hildebrandt, "Simplifying and isolating failure-inducing input", TSE 2002.
 
-use super::repro::Case;
+use super::repro::Repro;
 use super::round::Seam;
 use crate::geom::Light;
 use crate::mesh::Mesh;
 
-/// How often the judges are asked at most.
+/// The most queries that a search makes.
 const MOST_ASKED: usize = 4000;
 
-/// Drops faces while the judges still disagree, then vertices that no face uses, then digits of coordinates.
+/// Drops faces while the methods still contradict each other, then vertices that no face uses, then digits of
+/// coordinates.
 ///
-/// A case on which the judges agree comes back as it is.
-pub(super) fn minimize(case: &Case, seam: Seam) -> Case {
+/// A query on which the methods agree is returned unchanged.
+pub(super) fn minimize(case: &Repro, seam: Seam) -> Repro {
     let mut search = Search { case: case.clone(), seam, left: MOST_ASKED };
     if search.case.judge_with(seam).agrees {
         return search.case;
@@ -23,14 +26,14 @@ pub(super) fn minimize(case: &Case, seam: Seam) -> Case {
 }
 
 struct Search {
-    case: Case,
+    case: Repro,
     seam: Seam,
     left: usize,
 }
 
 impl Search {
-    /// Takes a simpler case over if the judges disagree about it too.
-    fn attempt(&mut self, case: Option<Case>) -> bool {
+    /// Replaces the case by a simpler one if the methods contradict each other there too.
+    fn attempt(&mut self, case: Option<Repro>) -> bool {
         let Some(case) = case.filter(|_| self.left > 0) else { return false };
         self.left -= 1;
         let disagrees = !case.judge_with(self.seam).agrees;
@@ -40,13 +43,18 @@ impl Search {
         disagrees
     }
 
+    /// Drops runs of faces: half of them at once, then a quarter, at last one by one.
     fn drop_faces(&mut self) -> bool {
         let mut dropped = false;
-        for face in (0..self.case.mesh.face_count()).rev() {
-            let mut triangles = self.case.mesh.triangles().to_vec();
-            triangles.remove(face);
-            let case = self.with_mesh(self.case.mesh.positions().to_vec(), triangles);
-            dropped |= self.attempt(case);
+        let mut run = self.case.mesh.face_count().div_ceil(2);
+        while run > 0 {
+            for start in (0..self.case.mesh.face_count()).step_by(run).rev() {
+                let mut triangles = self.case.mesh.triangles().to_vec();
+                triangles.drain(start..triangles.len().min(start + run));
+                let case = self.with_mesh(self.case.mesh.positions().to_vec(), triangles);
+                dropped |= self.attempt(case);
+            }
+            run /= 2;
         }
         dropped
     }
@@ -66,7 +74,7 @@ impl Search {
         self.attempt(case);
     }
 
-    /// Every coordinate in turn: 0, then whole, then with fewer and fewer bits left out.
+    /// Every coordinate in turn: 0, then an integer, then fewer and fewer bits left out.
     fn simplify(&mut self) -> bool {
         let mut simplified = false;
         for vertex in 0..self.case.mesh.vertex_count() {
@@ -91,7 +99,7 @@ impl Search {
                 } else {
                     Light::point(xyz)
                 };
-                if self.attempt(light.ok().map(|light| Case { light, ..self.case.clone() })) {
+                if self.attempt(light.ok().map(|light| Repro { light, ..self.case.clone() })) {
                     simplified = true;
                     break;
                 }
@@ -99,7 +107,7 @@ impl Search {
             for simpler in simpler(self.case.point[axis]) {
                 let mut point = self.case.point;
                 point[axis] = simpler;
-                if self.attempt(Some(Case { point, ..self.case.clone() })) {
+                if self.attempt(Some(Repro { point, ..self.case.clone() })) {
                     simplified = true;
                     break;
                 }
@@ -108,8 +116,8 @@ impl Search {
         simplified
     }
 
-    fn with_mesh(&self, positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Option<Case> {
-        Some(Case { mesh: Mesh::new(positions, triangles).ok()?, ..self.case.clone() })
+    fn with_mesh(&self, positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Option<Repro> {
+        Some(Repro { mesh: Mesh::new(positions, triangles).ok()?, ..self.case.clone() })
     }
 }
 

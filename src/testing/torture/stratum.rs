@@ -102,24 +102,24 @@ const fn scaled(name: &'static str, scales: &'static [Scale]) -> Recipe {
     Recipe { name, scales, lights: ANY_LIGHT, points: ANY_POINT, ..GENERIC }
 }
 
-/// All strata, in the order of the rows. Unless stated otherwise: meshes of any kind without damage, near 1, and points
-/// of every kind that [`ANY_POINT`] holds.
+/// All strata, in the order of the rows. Unless stated otherwise: meshes of any kind without damage, near 1,
+/// and points of every kind that [`ANY_POINT`] holds.
 ///
-/// - `generic`: a light in a box five times as large as the mesh or far along any direction, points in a box twice as
-///   large: nothing is aimed at.
-/// - `light_on_vertex`: exactly. `light_on_edge`: on an edge or its line, rounded. `light_in_plane`: of a face, inside
-///   or outside it, rounded.
+/// - `generic`: a light in a box five times as large as the mesh or far along any direction, points in a box
+///   twice as large: nothing is aimed at.
+/// - `light_on_vertex`: exactly. `light_on_edge`: on an edge or its line, rounded. `light_in_plane`: of a
+///   face, inside or outside it, rounded.
 /// - `light_one_ulp_off`: off one of these three by one ulp in one, two or three coordinates.
 /// - `light_far`: a point light 2³⁰ to 2⁴⁰ diagonals away.
 /// - `light_inside`: between vertices of a solid, and so mostly inside it.
-/// - `points_on_surface`: three in four points on vertices, edges and faces but for rounding, the others in planes of
-///   faces, under point lights.
+/// - `points_on_surface`: three in four points on vertices, edges and faces but for rounding, the others in
+///   planes of faces, under point lights.
 /// - `shadow_boundary`: points on the sides of the volume, or behind vertices and silhouette edges.
 /// - `slivers`: triangles and tetrahedra whose height is 1e-7 and less of their length.
-/// - `tiny`: times 1e-30 and less, down to where numbers have few bits. `huge`: times 1e30 and more, up to the end of
-///   `f32`.
-/// - `mixed_scales`: axes, halves or vertices of one mesh times different factors from 1e-30 to 1e30; or moved away by
-///   up to 2²⁰ times its size.
+/// - `tiny`: times 1e-30 and less, down to where numbers have few bits. `huge`: times 1e30 and more, up to
+///   the end of `f32`.
+/// - `mixed_scales`: axes, halves or vertices of one mesh times different factors from 1e-30 to 1e30; or
+///   moved away by up to 2²⁰ times its size.
 /// - `cad_ties`: meshes with exact coincidences, lights and points on their vertices, edges and planes.
 /// - `directional`: any direction, along axes, along edges and in planes of faces.
 /// - `damaged`: one to four faces dropped, turned, doubled, collapsed, or seams opened by an ulp or two.

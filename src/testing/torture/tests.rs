@@ -7,11 +7,11 @@ use crate::shadow::volume::ShadowVolume;
 use crate::testing::generate::PointKind;
 use crate::verify::points::judge::Cast;
 
-/// Queries of a small run: two rounds a stratum.
+/// Queries of a small run: two rounds per stratum.
 const FEW: u64 = 17 * 2 * POINTS;
 
 fn few(seam: Seam) -> Torture {
-    run_with(&Options { queries: FEW, seed: 7, keep: 10 }, &|_| {}, seam)
+    run_with(&Effort { queries: FEW, seed: 7, keep: 10 }, &|_| {}, seam)
 }
 
 fn flipped(signs: &mut [i8]) {
@@ -37,13 +37,13 @@ const BOX: Aabb = Aabb { low: [-4.0; 3], high: [4.0; 3] };
 /// Crossings are called touches.
 const TOUCHES: Seam = Seam { cast: Cast::touch_all, ..Seam::SOUND };
 
-/// Winding judges abstain in all shadows.
+/// Winding numbers abstain in all shadows.
 const SHY: Seam = Seam { winding: |winding| winding.filter(|&winding| winding == 0), ..Seam::SOUND };
 
 const LOST_FACE: Seam = Seam { oracle: without_the_last_face, ..Seam::SOUND };
 
 #[test]
-fn torture_sees_every_sabotage() {
+fn torture_finds_every_injected_fault() {
     let sound = few(Seam::SOUND);
     assert!(sound.agrees() && sound.case.is_none(), "{:?}", sound.disagreements);
     for (name, seam, [sides, open]) in [
@@ -56,7 +56,7 @@ fn torture_sees_every_sabotage() {
         ("a back face taken as front", Seam { facing: taken_as_front, ..Seam::SOUND }, [true, false]),
         ("a face lost by the ray cast", LOST_FACE, [false, false]),
         ("crossings called touches", TOUCHES, [false, false]),
-        ("a volume judge that abstains without a reason", SHY, [false, false]),
+        ("a winding number that abstains without a reason", SHY, [false, false]),
     ] {
         let found = few(seam);
         let total = found.total();
@@ -77,7 +77,7 @@ fn torture_sees_every_sabotage() {
 }
 
 #[test]
-fn torture_whole_numbers_see_a_lost_face_on_their_own() {
+fn torture_big_integers_find_a_lost_face_on_their_own() {
     let (mesh, light) = (crate::testing::shapes::cube(), Light::point([0.1, 0.2, 5.0]).unwrap());
     let seam = Seam { audits: 0, ..LOST_FACE };
     let prepared = Prepared::new(&mesh, &light, 1, false, seam);
@@ -92,7 +92,7 @@ fn torture_whole_numbers_see_a_lost_face_on_their_own() {
 }
 
 #[test]
-fn torture_case_is_minimal_and_reads_back_from_its_file() {
+fn torture_repro_is_minimal_and_reads_back_from_its_file() {
     let found = few(LOST_FACE);
     let case = found.case.as_ref().unwrap();
     // One face, which the ray cast loses, with small numbers for corners.
@@ -100,7 +100,7 @@ fn torture_case_is_minimal_and_reads_back_from_its_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("case.obj");
     found.write_case(7, &path).unwrap();
-    let read = Case::read(&path).unwrap();
+    let read = Repro::read(&path).unwrap();
     assert_eq!(
         (read.mesh.positions(), read.mesh.triangles(), read.light, read.point, read.signs, read.within),
         (case.mesh.positions(), case.mesh.triangles(), case.light, case.point, case.signs, case.within)
@@ -112,19 +112,19 @@ fn torture_case_is_minimal_and_reads_back_from_its_file() {
 }
 
 #[test]
-fn torture_case_on_which_all_agree_is_not_minimized() {
+fn torture_repro_on_which_all_agree_is_not_minimized() {
     let mesh = crate::testing::shapes::cube();
     let case =
-        Case { mesh, light: Light::point([0.1, 0.2, 5.0]).unwrap(), point: [0.3; 3], signs: 1, within: BOX };
+        Repro { mesh, light: Light::point([0.1, 0.2, 5.0]).unwrap(), point: [0.3; 3], signs: 1, within: BOX };
     assert_eq!(minimize::minimize(&case, Seam::SOUND), case);
 }
 
 #[test]
 fn torture_disagreements_come_first_by_stratum_round_and_query() {
-    let options = Options { queries: FEW, seed: 7, keep: 3 };
-    let found = run_with(&options, &|_| {}, LOST_FACE);
-    let all = run_with(&Options { keep: 100_000, ..options }, &|_| {}, LOST_FACE);
-    let key = |found: &Disagreement| (found.stratum, found.round, found.query);
+    let effort = Effort { queries: FEW, seed: 7, keep: 3 };
+    let found = run_with(&effort, &|_| {}, LOST_FACE);
+    let all = run_with(&Effort { keep: 100_000, ..effort }, &|_| {}, LOST_FACE);
+    let key = |found: &Contradiction| (found.stratum, found.round, found.query);
     assert!(all.disagreements.is_sorted_by_key(key) && all.disagreements.len() > 100);
     assert_eq!(found.disagreements, all.disagreements[..3]);
     assert_eq!(all.disagreements.len() as u64, all.total().wrong);
@@ -148,7 +148,7 @@ fn torture_spreads_queries_evenly_and_keeps_to_their_number() {
     for queries in [1, 16, 17, 18, 5000] {
         let mut done = std::sync::atomic::AtomicU64::new(0);
         let add = |queries| _ = done.fetch_add(queries, std::sync::atomic::Ordering::Relaxed);
-        let found = run(&Options { queries, ..Options::default() }, &add);
+        let found = run(&Effort { queries, ..Effort::default() }, &add);
         assert_eq!((found.total().queries, *done.get_mut()), (queries, queries));
         let each: Vec<u64> = found.strata.iter().map(|row| row.queries).collect();
         assert!(each.iter().max().unwrap() - each.iter().min().unwrap() <= 1, "{each:?}");

@@ -1,10 +1,10 @@
 //! Every judge against every other, at points chosen to be hard.
 //!
-//! The ray cast counts the faces between a point and the light. The winding number of the emitted volume, found
-//! from its triangles alone, must be the same number; so must that of the volume that was halved where it may be.
-//! A sample of the points is judged once more in whole numbers, and the sides of all faces, which come from a filter,
-//! are decided once more one by one. Where something is only touched, or a judge
-//! stands on a face, that is declared: both answers are right there.
+//! The ray cast counts the faces between a point and the light. The winding number of the emitted volume,
+//! found from its triangles alone, must be the same number; so must that of the volume that was halved where
+//! it may be. A sample of the points is judged once more in whole numbers, and the sides of all faces, which
+//! come from a filter, are decided once more one by one. Where something is only touched, or a judge stands
+//! on a face, that is declared: both answers are right there.
 
 pub(crate) mod draw;
 pub(crate) mod judge;
@@ -15,9 +15,11 @@ use crate::caster::Caster;
 use crate::facing::{CasterFaces, classify};
 use crate::geom::{Aabb, Light};
 use crate::oracle::Verdict;
+use crate::parallel;
 use crate::shadow::volume::{Caps, ShadowVolume, WindingIndex};
 use crate::silhouette::Silhouette;
 use crate::testing::generate::Sampler;
+use crate::verify::Tally;
 use judge::Cast;
 
 /// How much to verify.
@@ -63,7 +65,8 @@ pub struct Stratum {
     pub points: u64,
     /// All judges agree.
     pub agree: u64,
-    /// The way to the light only touches the surface, or all winding judges stand on the volume: a declared tie.
+    /// The way to the light only touches the surface, or all winding judges stand on the volume: a declared
+    /// tie.
     pub grazing: u64,
     /// At least one judge contradicts the ray cast.
     pub disagree: u64,
@@ -122,13 +125,17 @@ impl Stratum {
         }
     }
 
-    /// With no disagreement among n points that were no ties, the rate of disagreement is below 3/n with 95 %
-    /// confidence (the rule of three), if the points were independent draws; those of one mesh share its surface and its
-    /// lights. `None` after a disagreement, or without such points.
+    /// The counts as those of any verification: grazing points are ties.
+    #[must_use]
+    pub fn tally(&self) -> Tally {
+        let judged = self.agree + self.disagree;
+        Tally { queries: self.points, ties: self.grazing, judged, wrong: self.disagree }
+    }
+
+    /// See [`Tally::bound_95`]. The points of one mesh share its surface and its lights.
     #[must_use]
     pub fn bound_95(&self) -> Option<f64> {
-        let trials = self.agree + self.disagree;
-        (self.disagree == 0 && trials > 0).then(|| (3.0 / trials as f64).min(1.0))
+        self.tally().bound_95()
     }
 }
 
@@ -148,8 +155,8 @@ impl Judge {
 /// Points are judged in runs of this many, each on one thread.
 const RUN: usize = 256;
 
-/// The whole-number judge looks at this many faces altogether (less than a second of work), at 4 points a stratum
-/// at least and 200 at most.
+/// The whole-number judge looks at this many faces altogether (less than a second of work), at 4 points a
+/// stratum at least and 200 at most.
 const REFERENCE_FACES: usize = 400_000;
 
 impl<'a> Verifier<'a> {
@@ -165,8 +172,8 @@ impl<'a> Verifier<'a> {
         self.verify_with(light, options, progress, |_| {})
     }
 
-    /// As [`Verifier::verify`], with a chance to spoil the casting signs first: tests show with it that a fault is
-    /// seen.
+    /// As [`Verifier::verify`], with a chance to spoil the casting signs first: tests show with it that a
+    /// fault is seen.
     fn verify_with(
         &self,
         light: &Light,
@@ -231,36 +238,31 @@ impl Bench<'_> {
         keep: usize,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Verification {
-        let run = |(index, points): (usize, &[(usize, [f32; 3])])| {
-            let mut tally = Tally::new(keep);
-            for (i, &(stratum, p)) in points.iter().enumerate() {
-                self.judge(index * RUN + i, stratum, p, &mut tally);
+        let runs: Vec<&[(usize, [f32; 3])]> = points.chunks(RUN).collect();
+        let judge_run = |mut rows: Rows, run: u64| {
+            let run = run as usize; // an index of `runs`
+            for (i, &(stratum, p)) in runs[run].iter().enumerate() {
+                self.judge(run * RUN + i, stratum, p, &mut rows);
             }
-            progress(points.len() as u64);
-            tally
+            progress(runs[run].len() as u64);
+            rows
         };
-        #[cfg(feature = "parallel")]
-        let tallies: Vec<Tally> = {
-            use rayon::prelude::*;
-            points.par_chunks(RUN).enumerate().map(run).collect()
-        };
-        #[cfg(not(feature = "parallel"))]
-        let tallies: Vec<Tally> = points.chunks(RUN).enumerate().map(run).collect();
-        let sum = tallies.into_iter().fold(Tally::new(keep), Tally::plus);
+        let sum = parallel::sum(runs.len() as u64, || Rows::new(keep), judge_run, Rows::plus);
         Verification { strata: sum.strata, judges: sum.judges, disagreements: sum.disagreements }
     }
 
-    fn judge(&self, index: usize, stratum: usize, p: [f32; 3], tally: &mut Tally) {
-        // 1. The ray cast: all faces between, those of them that cast in the halved volume, and what is touched.
+    fn judge(&self, index: usize, stratum: usize, p: [f32; 3], rows: &mut Rows) {
+        // 1. The ray cast: all faces between, those of them that cast in the halved volume, and what is
+        //   touched.
         let cast = Cast::of(self.verifier.caster.oracle(), p, self.light, self.chosen);
         let verdict = cast.verdict();
-        tally.judges[0].points += 1;
+        rows.judges[0].points += 1;
         let mut contradictions = Vec::new();
 
         // 2. The two volumes.
         let mut abstain = 0;
         for (judge, volume, expected) in [(1, &self.all, cast.all()), (2, &self.half, cast.chosen())] {
-            let row = &mut tally.judges[judge];
+            let row = &mut rows.judges[judge];
             row.points += 1;
             match volume.number(p) {
                 None => {
@@ -277,7 +279,7 @@ impl Bench<'_> {
 
         // 3. Whole numbers, on a sample.
         if (index / STRATA.len()).is_multiple_of(self.reference_every) {
-            let row = &mut tally.judges[3];
+            let row = &mut rows.judges[3];
             row.points += 1;
             if let Err(what) = cast.in_whole_numbers(self.verifier.caster.mesh(), p, self.light) {
                 row.disagree += 1;
@@ -285,13 +287,13 @@ impl Bench<'_> {
             }
         }
 
-        let row = &mut tally.strata[stratum];
+        let row = &mut rows.strata[stratum];
         row.points += 1;
         if !contradictions.is_empty() {
             row.disagree += 1;
-            if tally.disagreements.len() < tally.keep {
+            if rows.disagreements.len() < rows.keep {
                 let (stratum, what) = (STRATA[stratum], contradictions.join("; "));
-                tally.disagreements.push(Disagreement { stratum, point: p, verdict, what });
+                rows.disagreements.push(Disagreement { stratum, point: p, verdict, what });
             }
         } else if verdict == Verdict::Grazing || abstain == 2 {
             row.grazing += 1;
@@ -301,14 +303,15 @@ impl Bench<'_> {
     }
 }
 
-struct Tally {
+/// What one thread has found so far.
+struct Rows {
     strata: Vec<Stratum>,
     judges: Vec<Judge>,
     disagreements: Vec<Disagreement>,
     keep: usize,
 }
 
-impl Tally {
+impl Rows {
     fn new(keep: usize) -> Self {
         Self {
             strata: STRATA.iter().map(|&name| Stratum { name, ..Stratum::default() }).collect(),

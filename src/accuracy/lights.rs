@@ -4,17 +4,17 @@ use super::{MOST_LIGHTS, Options};
 use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
-use crate::testing::generate::LightKind;
+use crate::testing::generate::{Feature, LightKind};
 
 /// The kinds of lights; without a kind those that were given. See
 /// [`Question::strata`](super::Question::strata).
 pub(super) const STRATA: [(&str, Option<LightKind>); 8] = [
     ("given", None),
     ("general", Some(LightKind::Outside)),
-    ("vertex", Some(LightKind::Vertex)),
-    ("face_plane", Some(LightKind::Plane)),
+    ("vertex", Some(LightKind::On(Feature::Vertex))),
+    ("face_plane", Some(LightKind::On(Feature::Plane))),
     ("one_ulp_off", Some(LightKind::UlpOff)),
-    ("far", Some(LightKind::Far)),
+    ("far", Some(LightKind::FAR)),
     ("axis", Some(LightKind::Axis)),
     ("along_face", Some(LightKind::InPlane)),
 ];

@@ -7,7 +7,7 @@ use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
 use crate::silhouette::Silhouette;
-use crate::testing::generate::{PointKind, Sampler};
+use crate::testing::generate::{Feature, PointKind, Sampler};
 use crate::topology::Topology;
 use crate::verify::points::draw;
 
@@ -29,8 +29,8 @@ const KINDS: [PointKind; 7] = [
     draw::KINDS[2],
     draw::KINDS[3],
     draw::KINDS[4],
-    PointKind::BehindVertex,
-    PointKind::BehindEdge,
+    PointKind::Behind(&[Feature::Vertex], 0),
+    PointKind::Behind(&[Feature::Edge], 0),
 ];
 
 /// The points of each stratum and light, for `mesh`, which has a face: about as many of each light.

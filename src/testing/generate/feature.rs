@@ -3,6 +3,43 @@
 use super::Draw;
 use crate::mesh::Mesh;
 
+/// What of a mesh a position is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Feature {
+    Vertex,
+    /// The middle of an edge.
+    Middle,
+    /// An edge; half of the positions at eighths of it.
+    Edge,
+    /// The line of an edge, at eighths.
+    Line,
+    /// A face; half of the positions at eighths of two sides.
+    Face,
+    /// The plane of a face, inside or outside the face, at eighths: not rounded on simple meshes.
+    Plane,
+}
+
+impl Feature {
+    pub(crate) const ANY: &'static [Self] = &[Self::Vertex, Self::Edge, Self::Face, Self::Plane];
+
+    pub(super) fn draw(self, draw: &mut dyn Draw, mesh: &Mesh) -> [f64; 3] {
+        let [a, b, c] = corners(draw, mesh);
+        let eighths = |draw: &mut dyn Draw, low, high| f64::from(draw.between(low, high)) / 8.0;
+        let part =
+            |draw: &mut dyn Draw| if draw.flag() { draw.unit() } else { f64::from(draw.below(9)) / 8.0 };
+        let (u, v) = match self {
+            Self::Vertex => (0.0, 0.0),
+            Self::Middle => (0.5, 0.0),
+            Self::Edge => (part(draw), 0.0),
+            Self::Line => (eighths(draw, -12, 20), 0.0),
+            Self::Face => (part(draw), part(draw)),
+            Self::Plane => (eighths(draw, -16, 24), eighths(draw, -16, 24)),
+        };
+        let (u, v) = if self == Self::Face && u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        combined([a, b, c], u, v)
+    }
+}
+
 /// The corners of a face, from any of them on; three times the origin where there is no face.
 pub(super) fn corners(draw: &mut dyn Draw, mesh: &Mesh) -> [[f64; 3]; 3] {
     let (face, first) = (draw.index(mesh.face_count().max(1)), draw.index(3));
@@ -11,38 +48,9 @@ pub(super) fn corners(draw: &mut dyn Draw, mesh: &Mesh) -> [[f64; 3]; 3] {
     face.map(|vertex| mesh.positions()[vertex as usize].map(f64::from))
 }
 
-/// A vertex.
-pub(super) fn vertex(draw: &mut dyn Draw, mesh: &Mesh) -> [f64; 3] {
-    corners(draw, mesh)[0]
-}
-
-/// A point of an edge or, one time in three, of its line: mostly at an eighth.
-pub(super) fn edge(draw: &mut dyn Draw, mesh: &Mesh) -> [f64; 3] {
-    let [a, b, _] = corners(draw, mesh);
-    let t = match draw.below(4) {
-        0 => 0.5,
-        1 => f64::from(draw.below(9)) / 8.0,
-        2 => draw.unit(),
-        _ => f64::from(draw.between(-12, 20)) / 8.0,
-    };
-    along([a, b], t)
-}
-
-/// A point of a face: half of them at eighths.
-pub(super) fn face(draw: &mut dyn Draw, mesh: &Mesh) -> [f64; 3] {
-    let corners = corners(draw, mesh);
-    let in_eighths = !draw.flag();
-    let mut part = || if in_eighths { f64::from(draw.below(9)) / 8.0 } else { draw.unit() };
-    let (u, v) = (part(), part());
-    if u + v > 1.0 { combined(corners, 1.0 - u, 1.0 - v) } else { combined(corners, u, v) }
-}
-
-/// A point in the plane of a face, inside or outside it: at eighths, so that it is not rounded on simple
-/// meshes.
-pub(super) fn plane(draw: &mut dyn Draw, mesh: &Mesh) -> [f64; 3] {
-    let corners = corners(draw, mesh);
-    let [u, v] = [(); 2].map(|()| f64::from(draw.between(-16, 24)) / 8.0);
-    combined(corners, u, v)
+/// Each coordinate that of some vertex.
+pub(super) fn corner(draw: &mut dyn Draw, mesh: &Mesh) -> [f32; 3] {
+    rounded([0, 1, 2].map(|axis| corners(draw, mesh)[0][axis]))
 }
 
 /// `a` + `t` (`b` − `a`).
@@ -70,7 +78,7 @@ pub(super) fn nudged(draw: &mut dyn Draw, p: [f64; 3]) -> [f32; 3] {
 }
 
 /// Each coordinate one ulp up, one down, or as it is; not all three as they are.
-pub(crate) fn one_ulp_off(draw: &mut dyn Draw, p: [f32; 3]) -> [f32; 3] {
+pub(super) fn one_ulp_off(draw: &mut dyn Draw, p: [f32; 3]) -> [f32; 3] {
     // Three digits of base 3: stay, up, down. Not 000.
     let digits = 1 + draw.below(26);
     [0, 1, 2].map(|i| match digits / 3_u32.pow(i) % 3 {

@@ -86,18 +86,10 @@ pub(super) const CLOSED: usize = 11;
 
 impl Shape {
     /// All shapes, the simplest first.
-    pub(crate) const ALL: [Self; 10] = [
-        Self::Known,
-        Self::Voxels,
-        Self::Boxes,
-        Self::Bent,
-        Self::Tetrahedra,
-        Self::Grid,
-        Self::Soup,
-        Self::Sliver,
-        Self::Bits,
-        Self::Mixed,
-    ];
+    pub(crate) const ALL: [Self; 10] = {
+        use Shape::{Bent, Bits, Boxes, Grid, Known, Mixed, Sliver, Soup, Tetrahedra, Voxels};
+        [Known, Voxels, Boxes, Bent, Tetrahedra, Grid, Soup, Sliver, Bits, Mixed]
+    };
 
     /// A mesh with a face.
     pub(crate) fn draw(self, draw: &mut dyn Draw) -> Draft {

@@ -38,8 +38,7 @@ pub use mesh::mesh;
 pub use point::point;
 
 pub(crate) use damage::damage;
-#[cfg(test)]
-pub(crate) use feature::one_ulp_off;
+pub(crate) use feature::Feature;
 pub(crate) use light::{LightKind, moderate_light};
 pub(crate) use mesh::{Draft, Shape, faces};
 pub(crate) use point::{PointKind, Sampler};

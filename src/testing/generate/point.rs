@@ -2,43 +2,30 @@
 //! one wrong answer in seventy.
 
 use super::Draw;
-use super::feature::{along, combined, corners, edge, face, nudged, plane, rounded, vertex};
+use super::feature::{Feature, along, corner, nudged, rounded};
 use crate::facing::{CasterFaces, classify};
 use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
 use crate::silhouette::Silhouette;
 use crate::topology::Topology;
 
-/// A kind of point.
+/// A kind of point. A number says how many in four are moved by up to two ulps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PointKind {
     /// At a position of the grid of integers, or near it.
     Anywhere,
-    /// On a vertex, an edge, a face or in a face's plane but for rounding; one in four is up to two ulps off.
-    Feature,
-    /// Three in four on a vertex, an edge or a face, but for rounding.
-    Surface,
-    /// On a vertex or the middle of an edge; half of them up to two ulps off.
-    VertexOrEdge,
-    /// On a face, up to two ulps off.
-    NearFace,
-    /// In the plane of a face.
-    FacePlane,
-    /// Each coordinate that of some vertex.
-    Corner,
-    /// Behind a vertex or the middle of a silhouette edge by a simple multiple of the light's distance; half
-    /// of them up to two ulps off.
-    Behind,
-    /// Behind a vertex, but for rounding.
-    BehindVertex,
-    /// Behind a point of an edge, but for rounding.
-    BehindEdge,
-    /// Behind any feature, or between it and the light; one in four is up to two ulps off.
-    BehindFeature,
-    /// Behind a point of a silhouette edge at an eighth; one in four is up to two ulps off.
-    BehindSilhouette,
+    /// On one of these, but for rounding.
+    On(&'static [Feature], u32),
+    /// Behind one of these, seen from the light, by a simple multiple of its distance.
+    Behind(&'static [Feature], u32),
+    /// Between one of these and the light.
+    Before(&'static [Feature], u32),
+    /// Behind a point of a silhouette edge, at an eighth of the edge.
+    BehindSilhouette(u32),
     /// On the sides of the volume, up to two ulps off.
     Boundary,
+    /// Each coordinate that of some vertex.
+    Corner,
     /// In the bounding box, twice as large, at eighths.
     Around,
     /// In the bounding box, twice as large.
@@ -48,25 +35,20 @@ pub(crate) enum PointKind {
 }
 
 impl PointKind {
+    /// On a vertex or the middle of an edge; half of them up to two ulps off.
+    pub(crate) const VERTEX_OR_EDGE: Self = Self::On(&[Feature::Vertex, Feature::Middle], 2);
+    /// On a face, up to two ulps off.
+    pub(crate) const NEAR_FACE: Self = Self::On(&[Feature::Face], 4);
+    /// In the plane of a face.
+    pub(crate) const FACE_PLANE: Self = Self::On(&[Feature::Plane], 0);
+
     /// What [`Sampler::any`] draws from, the harder kinds several times; the simplest first.
-    const WEIGHTED: [Self; 16] = [
-        Self::Anywhere,
-        Self::Feature,
-        Self::Feature,
-        Self::Feature,
-        Self::BehindFeature,
-        Self::BehindFeature,
-        Self::BehindFeature,
-        Self::BehindFeature,
-        Self::BehindFeature,
-        Self::BehindSilhouette,
-        Self::BehindSilhouette,
-        Self::BehindSilhouette,
-        Self::Corner,
-        Self::Around,
-        Self::Around,
-        Self::Light,
-    ];
+    const WEIGHTED: [Self; 14] = {
+        use PointKind::{Anywhere, Around, Corner, Light};
+        let [on, before] = [Self::On(Feature::ANY, 1), Self::Before(Feature::ANY, 1)];
+        let [hidden, edge] = [Self::Behind(Feature::ANY, 1), Self::BehindSilhouette(1)];
+        [Anywhere, on, on, before, hidden, hidden, hidden, hidden, edge, edge, edge, Corner, Around, Light]
+    };
 }
 
 /// A point for `mesh` under `light`. Builds the topology and the silhouette of the mesh.
@@ -118,88 +100,37 @@ impl<'a> Sampler<'a> {
         let mesh = self.mesh;
         match kind {
             PointKind::Anywhere => draw.position(),
-            PointKind::Feature => {
-                let p = self.feature(draw);
-                seldom_nudged(draw, p)
+            PointKind::On(features, nudged) => {
+                let p = draw.pick(features).draw(draw, mesh);
+                settled(draw, p, nudged)
             }
-            PointKind::Surface => rounded(match draw.below(3) {
-                0 => vertex(draw, mesh),
-                1 => {
-                    let [a, b, _] = corners(draw, mesh);
-                    let t = if draw.flag() { draw.unit() } else { f64::from(draw.below(9)) / 8.0 };
-                    along([a, b], t)
-                }
-                _ => face(draw, mesh),
-            }),
-            PointKind::VertexOrEdge => {
-                let [a, b, _] = corners(draw, mesh);
-                let p = if draw.flag() { along([a, b], 0.5) } else { a };
-                if draw.flag() { nudged(draw, p) } else { rounded(p) }
+            PointKind::Behind(features, nudged) => {
+                let p = draw.pick(features).draw(draw, mesh);
+                self.behind(draw, p, nudged)
             }
-            PointKind::NearFace => {
-                let p = self.on_face(draw);
-                nudged(draw, p)
+            PointKind::Before(features, nudged) => {
+                let p = draw.pick(features).draw(draw, mesh);
+                let p = self.pushed(p, -f64::from(1 + draw.below(7)) / 8.0);
+                settled(draw, p, nudged)
             }
-            PointKind::FacePlane => rounded(plane(draw, mesh)),
-            PointKind::Corner => rounded([0, 1, 2].map(|i| vertex(draw, mesh)[i])),
-            PointKind::Behind => {
-                let p = if draw.flag() { self.silhouette_point(draw, 0.5) } else { vertex(draw, mesh) };
-                let p = self.behind(draw, p);
-                if draw.flag() { nudged(draw, p) } else { rounded(p) }
-            }
-            PointKind::BehindVertex => {
-                let p = vertex(draw, mesh);
-                rounded(self.behind(draw, p))
-            }
-            PointKind::BehindEdge => {
-                let [a, b, _] = corners(draw, mesh);
-                let p = along([a, b], draw.unit());
-                rounded(self.behind(draw, p))
-            }
-            PointKind::BehindFeature => {
-                let p = self.feature(draw);
-                let p = match draw.below(5) {
-                    4 => self.pushed(p, -f64::from(1 + draw.below(7)) / 8.0),
-                    _ => self.behind(draw, p),
-                };
-                seldom_nudged(draw, p)
-            }
-            PointKind::BehindSilhouette => {
+            PointKind::BehindSilhouette(nudged) => {
                 let t = if draw.flag() { f64::from(draw.below(9)) / 8.0 } else { 0.0 };
                 let p = self.silhouette_point(draw, t);
-                let p = self.behind(draw, p);
-                seldom_nudged(draw, p)
+                self.behind(draw, p, nudged)
             }
             PointKind::Boundary => self.boundary(draw),
+            PointKind::Corner => corner(draw, mesh),
             PointKind::Around => self.in_box(|| f64::from(draw.between(-8, 8)) / 8.0),
-            PointKind::Box => self.in_box(|| draw.signed()),
-            PointKind::Light => {
-                let at = self.light.xyz().map(f64::from);
+            PointKind::Light if !self.light.is_directional() => {
+                let light = self.light.xyz().map(f64::from);
                 match draw.below(4) {
-                    _ if self.light.is_directional() => self.in_box(|| draw.signed()),
-                    0 => rounded(at),
-                    1 => nudged(draw, at),
-                    _ => rounded(along([at, vertex(draw, mesh)], 0.5)),
+                    0 => rounded(light),
+                    1 => nudged(draw, light),
+                    _ => rounded(along([light, Feature::Vertex.draw(draw, mesh)], 0.5)),
                 }
             }
+            PointKind::Box | PointKind::Light => self.in_box(|| draw.signed()),
         }
-    }
-
-    /// A vertex, or a point of an edge, of a face, or of a face's plane.
-    fn feature(&self, draw: &mut dyn Draw) -> [f64; 3] {
-        match draw.below(4) {
-            0 => vertex(draw, self.mesh),
-            1 => edge(draw, self.mesh),
-            2 => face(draw, self.mesh),
-            _ => plane(draw, self.mesh),
-        }
-    }
-
-    /// A point of a face, evenly.
-    fn on_face(&self, draw: &mut dyn Draw) -> [f64; 3] {
-        let corners = corners(draw, self.mesh);
-        let (u, v) = (draw.unit(), draw.unit());
-        if u + v > 1.0 { combined(corners, 1.0 - u, 1.0 - v) } else { combined(corners, u, v) }
     }
 
     /// The center of the box plus `part`, from −1 to 1, of its size along each axis. A flat box gets some
@@ -215,54 +146,50 @@ impl<'a> Sampler<'a> {
     /// The point at `t` of a silhouette edge, or a vertex where there is no such edge.
     fn silhouette_point(&self, draw: &mut dyn Draw, t: f64) -> [f64; 3] {
         if self.silhouette.is_empty() {
-            return vertex(draw, self.mesh);
+            return Feature::Vertex.draw(draw, self.mesh);
         }
         along(draw.pick(&self.silhouette), t)
     }
 
-    /// `p` moved away from the light by `t` times its distance, or by `t` of the direction towards it.
-    fn pushed(&self, p: [f64; 3], t: f64) -> [f64; 3] {
-        let away = self.away(p);
-        [0, 1, 2].map(|i| p[i] + t * away[i])
-    }
-
+    /// From the light to `p`; against the direction to a directional light.
     fn away(&self, p: [f64; 3]) -> [f64; 3] {
         let light = self.light.xyz().map(f64::from);
         [0, 1, 2].map(|i| if self.light.is_directional() { -light[i] } else { p[i] - light[i] })
     }
 
-    /// `p` moved away from the light by a simple multiple of its distance: doubling it keeps the coordinates
-    /// of a grid exact.
-    fn behind(&self, draw: &mut dyn Draw, p: [f64; 3]) -> [f64; 3] {
+    /// `p` moved away from the light by `t` times its distance.
+    fn pushed(&self, p: [f64; 3], t: f64) -> [f64; 3] {
+        let away = self.away(p);
+        [0, 1, 2].map(|i| p[i] + t * away[i])
+    }
+
+    /// `p` moved away from the light by a simple multiple of its distance: doubling it keeps the coordinates of a
+    /// grid exact.
+    fn behind(&self, draw: &mut dyn Draw, p: [f64; 3], nudged: u32) -> [f32; 3] {
         let eighths = match draw.below(5) {
             0 | 1 => 8,
             2 => draw.pick(&[16, 4, 2, 24]),
             3 => 1 + draw.below(32),
             _ => 1 + draw.below(2048),
         };
-        self.pushed(p, f64::from(eighths) / 8.0)
+        settled(draw, self.pushed(p, f64::from(eighths) / 8.0), nudged)
     }
 
     /// A point of a silhouette edge pushed away from the light.
     fn boundary(&self, draw: &mut dyn Draw) -> [f32; 3] {
-        if self.silhouette.is_empty() {
-            return self.draw(PointKind::NearFace, draw);
-        }
         // One in four exactly at a vertex.
         let t = if draw.below(4) == 0 { 0.0 } else { draw.unit() };
         let base = self.silhouette_point(draw, t);
         let away = self.away(base);
         let length = away.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if length == 0.0 {
-            return nudged(draw, base);
-        }
         // From a thousandth of the diagonal to one diagonal, evenly in the logarithm.
         let reach = self.bounds.diagonal() * 1000_f64.powf(draw.unit() - 1.0);
-        nudged(draw, [0, 1, 2].map(|i| base[i] + away[i] / length * reach))
+        let reach = if length > 0.0 { reach / length } else { 0.0 };
+        nudged(draw, [0, 1, 2].map(|i| base[i] + reach * away[i]))
     }
 }
 
-/// Rounded; one in four is moved by up to two ulps.
-fn seldom_nudged(draw: &mut dyn Draw, p: [f64; 3]) -> [f32; 3] {
-    if draw.below(4) == 3 { nudged(draw, p) } else { rounded(p) }
+/// Rounded; `nudged_quarters` in four are moved by up to two ulps.
+fn settled(draw: &mut dyn Draw, p: [f64; 3], nudged_quarters: u32) -> [f32; 3] {
+    if draw.below(4) >= 4 - nudged_quarters { nudged(draw, p) } else { rounded(p) }
 }

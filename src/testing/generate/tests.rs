@@ -1,3 +1,4 @@
+use super::feature::one_ulp_off;
 use super::mesh::{CLOSED, KNOWN};
 use super::*;
 use crate::geom::{Aabb, Light};
@@ -175,7 +176,7 @@ fn generate_light_far_is_at_least_a_billion_diagonals_away() {
     let (mut random, [low, high]) = (SplitMix64(1), mesh.bounds().unwrap());
     let bounds = Aabb { low, high };
     for _ in 0..1000 {
-        let light = LightKind::Far.draw(&mut random, &mesh).xyz();
+        let light = LightKind::FAR.draw(&mut random, &mesh).xyz();
         let away = (0..3).map(|i| f64::from(light[i] - bounds.center()[i]).powi(2)).sum::<f64>().sqrt();
         let exponent = (away / bounds.diagonal()).log2();
         assert!((29.999..40.001).contains(&exponent), "2^{exponent}");

@@ -3,6 +3,7 @@
 //! After David MacIver and Alastair Donaldson, "Test-case reduction via test-case generation: insights from
 //! the Hypothesis reducer", ECOOP 2020: reduce what a generator draws from, not what it makes.
 
+use std::borrow::Cow;
 use std::fmt::{self, Debug};
 
 use proptest::prelude::*;
@@ -32,57 +33,38 @@ impl<const N: usize> Choices<N> {
 
     /// What `generate` makes of these choices; 0 for any more of them.
     pub(super) fn give<T>(&self, generate: impl FnOnce(&mut dyn Draw) -> T) -> T {
-        generate(&mut Replay { words: &self.0, used: 0 })
+        generate(&mut Words::replay(&self.0))
     }
 }
 
 /// How many words there are.
 const WORDS: f64 = 4_294_967_296.0;
 
-fn below(word: u32, n: u32) -> u32 {
-    ((u64::from(word) * u64::from(n)) >> 32) as u32 // below `n`, and larger for a larger word
-}
-
-/// Words that were recorded, then zeros.
-struct Replay<'a> {
-    words: &'a [u32],
+/// Recorded words, then new ones: random and recorded, or zeros.
+struct Words<'a> {
+    recorded: Cow<'a, [u32]>,
     used: usize,
+    random: Option<SplitMix64>,
 }
 
-impl Replay<'_> {
+impl<'a> Words<'a> {
+    fn replay(words: &'a [u32]) -> Self {
+        Self { recorded: Cow::Borrowed(words), used: 0, random: None }
+    }
+
     fn word(&mut self) -> u32 {
+        if let Some(random) = &mut self.random {
+            self.recorded.to_mut().push(random.next() as u32);
+        }
         self.used += 1;
-        self.words.get(self.used - 1).copied().unwrap_or(0)
+        self.recorded.get(self.used - 1).copied().unwrap_or(0)
     }
 }
 
-impl Draw for Replay<'_> {
+impl Draw for Words<'_> {
+    /// Larger for a larger word.
     fn below(&mut self, n: u32) -> u32 {
-        below(self.word(), n)
-    }
-
-    fn unit(&mut self) -> f64 {
-        f64::from(self.word()) / WORDS
-    }
-}
-
-/// Random words, which are kept.
-struct Record {
-    random: SplitMix64,
-    words: Vec<u32>,
-}
-
-impl Record {
-    fn word(&mut self) -> u32 {
-        let word = self.random.next() as u32;
-        self.words.push(word);
-        word
-    }
-}
-
-impl Draw for Record {
-    fn below(&mut self, n: u32) -> u32 {
-        below(self.word(), n)
+        ((u64::from(self.word()) * u64::from(n)) >> 32) as u32 // below `n`
     }
 
     fn unit(&mut self) -> f64 {
@@ -104,9 +86,11 @@ impl<T: Debug, F: Fn(&mut dyn Draw) -> T + Clone> Strategy for Drawn<F> {
     type Value = T;
 
     fn new_tree(&self, runner: &mut TestRunner) -> NewTree<Self> {
-        let mut record = Record { random: SplitMix64(runner.rng().next_u64()), words: Vec::new() };
+        let random = Some(SplitMix64(runner.rng().next_u64()));
+        let mut record = Words { random, ..Words::replay(&[]) };
         self.0(&mut record);
-        Ok(Shrinking { generate: self.0.clone(), words: record.words, at: 0, low: 0, kept: None })
+        let words = record.recorded.into_owned();
+        Ok(Shrinking { generate: self.0.clone(), words, at: 0, low: 0, kept: None })
     }
 }
 
@@ -127,7 +111,7 @@ const STEP: u32 = 1 << 24;
 impl<T: Debug, F: Fn(&mut dyn Draw) -> T> Shrinking<F> {
     /// Tries the next smaller word; false if there is none.
     fn advance(&mut self) -> bool {
-        let mut replay = Replay { words: &self.words, used: 0 };
+        let mut replay = Words::replay(&self.words);
         (self.generate)(&mut replay);
         let used = replay.used;
         self.words.truncate(used);
@@ -148,7 +132,7 @@ impl<T: Debug, F: Fn(&mut dyn Draw) -> T> ValueTree for Shrinking<F> {
     type Value = T;
 
     fn current(&self) -> T {
-        (self.generate)(&mut Replay { words: &self.words, used: 0 })
+        (self.generate)(&mut Words::replay(&self.words))
     }
 
     /// The test failed, so the smaller word stays.

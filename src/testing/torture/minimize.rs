@@ -10,8 +10,8 @@ use crate::mesh::Mesh;
 /// The most queries that a search makes.
 const MOST_ASKED: usize = 4000;
 
-/// Drops faces while the methods still contradict each other, then vertices that no face uses, then digits of
-/// coordinates.
+/// Drops faces and collapses edges while the methods still contradict each other, then drops vertices that no face
+/// uses, then digits of coordinates.
 ///
 /// A query on which the methods agree is returned unchanged.
 pub(super) fn minimize(case: &Repro, seam: Seam) -> Repro {
@@ -19,7 +19,7 @@ pub(super) fn minimize(case: &Repro, seam: Seam) -> Repro {
     if search.case.judge_with(seam).agrees {
         return search.case;
     }
-    while search.drop_faces() {}
+    while search.drop_faces() || search.merge_vertices() {}
     search.drop_vertices();
     while search.simplify() {}
     search.case
@@ -57,6 +57,24 @@ impl Search {
             run /= 2;
         }
         dropped
+    }
+
+    /// Collapses edges, which keeps a closed mesh closed: two vertices become one, and faces that have both go.
+    fn merge_vertices(&mut self) -> bool {
+        let mut merged = false;
+        for vertex in (1..self.case.mesh.vertex_count() as u32).rev() {
+            let is_used = self.case.mesh.triangles().as_flattened().contains(&vertex);
+            merged |= is_used
+                && (0..vertex).any(|other| {
+                    let rename = |v: u32| if v == vertex { other } else { v };
+                    let mut triangles: Vec<[u32; 3]> =
+                        self.case.mesh.triangles().iter().map(|face| face.map(rename)).collect();
+                    triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+                    let case = self.with_mesh(self.case.mesh.positions().to_vec(), triangles);
+                    self.attempt(case)
+                });
+        }
+        merged
     }
 
     fn drop_vertices(&mut self) {

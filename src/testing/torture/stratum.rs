@@ -3,7 +3,7 @@
 use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
-use crate::testing::generate::{Damage, Draw, LightKind, PointKind, Scale, Shape, damage};
+use crate::testing::generate::{Damage, Draw, Feature, LightKind, PointKind, Scale, Shape, damage};
 
 /// What a stratum draws from, each list evenly.
 pub(super) struct Recipe {
@@ -33,57 +33,39 @@ impl Recipe {
     }
 }
 
-/// Those whose coordinates are near 1.
-const ANY_SHAPE: &[Shape] = &[
-    Shape::Known,
-    Shape::Voxels,
-    Shape::Boxes,
-    Shape::Bent,
-    Shape::Tetrahedra,
-    Shape::Grid,
-    Shape::Soup,
-    Shape::Sliver,
-];
+const ANY_SHAPE: &[Shape] = {
+    use Shape::{Bent, Boxes, Grid, Known, Sliver, Soup, Tetrahedra, Voxels};
+    &[Known, Voxels, Boxes, Bent, Tetrahedra, Grid, Soup, Sliver]
+};
 /// Those with exact ties in all their planes.
 const EXACT: &[Shape] = &[Shape::Known, Shape::Voxels, Shape::Boxes, Shape::Grid];
 const SOLID: &[Shape] = &[Shape::Voxels, Shape::Boxes, Shape::Bent, Shape::Tetrahedra];
-const FINITE: &[LightKind] = &[
-    LightKind::Vertex,
-    LightKind::Edge,
-    LightKind::Plane,
-    LightKind::UlpOff,
-    LightKind::Inside,
-    LightKind::Corner,
-    LightKind::Outside,
-];
-const ANY_LIGHT: &[LightKind] = &[
-    LightKind::Vertex,
-    LightKind::Edge,
-    LightKind::Plane,
-    LightKind::UlpOff,
-    LightKind::Inside,
-    LightKind::Corner,
-    LightKind::Outside,
-    LightKind::Far,
-    LightKind::Axis,
-    LightKind::InPlane,
-    LightKind::Direction,
-];
+
+const ON_VERTEX: LightKind = LightKind::On(Feature::Vertex);
+const ON_EDGE: &[LightKind] = &[LightKind::On(Feature::Edge), LightKind::On(Feature::Line)];
+const IN_PLANE: LightKind = LightKind::On(Feature::Plane);
+const FINITE: &[LightKind] = {
+    use LightKind::{Corner, Inside, Outside, UlpOff};
+    &[ON_VERTEX, ON_EDGE[0], ON_EDGE[1], IN_PLANE, UlpOff, Inside, Corner, Outside]
+};
 const DIRECTIONS: &[LightKind] = &[LightKind::Axis, LightKind::InPlane, LightKind::Direction];
-const ANY_POINT: &[PointKind] = &[
-    PointKind::VertexOrEdge,
-    PointKind::NearFace,
-    PointKind::FacePlane,
-    PointKind::Corner,
-    PointKind::Behind,
-    PointKind::Boundary,
-    PointKind::Box,
-    PointKind::Light,
-];
+const ANY_LIGHT: &[LightKind] = {
+    use LightKind::{Axis, Corner, Direction, InPlane, Inside, Outside, UlpOff};
+    let far = LightKind::FAR;
+    &[ON_VERTEX, ON_EDGE[0], IN_PLANE, UlpOff, Inside, Corner, Outside, far, Axis, InPlane, Direction]
+};
+
+pub(super) const ON_SURFACE: PointKind = PointKind::On(&[Feature::Vertex, Feature::Edge, Feature::Face], 0);
+const HIDDEN: PointKind = PointKind::Behind(&[Feature::Vertex], 2);
+const ANY_POINT: &[PointKind] = {
+    use PointKind::{BehindSilhouette, Boundary, Box, Corner, Light};
+    const ON: [PointKind; 3] = [PointKind::VERTEX_OR_EDGE, PointKind::NEAR_FACE, PointKind::FACE_PLANE];
+    &[ON[0], ON[1], ON[2], Corner, HIDDEN, BehindSilhouette(2), Boundary, Box, Light]
+};
 /// Three in four on the surface.
-const SURFACE: &[PointKind] =
-    &[PointKind::Surface, PointKind::Surface, PointKind::Surface, PointKind::FacePlane];
-const SHADOW: &[PointKind] = &[PointKind::Boundary, PointKind::Behind];
+const SURFACE: &[PointKind] = &[ON_SURFACE, ON_SURFACE, ON_SURFACE, PointKind::FACE_PLANE];
+const SHADOW: &[PointKind] =
+    &[PointKind::Boundary, PointKind::Boundary, HIDDEN, PointKind::BehindSilhouette(2)];
 
 const GENERIC: Recipe = Recipe {
     name: "generic",
@@ -126,50 +108,25 @@ const fn scaled(name: &'static str, scales: &'static [Scale]) -> Recipe {
 /// - `everything`: all of these, damaged, and vertices of any bits.
 pub(super) const RECIPES: [Recipe; 17] = [
     GENERIC,
-    lit("light_on_vertex", &[LightKind::Vertex]),
-    lit("light_on_edge", &[LightKind::Edge]),
-    lit("light_in_plane", &[LightKind::Plane]),
+    lit("light_on_vertex", &[ON_VERTEX]),
+    lit("light_on_edge", ON_EDGE),
+    lit("light_in_plane", &[IN_PLANE]),
     lit("light_one_ulp_off", &[LightKind::UlpOff]),
-    lit("light_far", &[LightKind::Far]),
+    lit("light_far", &[LightKind::FAR]),
     Recipe { shapes: SOLID, ..lit("light_inside", &[LightKind::Inside]) },
-    Recipe { lights: FINITE, points: SURFACE, ..lit("points_on_surface", FINITE) },
-    Recipe { lights: ANY_LIGHT, points: SHADOW, ..lit("shadow_boundary", ANY_LIGHT) },
+    Recipe { points: SURFACE, ..lit("points_on_surface", FINITE) },
+    Recipe { points: SHADOW, ..lit("shadow_boundary", ANY_LIGHT) },
     Recipe { shapes: &[Shape::Sliver], ..lit("slivers", ANY_LIGHT) },
     scaled("tiny", &[Scale::Tiny]),
     scaled("huge", &[Scale::Huge]),
-    Recipe {
-        shapes: &[Shape::Bits, Shape::Soup, Shape::Boxes, Shape::Bent, Shape::Tetrahedra, Shape::Voxels],
-        ..scaled("mixed_scales", &[Scale::Mixed, Scale::Away])
-    },
+    Recipe { shapes: &Shape::ALL, ..scaled("mixed_scales", &[Scale::Mixed, Scale::Away]) },
     Recipe {
         shapes: EXACT,
-        lights: &[
-            LightKind::Vertex,
-            LightKind::Edge,
-            LightKind::Plane,
-            LightKind::Corner,
-            LightKind::Axis,
-            LightKind::InPlane,
-        ],
-        points: &[PointKind::VertexOrEdge, PointKind::FacePlane, PointKind::Corner, PointKind::Behind],
+        lights: &[ON_VERTEX, ON_EDGE[0], IN_PLANE, LightKind::Corner, LightKind::Axis, LightKind::InPlane],
+        points: &[PointKind::VERTEX_OR_EDGE, PointKind::FACE_PLANE, PointKind::Corner, HIDDEN],
         ..lit("cad_ties", ANY_LIGHT)
     },
     lit("directional", DIRECTIONS),
     Recipe { damaged: true, ..lit("damaged", ANY_LIGHT) },
-    Recipe {
-        shapes: &[
-            Shape::Known,
-            Shape::Voxels,
-            Shape::Boxes,
-            Shape::Bent,
-            Shape::Tetrahedra,
-            Shape::Grid,
-            Shape::Soup,
-            Shape::Sliver,
-            Shape::Bits,
-        ],
-        damaged: true,
-        scales: &Scale::ALL,
-        ..lit("everything", ANY_LIGHT)
-    },
+    Recipe { shapes: &Shape::ALL, damaged: true, scales: &Scale::ALL, ..lit("everything", ANY_LIGHT) },
 ];

@@ -4,7 +4,6 @@ use crate::geom::{Facing, Light};
 use crate::mesh::Mesh;
 use crate::oracle::Oracle;
 use crate::shadow::volume::ShadowVolume;
-use crate::testing::generate::PointKind;
 use crate::verify::points::judge::Cast;
 
 /// Queries of a small run: two rounds per stratum.
@@ -184,7 +183,7 @@ fn torture_bound_by_rounds_is_that_of_independent_draws() {
 #[test]
 fn torture_points_on_surface_are_there() {
     let recipe = RECIPES.iter().find(|recipe| recipe.name == "points_on_surface").unwrap();
-    let there = recipe.points.iter().filter(|&&kind| kind == PointKind::Surface).count();
+    let there = recipe.points.iter().filter(|&&kind| kind == stratum::ON_SURFACE).count();
     assert!(3 * there >= 2 * recipe.points.len());
     let mesh = crate::testing::shapes::cube();
     let light = Light::point([0.1, 0.2, 5.0]).unwrap();
@@ -192,7 +191,7 @@ fn torture_points_on_surface_are_there() {
     let sampler = prepared.sampler();
     let mut random = SplitMix64(1);
     for _ in 0..500 {
-        let p = sampler.draw(PointKind::Surface, &mut random);
+        let p = sampler.draw(stratum::ON_SURFACE, &mut random);
         // A cube's faces are axis-aligned: no rounding leads off them.
         assert!(
             sampler.bounds.contains(p)

@@ -14,8 +14,13 @@ use crate::testing::generate::{PointKind, Sampler};
 pub const STRATA: [&str; 5] = ["box", "near_face", "shadow_boundary", "face_plane", "vertex_or_edge"];
 
 /// What each of [`STRATA`] draws.
-pub(crate) const KINDS: [PointKind; 5] =
-    [PointKind::Box, PointKind::NearFace, PointKind::Boundary, PointKind::FacePlane, PointKind::VertexOrEdge];
+pub(crate) const KINDS: [PointKind; 5] = [
+    PointKind::Box,
+    PointKind::NEAR_FACE,
+    PointKind::Boundary,
+    PointKind::FACE_PLANE,
+    PointKind::VERTEX_OR_EDGE,
+];
 
 /// Draws the points: the index of the stratum, and the position. The same options give the same points.
 pub(crate) fn draw(sampler: &Sampler<'_>, options: &Options) -> Vec<(usize, [f32; 3])> {

@@ -5,6 +5,10 @@ use crate::mesh::Mesh;
 /// What is built of a mesh, once for its positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
+#[cfg_attr(
+    not(any(test, feature = "testing")),
+    expect(unreachable_pub, reason = "public by `testing`, where that is compiled")
+)]
 pub enum Part {
     /// [`Topology`](crate::topology::Topology).
     Topology,
@@ -18,7 +22,8 @@ pub enum Part {
     ShellBoxes,
     /// [`Oracle`](crate::oracle::Oracle).
     Oracle,
-    /// The copy on a graphics device.
+    /// [`GpuCaster`](crate::caster::GpuCaster).
+    #[cfg(feature = "gpu")]
     Upload,
 }
 

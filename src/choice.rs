@@ -77,12 +77,12 @@ pub enum Reason {
     /// Scan: there is too little to search.
     FewFaces {
         /// How many faces there are.
-        faces: usize,
+        faces: u32,
     },
     /// Scan: building a tree would take longer than it saves.
     FewLights {
         /// How many lights are expected.
-        lights: usize,
+        lights: u32,
     },
     /// Scan: many edges have other faces than two in opposite directions.
     OpenMesh,

@@ -13,9 +13,12 @@ mod facing;
 mod lights;
 mod plain;
 mod points;
+mod shadow;
 #[cfg(test)]
 mod tests;
 mod visibility;
+
+pub use shadow::{ShadowAccuracy, ShadowRow};
 
 use crate::geom::Light;
 use crate::mesh::Mesh;

@@ -1,10 +1,12 @@
 //! A mesh and all that is known of it before any light.
 
+mod group;
 mod proofs;
 mod shell_boxes;
 
 use std::sync::OnceLock;
 
+pub use group::CasterGroup;
 pub use proofs::ShellProof;
 pub(crate) use shell_boxes::ShellBox;
 pub use shell_boxes::ShellBoxes;

@@ -187,6 +187,51 @@ mod tests {
         <Cli as clap::CommandFactory>::command().debug_assert();
     }
 
+    /// Runs a command on this thread, and asserts that it builds no part twice of the same faces and positions.
+    fn builds_each_part_once(arguments: &[&str]) -> Vec<umbrage::testing::BuiltPart> {
+        let words = ["umbrage"].iter().chain(arguments).map(OsString::from);
+        let command = parse(words).unwrap().command;
+        let (outcome, parts) = umbrage::testing::record_built(|| command.run());
+        assert!(outcome.is_ok_and(|outcome| outcome != Outcome::Incomplete), "{arguments:?}");
+        let mut sorted: Vec<String> = parts.iter().map(|part| format!("{part:?}")).collect();
+        sorted.sort_unstable();
+        for pair in sorted.windows(2) {
+            assert_ne!(pair[0], pair[1], "{arguments:?} builds a part twice");
+        }
+        parts.into_iter().map(|(part, _)| part).collect()
+    }
+
+    #[test]
+    fn demo_and_verify_build_each_part_of_a_caster_once() {
+        use umbrage::testing::BuiltPart;
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("demo");
+        let demo = builds_each_part_once(&["demo", "--out", out.to_str().unwrap()]);
+        for part in [BuiltPart::Topology, BuiltPart::Planes, BuiltPart::Proofs, BuiltPart::Oracle] {
+            assert!(demo.contains(&part), "{part:?} is not recorded");
+        }
+        let scene = out.join("scene.glb");
+        let verify = ["verify", scene.to_str().unwrap(), "--points", "50", "--light", "point:3,9,5"];
+        builds_each_part_once(&verify);
+        #[cfg(feature = "gpu")]
+        match umbrage::gpu::Gpu::new(None) {
+            Ok(_) => {
+                builds_each_part_once(&[&verify[..], &["--gpu", "--size", "64x48"]].concat());
+            }
+            Err(error) => {
+                let required = std::env::var("UMBRAGE_REQUIRE_GPU").is_ok_and(|value| value == "1");
+                assert!(!required, "{error}");
+                eprintln!("skipped: verify --gpu: {error}");
+            }
+        }
+        // A command that built something twice would be seen.
+        let (_, parts) = umbrage::testing::record_built(|| {
+            let mesh = umbrage::testing::shapes::cube();
+            [0; 2].map(|_| umbrage::oracle::Oracle::build(&mesh))
+        });
+        assert_eq!(parts[0], parts[1]);
+    }
+
     #[test]
     fn outcome_two_outranks_one() {
         assert_eq!(Outcome::Unsound.max(Outcome::Incomplete) as u8, 2);

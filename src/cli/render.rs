@@ -136,7 +136,7 @@ fn note_rays(error: &GpuError) {
 const STENCIL_SAMPLES: u32 = 2;
 const RAYS_SAMPLES: u32 = 3;
 
-fn parse_samples(text: &str) -> Result<u32, String> {
+pub(crate) fn parse_samples(text: &str) -> Result<u32, String> {
     match text {
         "1" => Ok(1),
         "4" => Ok(2),

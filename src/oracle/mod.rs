@@ -21,7 +21,7 @@ use crate::geom::Facing;
 use crate::geom::bvh::{Bvh, Step, WideBvh};
 use crate::geom::predicate::{Homogeneous, Sign};
 use crate::geom::{Aabb, Light};
-use crate::mesh::{FaceId, Mesh};
+use crate::mesh::{FaceId, MAX_TRIANGLES, Mesh};
 use crate::oracle::segment_filter::{Outcome, SegmentFilter};
 
 /// What is true of a point and a light.
@@ -75,6 +75,8 @@ pub struct Oracle {
     pub(crate) tree: WideBvh,
     /// Faces in the order of the tree's leaves.
     order: Vec<u32>,
+    /// The first face of each mesh, and the number of all faces.
+    first_faces: Vec<u32>,
     /// Corners in the order of the tree's leaves.
     pub(crate) triangles: Vec<[[f32; 3]; 3]>,
 }
@@ -85,13 +87,61 @@ impl Oracle {
     #[must_use]
     pub fn build(mesh: &Mesh) -> Self {
         built::note(Part::Oracle, mesh);
-        let corners = |face: &[u32; 3]| face.map(|vertex| mesh.positions()[vertex as usize]);
-        let boxes: Vec<Aabb> = mesh.triangles().iter().map(|face| Aabb::around(corners(face))).collect();
+        Self::over(&[mesh])
+    }
+
+    /// Builds one tree over the faces of several meshes. Faces are numbered mesh after mesh; [`Oracle::mesh_face`]
+    /// separates the two. Costs and memory are those of [`Oracle::build`].
+    ///
+    /// # Panics
+    ///
+    /// Panics if the meshes together have more than [`MAX_TRIANGLES`](crate::mesh::MAX_TRIANGLES) faces.
+    ///
+    /// ```
+    /// use umbrage::geom::Light;
+    /// use umbrage::mesh::FaceId;
+    /// use umbrage::oracle::{Oracle, Verdict};
+    /// use umbrage::testing::shapes;
+    /// let roof = shapes::translated(&shapes::cube(), [0.0, 5.0, 0.0]);
+    /// let oracle = Oracle::over(&[&shapes::cube(), &roof]);
+    /// let light = Light::directional([0.1, -1.0, 0.2])?;
+    /// assert_eq!(oracle.verdict([0.1, 2.0, 0.1], &light), Verdict::Shadowed);
+    /// assert_eq!(oracle.mesh_face(FaceId(14)), (1, FaceId(2)));
+    /// # Ok::<(), umbrage::geom::LightError>(())
+    /// ```
+    #[must_use]
+    pub fn over(meshes: &[&Mesh]) -> Self {
+        let faces = meshes.iter().map(|mesh| mesh.face_count()).sum::<usize>();
+        assert!(faces <= MAX_TRIANGLES, "{faces} faces; at most {MAX_TRIANGLES} fit");
+        let mut first_faces = vec![0];
+        for mesh in meshes {
+            first_faces.push(first_faces[first_faces.len() - 1] + mesh.face_count() as u32); // fits as all do
+        }
+        let mut boxes = Vec::with_capacity(faces);
+        for mesh in meshes {
+            boxes.extend((0..mesh.face_count()).map(|face| Aabb::around(mesh.corners(FaceId::new(face)))));
+        }
         let binary = Bvh::build(&boxes);
         drop(boxes);
         let (tree, order) = binary.into_wide();
-        let triangles = order.iter().map(|&face| corners(&mesh.triangles()[face as usize])).collect();
-        Self { tree, order, triangles }
+        let corners = |&face: &u32| {
+            let (mesh, face) = split(&first_faces, face);
+            meshes[mesh].corners(FaceId(face))
+        };
+        let triangles = order.iter().map(corners).collect();
+        Self { tree, order, first_faces, triangles }
+    }
+
+    /// The mesh of a face, as its index in [`Oracle::over`], and the face's number in that mesh.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there is no such face.
+    #[must_use]
+    pub fn mesh_face(&self, face: FaceId) -> (usize, FaceId) {
+        assert!(face.0 < self.first_faces[self.first_faces.len() - 1], "there is no face {}", face.0);
+        let (mesh, face) = split(&self.first_faces, face.0);
+        (mesh, FaceId(face))
     }
 
     /// Whether `p` is in shadow. Stops at the first face that is properly crossed.
@@ -199,6 +249,17 @@ impl Oracle {
     pub fn bounds(&self) -> Aabb {
         self.tree.bounds()
     }
+}
+
+/// The mesh that a face belongs to, and the face's number there: the last mesh that begins at or before it and is not
+/// empty.
+#[inline]
+fn split(first_faces: &[u32], face: u32) -> (usize, u32) {
+    if let [0, _] = first_faces {
+        return (0, face);
+    }
+    let mesh = first_faces.partition_point(|&first| first <= face) - 1;
+    (mesh, face - first_faces[mesh])
 }
 
 /// The walk, with AVX2's instructions where the processor has them: a third fewer for a node.

@@ -1,4 +1,39 @@
-//! Shadows: one room a technique.
+//! Shadows: one contract for every technique, one room per technique.
+//!
+//! A [`Technique`] answers a [`Request`]: how much of a light reaches each visible point ([`Samples`]), as a
+//! [`Visibility`] with a [`Claim`]. [`Technique::ALL`] lists the built techniques; measuring, rendering and testing
+//! iterate it, so that one that is added there is measured, drawn and held against the truth at once.
+//!
+//! ```
+//! use umbrage::caster::{Caster, CasterGroup};
+//! use umbrage::geom::Light;
+//! use umbrage::shadow::{Request, Samples, Technique};
+//! use umbrage::testing::shapes;
+//! use umbrage::view::{Camera, Size, Up};
+//!
+//! let caster = Caster::new(shapes::torus(24, 12, 2.0, 0.7));
+//! let casters = CasterGroup::new(vec![&caster]);
+//! let size = Size::new(64, 48)?;
+//! let camera = Camera::fit(&casters.bounds(), Up::Y, size.aspect());
+//! let projection = camera.projection(size, camera.near(&casters.bounds(), size));
+//! let samples = Samples::of_view(&casters, &projection, size, 1)?;
+//! let light = Light::point([3.0, 9.0, 5.0])?;
+//! let visibility = Technique::Rays.shade(&Request { casters: &casters, light: &light, samples: &samples });
+//! assert!(visibility.values().iter().any(|&lit| lit == 1.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod claim;
+mod plain;
+mod rays;
+mod samples;
 pub mod stencil;
+mod technique;
+mod visibility;
 pub mod volume;
+
+pub use claim::Claim;
+pub use samples::{Samples, TooManySamples};
+pub use technique::{Prepared, Request, Technique, TechniqueError};
+pub use visibility::Visibility;
+pub(crate) use visibility::is_front_lit;

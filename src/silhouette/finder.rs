@@ -45,9 +45,9 @@ impl SilhouetteMethod {
     #[must_use]
     pub fn choose(faces: usize, lights: usize) -> Choice<Self> {
         if faces < FEW_FACES {
-            Choice::new(Self::Scan, Reason::FewFaces { faces })
+            Choice::new(Self::Scan, Reason::FewFaces { faces: faces as u32 }) // fewer than FEW_FACES
         } else if lights < FEW_LIGHTS {
-            Choice::new(Self::Scan, Reason::FewLights { lights })
+            Choice::new(Self::Scan, Reason::FewLights { lights: lights as u32 }) // fewer than FEW_LIGHTS
         } else {
             Choice::new(Self::Tree, Reason::ColdLight)
         }
@@ -113,7 +113,7 @@ impl SilhouetteFinder {
                 }
             }
         };
-        let way = Choice::new(SilhouetteMethod::Scan, Reason::FewLights { lights }); // until there is a light
+        let way = Choice::new(SilhouetteMethod::Scan, Reason::FewLights { lights: 0 }); // until there is a light
         Self { casters, last: None, way, edge_count: 0, list: Silhouette::default(), ways }
     }
 

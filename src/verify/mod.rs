@@ -2,8 +2,9 @@
 //!
 //! [`points`] compares the exact ray cast with the winding numbers of the emitted volumes, at points chosen to be hard;
 //! [`pixels`] compares a stencil pass with the ray cast, pixel by pixel; [`reference`](reference()) decides a shadow ray
-//! in big integers.
+//! in big integers. [`errors`] compares any technique's visibility with the truth, by kind of error.
 
+pub mod errors;
 pub mod pixels;
 #[cfg(feature = "verify")]
 pub mod points;

@@ -25,10 +25,12 @@ mod picture;
 #[path = "../../benches/stages/plot.rs"]
 mod plot;
 mod read;
+mod rooms;
 mod screen;
 mod silhouette;
 mod stencil;
 mod support;
+mod technique;
 mod torture;
 mod verify;
 mod volume;

@@ -41,7 +41,7 @@ pub(super) fn table(results: &[FileResult], question: Question) -> String {
 }
 
 /// In quotes where it would otherwise end early (section 2).
-fn cell(text: String) -> String {
+pub(super) fn cell(text: String) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
 }
 

@@ -3,6 +3,7 @@
 mod chart;
 mod csv;
 mod json;
+mod shadow;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use serde_json::Value;
 use umbrage::accuracy::{Accuracy, MOST_LIGHTS, Method, Options, Question};
 use umbrage::geom::Light;
 use umbrage::scene::SceneLight;
+use umbrage::view::Size;
 use umbrage::write::write_atomic;
 
 use super::input::{Source, SourceArgs};
@@ -19,7 +21,9 @@ use super::load::MeshArgs;
 use super::output::{self, Output};
 use super::parsers::{large, refuse_overwriting, require_folder, seed};
 use super::progress::Progress;
+use super::render::parse_samples;
 use super::resources::ThreadArgs;
+use super::view::ViewArgs;
 use super::{Failure, Outcome};
 
 /// What `--threads` means where times are measured.
@@ -65,6 +69,17 @@ pub(crate) struct Args {
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
 
+    #[command(flatten)]
+    view: ViewArgs,
+
+    /// Width and height of the view in pixels, each at most 16384; of shadow [default: 480x270]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
+    size: Option<Size>,
+
+    /// How many samples each pixel of the view has: 1, 4, 9 or 16; of shadow [default: 1]
+    #[arg(long, value_name = "N", value_parser = parse_samples, allow_negative_numbers = true)]
+    samples: Option<u32>,
+
     /// Write a table with a row for each file, method and stratum [default: nothing is written]
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
@@ -87,14 +102,45 @@ enum What {
     Facing,
     /// Whether a point is in shadow
     Visibility,
+    /// How much of each light reaches what is seen, by every technique that there is
+    Shadow,
 }
 
-impl From<What> for Question {
-    fn from(what: What) -> Self {
-        match what {
-            What::Facing => Self::Facing,
-            What::Visibility => Self::Visibility,
+impl What {
+    /// What is asked face by face or point by point; `None` where whole views are compared.
+    fn question(self) -> Option<Question> {
+        match self {
+            Self::Facing => Some(Question::Facing),
+            Self::Visibility => Some(Question::Visibility),
+            Self::Shadow => None,
         }
+    }
+}
+
+impl Args {
+    /// Refuses what is about views where none is drawn.
+    fn refuse_view(&self) -> Result<(), Failure> {
+        let asked = [
+            ("--size", self.size.is_some()),
+            ("--samples", self.samples.is_some()),
+            ("--eye, --target and --fov", self.view.was_asked_for()),
+        ];
+        match asked.into_iter().find(|(_, asked)| *asked) {
+            None => Ok(()),
+            Some((flag, _)) => {
+                let problem = format!("{flag}: only `accuracy shadow` has a view");
+                Err(Failure::new(problem, "leave it out, or measure shadow"))
+            }
+        }
+    }
+
+    /// Refuses what is about queries where a view is compared.
+    fn refuse_queries(&self) -> Result<(), Failure> {
+        if self.queries.is_none() {
+            return Ok(());
+        }
+        let problem = "--queries: `accuracy shadow` asks about every sample of its view";
+        Err(Failure::new(problem, "use --size and --samples"))
     }
 }
 
@@ -130,7 +176,13 @@ struct Asked {
 }
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
-    let asked = refuse(&args)?;
+    let Some(question) = args.what.question() else {
+        args.refuse_queries()?;
+        refuse_outputs(&args)?;
+        args.threads.apply_or_one()?;
+        return shadow::run(&args);
+    };
+    let asked = refuse(&args, question)?;
     args.threads.apply_or_one()?;
     let mut out = Output::new();
     let mut outcome = Outcome::Sound;
@@ -167,13 +219,20 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
 }
 
 /// Refuses what can be told before any work is done.
-fn refuse(args: &Args) -> Result<Asked, Failure> {
-    let question = Question::from(args.what);
+fn refuse(args: &Args, question: Question) -> Result<Asked, Failure> {
+    args.refuse_view()?;
     let queries = args.queries.unwrap_or(question.usual_queries());
     if !(1..=MOST_QUERIES).contains(&queries) {
         let problem = format!("--queries {queries} is not between 1 and {MOST_QUERIES}");
         return Err(Failure::new(problem, "run several seeds instead of one long run"));
     }
+    refuse_outputs(args)?;
+    let options = Options { queries, seed: args.seed, rounds: args.rounds };
+    Ok(Asked { question, options })
+}
+
+/// Refuses outputs that cannot be written, as far as their names tell.
+fn refuse_outputs(args: &Args) -> Result<(), Failure> {
     for (option, path, extension) in [("--csv", &args.csv, "csv"), ("--svg", &args.svg, "svg")] {
         let Some(path) = path else { continue };
         if path.extension().is_none_or(|found| !found.eq_ignore_ascii_case(extension)) {
@@ -185,8 +244,7 @@ fn refuse(args: &Args) -> Result<Asked, Failure> {
         }
         require_folder(path)?;
     }
-    let options = Options { queries, seed: args.seed, rounds: args.rounds };
-    Ok(Asked { question, options })
+    Ok(())
 }
 
 fn measure(file: &Path, args: &Args, asked: &Asked) -> Result<Measured, Failure> {

@@ -69,6 +69,20 @@ impl ShellMethods {
         Self { choices: vec![Choice::new(method, why); count] }
     }
 
+    /// The casting signs of the shells that `method` counts; 0 for all other faces.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `shells` or `signs` belong to another mesh.
+    #[must_use]
+    pub fn signs_of(&self, method: StencilMethod, shells: &Shells, signs: &[i8]) -> Vec<i8> {
+        assert_eq!(shells.of_face.len(), signs.len(), "one sign per face");
+        let counted =
+            |shell: Option<u32>| shell.is_some_and(|shell| self.choices[shell as usize].what == method);
+        let sign = |(&shell, &sign): (&Option<u32>, &i8)| if counted(shell) { sign } else { 0 };
+        shells.of_face.iter().zip(signs).map(sign).collect()
+    }
+
     /// How many shells each method has.
     #[must_use]
     pub fn count(&self, method: StencilMethod) -> usize {

@@ -4,6 +4,7 @@
 //! or z-fail for every shell and says why, and [`max_depth_complexity`] bounds the counts, so that one that would not fit the
 //! stencil is known beforehand.
 
+mod cpu;
 mod depth_complexity;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -12,6 +13,7 @@ mod mask;
 mod method;
 mod volumes;
 
+pub(super) use cpu::StencilCounting;
 pub use depth_complexity::{DepthComplexity, max_depth_complexity};
 #[cfg(feature = "gpu")]
 pub(crate) use gpu::SOURCE;
@@ -34,6 +36,9 @@ pub enum StencilMethod {
 }
 
 impl StencilMethod {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::ZPass, Self::ZFail];
+
     /// Lower-case name, as on the command line and in reports.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -5,7 +5,6 @@ use crate::caster::Caster;
 use crate::facing::CasterFaces;
 use crate::geom::Light;
 use crate::shadow::volume::{Caps, ShadowVolume, ShellFaces};
-use crate::silhouette::Silhouette;
 use crate::view::Projection;
 
 /// What a mesh casts from one light, for one camera.
@@ -60,7 +59,7 @@ impl Caster {
             None => self.shell_boxes().choose(self.mesh(), projection, light),
             Some(method) => ShellMethods::all(method, self.shells().count),
         };
-        let volumes = [StencilMethod::ZPass, StencilMethod::ZFail]
+        let volumes = StencilMethod::ALL
             .into_iter()
             .filter(|&method| methods.count(method) > 0)
             .map(|method| (method, self.counted_volume(light, &signs, &methods, method)))
@@ -77,17 +76,12 @@ impl Caster {
         methods: &ShellMethods,
         method: StencilMethod,
     ) -> ShadowVolume {
-        let counted =
-            |shell: Option<u32>| shell.is_some_and(|shell| methods.choices[shell as usize].what == method);
-        let shell_of = self.shells().of_face.iter();
-        let sign = |(&shell, &sign): (&Option<u32>, &i8)| if counted(shell) { sign } else { 0 };
-        let signs: Vec<i8> = shell_of.zip(signs).map(sign).collect();
-        let silhouette = Silhouette::extract(self.topology(), &signs);
+        let signs = methods.signs_of(method, self.shells(), signs);
         let caps = match method {
             StencilMethod::ZPass => Caps::None,
             StencilMethod::ZFail => Caps::Both,
         };
-        ShadowVolume::extrude(self.mesh(), self.topology(), light, &signs, &silhouette, caps)
+        self.volume_of_signs(light, &signs, caps)
     }
 }
 

@@ -117,8 +117,13 @@ impl Caster {
     #[must_use]
     pub fn volume_of(&self, light: &Light, faces: &ShellFaces, caps: Caps) -> ShadowVolume {
         let signs = faces.signs(self.shells(), &self.facing(light));
-        let silhouette = Silhouette::extract(self.topology(), &signs);
-        ShadowVolume::extrude(self.mesh(), self.topology(), light, &signs, &silhouette, caps)
+        self.volume_of_signs(light, &signs, caps)
+    }
+
+    /// The volume of faces that cast with these signs: one entry per face, −1, 0 or +1.
+    pub(crate) fn volume_of_signs(&self, light: &Light, signs: &[i8], caps: Caps) -> ShadowVolume {
+        let silhouette = Silhouette::extract(self.topology(), signs);
+        ShadowVolume::extrude(self.mesh(), self.topology(), light, signs, &silhouette, caps)
     }
 }
 

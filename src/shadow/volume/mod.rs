@@ -124,6 +124,15 @@ impl ShadowVolume {
         volume
     }
 
+    /// The bytes that it holds.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.positions[..])
+            + size_of_val(&self.casters[..])
+            + size_of_val(&self.extruded[..])
+            + size_of_val(&self.triangles[..])
+    }
+
     /// The light it was extruded from.
     #[must_use]
     pub fn light(&self) -> &Light {

@@ -239,3 +239,51 @@ fn accuracy_takes_any_mesh_and_any_light() {
         }
     }
 }
+
+#[test]
+fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
+    let folder = folder();
+    let asked = "--light point:2,3,5 --light directional:0,-1,0.2 --size 48x32 --rounds 1";
+    let document = folder.json(&format!("accuracy shadow torus.obj {asked}"));
+    assert_eq!(keys(&document), "file samples lights");
+    assert_eq!((&document["samples"], document["lights"].as_array().unwrap().len()), (&1536.into(), 2));
+    for light in document["lights"].as_array().unwrap() {
+        assert_eq!(keys(light), "name truth rows");
+        assert_eq!(keys(&light["truth"]), "method bound");
+        let rows = light["rows"].as_array().unwrap();
+        let names: Vec<&str> = rows.iter().map(|row| row["technique"].as_str().unwrap()).collect();
+        let all: Vec<&str> =
+            umbrage::shadow::Technique::ALL.iter().map(|technique| technique.name()).collect();
+        assert_eq!(names, all);
+        for row in rows {
+            assert_eq!(
+                keys(row),
+                "technique parameters device claim judged wrong acne leak alias_dark alias_lit outside asked_exactly \
+                 mean_error mean_signed_error p99_error max_error penumbra_mean_error reads bias_world texel_world \
+                 prepare_ms frame_ms readback_ms bytes dominated_by"
+            );
+            assert!(row["judged"].as_u64().unwrap() > 100);
+            let exact = row["claim"] == "exact";
+            assert!(!exact || row["wrong"] == 0, "{row}");
+            assert!(row["frame_ms"].as_f64().unwrap() >= 0.0);
+        }
+        // Light without shadows, or none at all, is wrong somewhere.
+        assert!(rows[4]["wrong"].as_u64().unwrap() + rows[5]["wrong"].as_u64().unwrap() > 0);
+    }
+}
+
+#[test]
+fn accuracy_of_shadows_refuses_what_is_about_queries_and_the_others_what_is_about_views() {
+    let folder = folder();
+    for (arguments, line) in [
+        (
+            "accuracy shadow torus.obj --queries 5",
+            "--queries: `accuracy shadow` asks about every sample of its view",
+        ),
+        ("accuracy facing torus.obj --size 9x9", "--size: only `accuracy shadow` has a view"),
+    ] {
+        let output = folder.run(arguments);
+        assert_eq!(output.code, 2, "{arguments}");
+        assert!(output.stderr.contains(line), "{arguments}");
+    }
+}

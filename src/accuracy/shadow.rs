@@ -1,0 +1,233 @@
+//! Every technique's error beside its time, for one light and one view.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use super::Spread;
+use crate::caster::CasterGroup;
+use crate::geom::Light;
+use crate::shadow::{Claim, Request, Samples, Technique};
+use crate::verify::errors::{Errors, Made, Truth};
+
+/// One technique under one light.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ShadowRow {
+    /// Which technique.
+    pub technique: Technique,
+    /// The graphics adapter's name; `None` for the processor.
+    pub device: Option<String>,
+    /// What it promises.
+    pub claim: Claim,
+    /// How it did.
+    pub errors: Errors,
+    /// Whether the claim is true of these samples.
+    pub holds: bool,
+    /// At how many samples it had no answer of its own and asked the exact ray cast; `None` where it cannot.
+    pub asked_exactly: Option<u64>,
+    /// What stays valid while only the camera moves, in milliseconds: the caster's parts that it needs, each measured when
+    /// it was made, and what it makes for the light.
+    pub prepare_ms: f64,
+    /// From given samples to the visibility, warm, without reading back, in milliseconds: the median over the rounds.
+    pub frame_ms: Spread,
+    /// Reading a device's answer back, in milliseconds.
+    pub readback_ms: Option<f64>,
+    /// What is held for the light, and the visibility.
+    pub bytes: u64,
+    /// A technique that is as fast and as often right, and better in one of these.
+    pub dominated_by: Option<Technique>,
+}
+
+/// All techniques under one light.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ShadowAccuracy {
+    /// The light.
+    pub light: Light,
+    /// One row per technique, in the order of [`Technique::ALL`].
+    pub rows: Vec<ShadowRow>,
+}
+
+/// What each part of the casters took, in milliseconds.
+#[derive(Clone, Copy, Debug, Default)]
+struct PartTimes {
+    oracle: f64,
+    counting: f64,
+}
+
+/// Milliseconds that `work` takes.
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let start = Instant::now();
+    let result = black_box(work());
+    (result, start.elapsed().as_secs_f64() * 1e3)
+}
+
+impl PartTimes {
+    /// Makes all parts, of which those that are there already take no time.
+    fn of(casters: &CasterGroup<'_>) -> Self {
+        let (_, oracle) = timed(|| casters.oracle());
+        let (_, counting) = timed(|| {
+            for caster in casters.casters() {
+                black_box((caster.proofs().len(), caster.planes(), caster.shell_boxes()));
+            }
+        });
+        Self { oracle, counting }
+    }
+
+    fn needed(self, technique: Technique) -> f64 {
+        match technique {
+            Technique::Rays => self.oracle,
+            Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
+            Technique::None | Technique::Dark => 0.0,
+        }
+    }
+}
+
+impl ShadowAccuracy {
+    /// How many steps [`ShadowAccuracy::measure`] reports for each light.
+    pub const STEPS: u64 = 1 + Technique::ALL.len() as u64;
+
+    /// Measures all techniques for each light, on the processor: one round to warm up, whose answers are compared with the
+    /// truth, then `rounds` that are timed.
+    ///
+    /// `view` makes the samples, once the ray cast over the casters is there. `progress` hears of steps as they are done.
+    ///
+    /// ```
+    /// use umbrage::accuracy::ShadowAccuracy;
+    /// use umbrage::caster::{Caster, CasterGroup};
+    /// use umbrage::shadow::Samples;
+    /// use umbrage::testing::shapes;
+    /// use umbrage::view::{Camera, Size, Up};
+    /// let caster = Caster::new(shapes::torus(24, 12, 2.0, 0.7));
+    /// let casters = CasterGroup::new(vec![&caster]);
+    /// let size = Size::new(32, 24)?;
+    /// let camera = Camera::fit(&casters.bounds(), Up::Y, size.aspect());
+    /// let projection = camera.projection(size, camera.near(&casters.bounds(), size));
+    /// let view = |casters: &CasterGroup<'_>| Samples::of_view(casters, &projection, size, 1);
+    /// let found = ShadowAccuracy::measure(&casters, &["point:3,9,5".parse()?], view, 1, &|_| {})?;
+    /// assert!(found[0].rows.iter().all(|row| row.holds));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Those of `view`.
+    pub fn measure<E>(
+        casters: &CasterGroup<'_>,
+        lights: &[Light],
+        view: impl FnOnce(&CasterGroup<'_>) -> Result<Samples, E>,
+        rounds: u32,
+        progress: &dyn Fn(u64),
+    ) -> Result<Vec<Self>, E> {
+        let parts = PartTimes::of(casters);
+        let samples = view(casters)?;
+        let measure = |light: &Light| {
+            let request = Request { casters, light, samples: &samples };
+            Self::of_light(&request, parts, rounds, progress)
+        };
+        Ok(lights.iter().map(measure).collect())
+    }
+
+    fn of_light(request: &Request<'_>, parts: PartTimes, rounds: u32, progress: &dyn Fn(u64)) -> Self {
+        let truth = Truth::of(request);
+        progress(1);
+        let mut rows = Vec::with_capacity(Technique::ALL.len());
+        for technique in Technique::ALL {
+            rows.push(row(request, &truth, technique, parts.needed(technique), rounds));
+            progress(1);
+        }
+        mark_dominated(&mut rows);
+        Self { light: *request.light, rows }
+    }
+
+    /// Whether every claim is true.
+    #[must_use]
+    pub fn claims_hold(&self) -> bool {
+        self.rows.iter().all(|row| row.holds)
+    }
+}
+
+fn row(request: &Request<'_>, truth: &Truth, technique: Technique, parts_ms: f64, rounds: u32) -> ShadowRow {
+    let (prepared, prepare_ms) = timed(|| technique.prepare(request.casters, request.light));
+    let visibility = prepared.shade(request.samples);
+    let errors = Errors::of(request, &visibility, truth, &Made::default());
+    let frames = (0..rounds.max(1)).map(|_| timed(|| prepared.shade(request.samples)).1).collect();
+    ShadowRow {
+        technique,
+        device: None,
+        claim: visibility.claim(),
+        holds: errors.hold(visibility.claim()),
+        errors,
+        asked_exactly: matches!(technique, Technique::Stencil | Technique::ZFail | Technique::ZPass)
+            .then_some(visibility.asked_exactly()),
+        prepare_ms: parts_ms + prepare_ms,
+        frame_ms: Spread::of(frames),
+        readback_ms: None,
+        bytes: (prepared.bytes() + visibility.bytes()) as u64,
+        dominated_by: None,
+    }
+}
+
+/// By wrong samples and the median time of a frame; of several that dominate, the fastest.
+fn mark_dominated(rows: &mut [ShadowRow]) {
+    let costs: Vec<(Technique, f64, u64)> =
+        rows.iter().map(|row| (row.technique, row.frame_ms.median, row.errors.wrong)).collect();
+    for (row, &(_, time, wrong)) in rows.iter_mut().zip(&costs) {
+        let better = costs.iter().filter(|(_, other, errors)| {
+            *other <= time && *errors <= wrong && (*other < time || *errors < wrong)
+        });
+        row.dominated_by = better.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(technique, ..)| *technique);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::caster::Caster;
+    use crate::testing::shapes;
+    use crate::view::{Camera, Size, Up};
+
+    #[test]
+    fn accuracy_of_shadows_marks_what_is_slower_and_not_more_often_right() {
+        let row = |technique, ms: f64, wrong| ShadowRow {
+            technique,
+            device: None,
+            claim: Claim::Approximate,
+            errors: Errors { wrong, ..Errors::default() },
+            holds: true,
+            asked_exactly: None,
+            prepare_ms: 0.0,
+            frame_ms: Spread::of(vec![ms]),
+            readback_ms: None,
+            bytes: 0,
+            dominated_by: None,
+        };
+        let mut rows = [
+            row(Technique::Rays, 2.0, 0),
+            row(Technique::Stencil, 3.0, 0),
+            row(Technique::None, 1.0, 5),
+            row(Technique::Dark, 1.0, 9),
+        ];
+        mark_dominated(&mut rows);
+        let by = rows.map(|row| row.dominated_by);
+        assert_eq!(by, [None, Some(Technique::Rays), None, Some(Technique::None)]);
+    }
+
+    #[test]
+    fn accuracy_of_shadows_has_a_row_per_technique_and_every_claim_holds() {
+        // Inside the outer cube's shadow: z-pass is wrong there, and claims nothing.
+        let caster = Caster::new(shapes::nested_cubes(2));
+        let casters = CasterGroup::new(vec![&caster]);
+        let size = Size::new(24, 18).unwrap();
+        let camera = Camera::look_at([-4.0, -3.0, -5.0], [0.0; 3], 0.6, Up::Y).unwrap();
+        let projection = camera.projection(size, 0.1);
+        let view = |casters: &CasterGroup<'_>| Samples::of_view(casters, &projection, size, 1);
+        let lights = ["point:9,7,11", "point:-9,-2,-11"].map(|light| light.parse().unwrap());
+        let found = ShadowAccuracy::measure(&casters, &lights, view, 1, &|_| {}).unwrap();
+        for of_light in &found {
+            assert_eq!(of_light.rows.iter().map(|row| row.technique).collect::<Vec<_>>(), Technique::ALL);
+            assert!(of_light.claims_hold(), "{of_light:?}");
+        }
+        assert!(found[1].rows[0].errors.judged > 100);
+    }
+}

@@ -1,0 +1,256 @@
+//! `umbrage accuracy shadow`: every technique's error beside its time, for each light and one view.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+use umbrage::accuracy::{ShadowAccuracy, ShadowRow};
+use umbrage::caster::CasterGroup;
+use umbrage::geom::Light;
+use umbrage::scene::SceneLight;
+use umbrage::shadow::{Claim, Samples};
+use umbrage::view::{Camera, Projection, Size};
+
+use super::Args;
+use super::csv::cell;
+use crate::cli::input::{Source, SourceArgs};
+use crate::cli::output::{self, Output, Table, counted, number, plain, significant};
+use crate::cli::progress::Progress;
+use crate::cli::{Failure, Outcome, lights};
+
+/// The view for which no size is asked.
+const SIZE: (u32, u32) = (480, 270);
+
+/// What was measured of one file.
+struct Measured {
+    file: PathBuf,
+    size: Size,
+    samples: usize,
+    lights: Vec<SceneLight>,
+    found: Vec<ShadowAccuracy>,
+}
+
+pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+    if args.svg.is_some() {
+        let remedy = "use --csv, or leave it out";
+        return Err(Failure::new("not built yet: --svg of `accuracy shadow`", remedy));
+    }
+    let mut out = Output::new();
+    let mut outcome = Outcome::Sound;
+    let mut documents = Vec::new();
+    let mut table = HEADER.to_owned();
+    for (index, file) in args.files.iter().enumerate() {
+        match measure(file, args) {
+            Ok(measured) => {
+                if !measured.found.iter().all(ShadowAccuracy::claims_hold) {
+                    outcome = outcome.max(Outcome::Unsound);
+                }
+                table += &measured.csv();
+                if args.json {
+                    documents.push(measured.document());
+                } else {
+                    out.text(format_args!("{}{}", if index > 0 { "\n" } else { "" }, measured.text()))?;
+                    out.flush()?;
+                }
+            }
+            Err(failure) => {
+                output::say(&failure);
+                outcome = outcome.max(Outcome::Incomplete);
+                documents.push(json!({ "file": file.to_string_lossy(), "error": failure.to_string() }));
+            }
+        }
+    }
+    if args.json {
+        // One file is one document; several are a list of them.
+        let document = if documents.len() == 1 { documents.remove(0) } else { Value::Array(documents) };
+        out.json(&document)?;
+    }
+    out.flush()?;
+    super::save(args.csv.as_deref(), || table)?;
+    Ok(outcome)
+}
+
+fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
+    let source = SourceArgs { file: file.to_owned(), mesh: args.mesh, lights: args.lights.clone() };
+    let Source { up, caster, bounds, lights, camera: of_file, .. } = source.load()?;
+    if caster.mesh().face_count() == 0 {
+        let problem = "there are no faces to cast or to receive a shadow";
+        return Err(Failure::new(problem, "name a mesh that has some").in_file(file));
+    }
+    let size = args.size.unwrap_or(Size::new(SIZE.0, SIZE.1).expect("in range"));
+    let asked = args.view.camera(up)?;
+    let camera = asked.or(of_file).unwrap_or_else(|| Camera::fit(&bounds, up, size.aspect()));
+    let projection: Projection = camera.projection(size, camera.near(&bounds, size));
+    let hard: Vec<Light> = lights.iter().map(|light| light.light).collect();
+    let steps = ShadowAccuracy::STEPS * hard.len() as u64;
+    let progress = Progress::bar(format!("measuring {}", file.display()), steps);
+    let casters = CasterGroup::new(vec![&caster]);
+    let mut samples = 0;
+    let view = |casters: &CasterGroup<'_>| {
+        let found = Samples::of_view(casters, &projection, size, args.samples.unwrap_or(1))?;
+        samples = found.len();
+        Ok::<_, umbrage::shadow::TooManySamples>(found)
+    };
+    let found = ShadowAccuracy::measure(&casters, &hard, view, args.rounds, &|steps| progress.done(steps))
+        .map_err(|error| Failure::new(error, "use a smaller --size").in_file(file))?;
+    Ok(Measured { file: file.to_owned(), size, samples, lights, found })
+}
+
+/// "1 in 20,000" would need a reader to divide; shares are of a hundred.
+fn percent(part: u64, of: u64) -> String {
+    match part {
+        0 => "0".to_owned(),
+        _ => format!("{:.3} %", 100.0 * part as f64 / of.max(1) as f64),
+    }
+}
+
+fn milliseconds(ms: f64) -> String {
+    let decimals = if ms < 10.0 { 2 } else { usize::from(ms < 100.0) };
+    format!("{ms:.decimals$}")
+}
+
+impl Measured {
+    fn text(&self) -> String {
+        let head = format!(
+            "{}: shadows of {} in a view of {}, {}\n",
+            plain(&self.file.to_string_lossy()),
+            counted(self.found.len(), "light", "lights"),
+            self.size,
+            counted(self.samples, "sample", "samples"),
+        );
+        let tables = self.lights.iter().zip(&self.found).map(|(light, found)| {
+            let name = lights::label(&light.light, &light.name);
+            let judged = found.rows.first().map_or(0, |row| row.errors.judged);
+            format!("\n{name}: {judged} samples judged\n{}\n", Self::table(found))
+        });
+        let broken: Vec<&ShadowRow> =
+            self.found.iter().flat_map(|found| &found.rows).filter(|row| !row.holds).collect();
+        let verdict = match broken.first() {
+            None => "every claim holds".to_owned(),
+            Some(row) => format!("{} claims to be {}, and is not", row.technique, row.claim),
+        };
+        format!("{head}{}\nverdict: {verdict}\n{LEGEND}\n", tables.collect::<String>())
+    }
+
+    fn table(found: &ShadowAccuracy) -> Table {
+        let mut table = Table::new(&[
+            "technique",
+            "claim",
+            "wrong",
+            "acne",
+            "leak",
+            "mean error",
+            "prepare ms",
+            "frame ms",
+            "KiB",
+            "",
+        ]);
+        for row in &found.rows {
+            let errors = &row.errors;
+            table.row(vec![
+                row.technique.name().to_owned(),
+                row.claim.name().to_owned(),
+                percent(errors.wrong, errors.judged),
+                errors.acne.to_string(),
+                errors.leak.to_string(),
+                significant(errors.mean),
+                milliseconds(row.prepare_ms),
+                milliseconds(row.frame_ms.median),
+                row.bytes.div_ceil(1024).to_string(),
+                row.dominated_by.map_or(String::new(), |by| format!("dominated by {by}")),
+            ]);
+        }
+        table
+    }
+
+    fn document(&self) -> Value {
+        let lights = self.lights.iter().zip(&self.found).map(|(light, found)| {
+            json!({
+                "name": lights::label(&light.light, &light.name),
+                "truth": { "method": "exact ray cast", "bound": 0.0 },
+                "rows": found.rows.iter().map(row_document).collect::<Vec<_>>(),
+            })
+        });
+        json!({
+            "file": self.file.to_string_lossy(),
+            "samples": self.samples,
+            "lights": lights.collect::<Vec<_>>(),
+        })
+    }
+
+    fn csv(&self) -> String {
+        let file = self.file.to_string_lossy().into_owned();
+        let rows = self.lights.iter().zip(&self.found).flat_map(|(light, found)| {
+            let name = lights::label(&light.light, &light.name);
+            let file = file.clone();
+            found.rows.iter().map(move |row| {
+                let errors = &row.errors;
+                let cells = [
+                    file.clone(),
+                    name.clone(),
+                    row.technique.name().to_owned(),
+                    row.device.clone().unwrap_or_default(),
+                    row.claim.name().to_owned(),
+                    errors.judged.to_string(),
+                    errors.wrong.to_string(),
+                    errors.acne.to_string(),
+                    errors.leak.to_string(),
+                    errors.alias_dark.to_string(),
+                    errors.alias_lit.to_string(),
+                    format!("{:e}", errors.mean),
+                    format!("{:.4}", row.prepare_ms),
+                    format!("{:.4}", row.frame_ms.median),
+                    format!("{:.4}", row.frame_ms.min),
+                    format!("{:.4}", row.frame_ms.max),
+                    row.bytes.to_string(),
+                    row.dominated_by.map_or(String::new(), |by| by.name().to_owned()),
+                ];
+                cells.map(cell).join(",") + "\r\n"
+            })
+        });
+        rows.collect()
+    }
+}
+
+const HEADER: &str = "file,light,technique,device,claim,judged,wrong,acne,leak,alias_dark,alias_lit,mean_error,prepare_ms,frame_ms,min_ms,max_ms,bytes,dominated_by\r\n";
+
+/// What the columns mean.
+const LEGEND: &str = "judged: samples that face the light and whose exact verdict is not grazing; wrong: on the other \
+                      side than the truth; acne: falsely dark, leak: falsely lit; prepare: what stays valid while the \
+                      camera moves; frame: from given samples to their visibility, the median of the rounds; dominated: \
+                      another technique is as fast and as often right";
+
+/// What does not apply to a technique, or is not built yet, is null.
+fn row_document(row: &ShadowRow) -> Value {
+    let errors = &row.errors;
+    let bound = match row.claim {
+        Claim::Bounded(bound) => json!({ "name": row.claim.name(), "bound": bound }),
+        _ => row.claim.name().into(),
+    };
+    json!({
+        "technique": row.technique.name(),
+        "parameters": Value::Null,
+        "device": row.device,
+        "claim": bound,
+        "judged": errors.judged,
+        "wrong": errors.wrong,
+        "acne": errors.acne,
+        "leak": errors.leak,
+        "alias_dark": Value::Null,
+        "alias_lit": Value::Null,
+        "outside": Value::Null,
+        "asked_exactly": row.asked_exactly,
+        "mean_error": number(errors.mean),
+        "mean_signed_error": number(errors.mean_signed),
+        "p99_error": number(errors.p99),
+        "max_error": number(errors.max),
+        "penumbra_mean_error": Value::Null,
+        "reads": Value::Null,
+        "bias_world": Value::Null,
+        "texel_world": Value::Null,
+        "prepare_ms": number(row.prepare_ms),
+        "frame_ms": number(row.frame_ms.median),
+        "readback_ms": row.readback_ms.map(number),
+        "bytes": row.bytes,
+        "dominated_by": row.dominated_by.map(|by| by.name()),
+    })
+}

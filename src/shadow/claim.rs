@@ -1,0 +1,43 @@
+//! What a technique promises of its answers.
+
+use std::fmt;
+
+/// What a [`Visibility`](super::Visibility) promises. Each claim has a test that fails where it is false.
+///
+/// A *judged* sample is front-lit, and its exact verdict is not grazing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Claim {
+    /// At every judged sample the value equals the truth.
+    Exact,
+    /// The same but for samples within the rasterizer's footprint of a boundary: counting on a device.
+    WithinFootprint,
+    /// At most this fraction of the judged samples differs from the truth.
+    Bounded(f32),
+    /// Nothing is promised.
+    Approximate,
+}
+
+impl Claim {
+    /// Lower-case name, as in reports: `exact`, `within_footprint`, `bounded`, `approximate`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::WithinFootprint => "within_footprint",
+            Self::Bounded(_) => "bounded",
+            Self::Approximate => "approximate",
+        }
+    }
+}
+
+impl fmt::Display for Claim {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Exact => f.write_str("exact"),
+            Self::WithinFootprint => f.write_str("exact within the rasterizer's footprint"),
+            Self::Bounded(fraction) => write!(f, "at most {fraction} of the samples are wrong"),
+            Self::Approximate => f.write_str("approximate"),
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! An exact shadow ray per sample.
+
+use super::{Claim, Samples, Visibility};
+use crate::caster::CasterGroup;
+use crate::geom::Light;
+use crate::oracle::{Oracle, Verdict};
+
+/// The ray cast over all casters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rays<'a> {
+    oracle: &'a Oracle,
+}
+
+impl<'a> Rays<'a> {
+    pub(super) fn prepare(casters: &'a CasterGroup<'a>) -> Self {
+        Self { oracle: casters.oracle() }
+    }
+
+    /// A grazing segment counts as lit.
+    pub(super) fn shade(&self, light: &Light, samples: &Samples) -> Visibility {
+        let mut visibility = Visibility::of(samples, light, Claim::Exact, |_| (1.0, false));
+        let points: Vec<[f32; 3]> = asked_points(&visibility, samples);
+        let mut verdicts = vec![Verdict::Lit; points.len()];
+        self.oracle.verdicts_into(&points, light, &mut verdicts);
+        visibility.darken(verdicts.iter().map(|&verdict| verdict == Verdict::Shadowed));
+        visibility
+    }
+}
+
+/// The points that are asked about, in their order.
+fn asked_points(visibility: &Visibility, samples: &Samples) -> Vec<[f32; 3]> {
+    let asked = samples.hits().iter().zip(visibility.asked()).filter(|(_, asked)| **asked);
+    asked.filter_map(|(hit, _)| hit.as_ref().map(|hit| hit.point)).collect()
+}

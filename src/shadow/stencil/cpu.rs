@@ -1,0 +1,121 @@
+//! Stencil counting on the processor: what a perfect rasterizer would count, from winding numbers.
+//!
+//! A closed volume's winding number at a visible point is what z-fail counts there. z-pass counts the crossings between
+//! the near plane and the point instead: the difference of the winding numbers at the two ends of that segment. The two
+//! agree iff the near end is in no volume, which is what z-pass needs.
+
+use super::{ShellMethods, StencilMethod};
+use crate::caster::{Caster, CasterGroup};
+use crate::geom::{Aabb, Light};
+use crate::oracle::{PrimaryHit, Verdict};
+use crate::shadow::volume::{Caps, ShadowVolume, WindingIndex};
+use crate::shadow::{Claim, Samples, Visibility};
+use crate::view::Projection;
+
+/// The casting faces of each caster, and their volumes as far as the camera does not matter.
+#[derive(Debug)]
+pub(in crate::shadow) struct StencilCounting<'a> {
+    casters: &'a CasterGroup<'a>,
+    light: Light,
+    /// Counts every shell if it is asked for.
+    asked: Option<StencilMethod>,
+    /// Per caster: the sign of each face, and the volume of all shells if one method counts them.
+    cast: Vec<(Vec<i8>, Option<ShadowVolume>)>,
+}
+
+/// A volume, and how it is counted.
+struct Counted<'a> {
+    index: WindingIndex<'a>,
+    method: StencilMethod,
+}
+
+impl<'a> StencilCounting<'a> {
+    pub(in crate::shadow) fn prepare(
+        casters: &'a CasterGroup<'a>,
+        light: &Light,
+        asked: Option<StencilMethod>,
+    ) -> Self {
+        let cast = |caster: &&Caster| {
+            let faces = caster.shell_faces(light, None);
+            let signs = faces.signs(caster.shells(), &caster.facing(light));
+            let volume = asked.map(|_| caster.volume_of_signs(light, &signs, Caps::Both));
+            (signs, volume)
+        };
+        Self { casters, light: *light, asked, cast: casters.casters().iter().map(cast).collect() }
+    }
+
+    pub(in crate::shadow) fn bytes(&self) -> usize {
+        let bytes = |(signs, volume): &(Vec<i8>, Option<ShadowVolume>)| {
+            signs.len() + volume.as_ref().map_or(0, ShadowVolume::bytes)
+        };
+        self.cast.iter().map(bytes).sum()
+    }
+
+    /// In shadow where any volume counts other than 0. Where a point lies on a volume the exact ray cast is asked.
+    pub(in crate::shadow) fn shade(&self, samples: &Samples) -> Visibility {
+        let projection = samples.projection();
+        // 1. The volumes that depend on the camera: shell by shell, by the method that is chosen.
+        let chosen: Vec<(StencilMethod, ShadowVolume)> = match self.asked {
+            Some(_) => Vec::new(),
+            None => (self.casters.casters().iter().zip(&self.cast))
+                .flat_map(|(caster, (signs, _))| self.by_method(caster, signs, projection))
+                .collect(),
+        };
+        let prepared = self.cast.iter().filter_map(|(_, volume)| Some((self.asked?, volume.as_ref()?)));
+        let volumes = prepared.chain(chosen.iter().map(|(method, volume)| (*method, volume)));
+        // 2. An index of each over the box of everything that is asked about.
+        let points = samples.hits().iter().flatten().flat_map(|hit| [hit.point, near_end(projection, hit)]);
+        let within = Aabb::around(points);
+        let counted: Vec<Counted<'_>> = volumes
+            .map(|(method, volume)| Counted { index: WindingIndex::build(volume, within), method })
+            .collect();
+        // 3. The counts.
+        let claim = if self.asked == Some(StencilMethod::ZPass) { Claim::Approximate } else { Claim::Exact };
+        Visibility::of(samples, &self.light, claim, |hit| {
+            let counts = counted.iter().map(|volume| volume.count(projection, hit));
+            match counts.collect::<Option<Vec<i32>>>() {
+                Some(counts) => (f32::from(u8::from(counts.iter().all(|&count| count == 0))), false),
+                None => {
+                    let dark = self.casters.oracle().verdict(hit.point, &self.light) == Verdict::Shadowed;
+                    (f32::from(u8::from(!dark)), true)
+                }
+            }
+        })
+    }
+
+    /// The closed volume of the shells that each method counts.
+    fn by_method(
+        &self,
+        caster: &Caster,
+        signs: &[i8],
+        projection: &Projection,
+    ) -> Vec<(StencilMethod, ShadowVolume)> {
+        let methods: ShellMethods = caster.shell_boxes().choose(caster.mesh(), projection, &self.light);
+        let used = StencilMethod::ALL.into_iter().filter(|&method| methods.count(method) > 0);
+        used.map(|method| {
+            let signs = methods.signs_of(method, caster.shells(), signs);
+            (method, caster.volume_of_signs(&self.light, &signs, Caps::Both))
+        })
+        .collect()
+    }
+}
+
+impl Counted<'_> {
+    /// `None` if an end lies on the volume.
+    fn count(&self, projection: &Projection, hit: &PrimaryHit) -> Option<i32> {
+        let at = self.index.number(hit.point)?;
+        match self.method {
+            StencilMethod::ZFail => Some(at),
+            StencilMethod::ZPass => Some(at - self.index.number(near_end(projection, hit))?),
+        }
+    }
+}
+
+/// Where the segment from the eye to a visible point meets the near plane, rounded.
+fn near_end(projection: &Projection, hit: &PrimaryHit) -> [f32; 3] {
+    let [eye, forward, point] = [projection.eye, projection.forward, hit.point].map(|p| p.map(f64::from));
+    let ray = [0, 1, 2].map(|i| point[i] - eye[i]);
+    let depth: f64 = (0..3).map(|i| ray[i] * forward[i]).sum();
+    let share = (f64::from(projection.near) / depth).clamp(0.0, 1.0);
+    [0, 1, 2].map(|i| (eye[i] + share * ray[i]) as f32)
+}

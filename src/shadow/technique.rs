@@ -1,0 +1,240 @@
+//! The closed list of techniques, and the two steps that each of them takes.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::plain::Plain;
+use super::rays::Rays;
+use super::stencil::StencilCounting;
+use super::{Samples, Visibility};
+use crate::caster::CasterGroup;
+use crate::geom::Light;
+use crate::shadow::stencil::StencilMethod;
+
+/// A way to compute the shadows of one light.
+///
+/// Displays and parses as on the command line.
+///
+/// ```
+/// use umbrage::shadow::Technique;
+/// assert_eq!("zfail".parse(), Ok(Technique::ZFail));
+/// assert_eq!(Technique::Rays.to_string(), "rays");
+/// assert_eq!("msm".parse::<Technique>().unwrap_err().to_string(), "not built yet: msm");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Technique {
+    /// An exact shadow ray per sample.
+    Rays,
+    /// Shadow volumes, counted by z-pass where that is proven to be right and by z-fail elsewhere, shell by shell.
+    Stencil,
+    /// Shadow volumes, counted by z-fail.
+    ZFail,
+    /// Shadow volumes, counted by z-pass: wrong if the eye is in a shadow.
+    ZPass,
+    /// No shadows: whatever faces the light is lit.
+    None,
+    /// No light.
+    Dark,
+}
+
+/// What a technique is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// What casts.
+    pub casters: &'a CasterGroup<'a>,
+    /// The light.
+    pub light: &'a Light,
+    /// The visible points.
+    pub samples: &'a Samples,
+}
+
+/// Why a text is no [`Technique`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TechniqueError {
+    /// The name is that of a technique that is planned.
+    #[error("not built yet: {0}")]
+    NotBuilt(String),
+    /// No technique has that name.
+    #[error("`{0}` is not a technique; write one of {names}", names = names())]
+    Unknown(String),
+    /// The technique has no such option.
+    #[error("`{technique}` has no option `{key}`; {has}", has = keys(technique))]
+    UnknownKey {
+        /// The technique's name.
+        technique: &'static str,
+        /// The key.
+        key: String,
+    },
+}
+
+/// Names that are planned.
+const PLANNED: [&str; 29] = [
+    "auto",
+    "zpass-plus",
+    "zpass-reversed",
+    "hybrid",
+    "hybrid-3x3",
+    "hybrid-2x2",
+    "alias-free",
+    "counter",
+    "reconstruct",
+    "lod",
+    "map",
+    "map-ids",
+    "pcf",
+    "vsm",
+    "msm",
+    "pcss",
+    "single-sample",
+    "smoothies",
+    "penumbra-map",
+    "contact-blur",
+    "soft-hybrid",
+    "samples",
+    "area",
+    "planar",
+    "planar-blur",
+    "planar-contact",
+    "planar-layers",
+    "blob",
+    "projective",
+];
+
+fn names() -> String {
+    Technique::ALL.map(Technique::name).join(", ")
+}
+
+fn keys(_technique: &str) -> &'static str {
+    "it has none" // none of the built ones has any
+}
+
+impl Technique {
+    /// The built techniques.
+    pub const ALL: [Self; 6] = [Self::Rays, Self::Stencil, Self::ZFail, Self::ZPass, Self::None, Self::Dark];
+
+    /// As on the command line and in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rays => "rays",
+            Self::Stencil => "stencil",
+            Self::ZFail => "zfail",
+            Self::ZPass => "zpass",
+            Self::None => "none",
+            Self::Dark => "dark",
+        }
+    }
+
+    /// What stays valid while only the camera moves: volumes, for those techniques that have any.
+    #[must_use]
+    pub fn prepare<'a>(self, casters: &'a CasterGroup<'a>, light: &Light) -> Prepared<'a> {
+        let counting = |method| Step::Counting(StencilCounting::prepare(casters, light, method));
+        let step = match self {
+            Self::Rays => Step::Rays(Rays::prepare(casters)),
+            Self::Stencil => counting(None),
+            Self::ZFail => counting(Some(StencilMethod::ZFail)),
+            Self::ZPass => counting(Some(StencilMethod::ZPass)),
+            Self::None => Step::Plain(Plain::Lit),
+            Self::Dark => Step::Plain(Plain::Dark),
+        };
+        Prepared { technique: self, light: *light, step }
+    }
+
+    /// Both steps at once, on the processor.
+    #[must_use]
+    pub fn shade(self, request: &Request<'_>) -> Visibility {
+        self.prepare(request.casters, request.light).shade(request.samples)
+    }
+}
+
+/// A technique that is prepared for one light, ready for any number of views.
+#[derive(Debug)]
+pub struct Prepared<'a> {
+    technique: Technique,
+    light: Light,
+    step: Step<'a>,
+}
+
+#[derive(Debug)]
+enum Step<'a> {
+    Rays(Rays<'a>),
+    Counting(StencilCounting<'a>),
+    Plain(Plain),
+}
+
+impl Prepared<'_> {
+    /// Which technique it is.
+    #[must_use]
+    pub fn technique(&self) -> Technique {
+        self.technique
+    }
+
+    /// How much of the light reaches each sample.
+    #[must_use]
+    pub fn shade(&self, samples: &Samples) -> Visibility {
+        match &self.step {
+            Step::Rays(rays) => rays.shade(&self.light, samples),
+            Step::Counting(counting) => counting.shade(samples),
+            Step::Plain(plain) => plain.shade(&self.light, samples),
+        }
+    }
+
+    /// The bytes that the light takes beside the casters.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        match &self.step {
+            Step::Rays(_) | Step::Plain(_) => 0,
+            Step::Counting(counting) => counting.bytes(),
+        }
+    }
+}
+
+impl fmt::Display for Technique {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Technique {
+    type Err = TechniqueError;
+
+    fn from_str(text: &str) -> Result<Self, TechniqueError> {
+        let (name, options) = text.split_once(':').unwrap_or((text, ""));
+        let found = Self::ALL.into_iter().find(|technique| technique.name() == name);
+        let Some(technique) = found else {
+            return Err(match PLANNED.contains(&name) {
+                true => TechniqueError::NotBuilt(name.to_owned()),
+                false => TechniqueError::Unknown(name.to_owned()),
+            });
+        };
+        match options.split(',').find(|option| !option.is_empty()) {
+            None => Ok(technique),
+            Some(option) => {
+                let key = option.split('=').next().unwrap_or(option).to_owned();
+                Err(TechniqueError::UnknownKey { technique: technique.name(), key })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn technique_names_parse_back_and_others_are_told_apart() {
+        for technique in Technique::ALL {
+            assert_eq!(technique.to_string().parse(), Ok(technique));
+            assert!(!PLANNED.contains(&technique.name()));
+        }
+        let error = |text: &str| text.parse::<Technique>().unwrap_err().to_string();
+        assert_eq!(error("projective:size=64"), "not built yet: projective");
+        assert_eq!(
+            error("ray"),
+            "`ray` is not a technique; write one of rays, stencil, zfail, zpass, none, dark"
+        );
+        assert_eq!(error("zfail:size=3,x"), "`zfail` has no option `size`; it has none");
+    }
+}

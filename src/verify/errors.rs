@@ -1,0 +1,287 @@
+//! A visibility against the truth, by kind of error.
+//!
+//! A *judged* sample is front-lit, its exact verdict is not grazing, and it lies outside the footprint of the technique
+//! that drew it. A judged sample is wrong where the value is on the other side of one half than the truth. Kinds: where
+//! the exact verdict changes within two texels of a map, on the plane of the sample's face, the error is aliasing, dark
+//! or lit; elsewhere a false shadow is acne, and false light is a leak. Techniques without texels have no aliasing.
+
+use glam::DVec3;
+
+use crate::geom::Light;
+use crate::geom::predicate::side_of_point;
+use crate::oracle::{Oracle, PrimaryHit, Verdict};
+use crate::shadow::{Claim, Request, Visibility};
+
+/// The exact verdict of every sample of a request.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Truth {
+    /// Per sample: `None` where nothing is seen, or the face turns from the light.
+    verdicts: Vec<Option<Verdict>>,
+}
+
+impl Truth {
+    /// Asks the exact ray cast about every sample that is front-lit.
+    #[must_use]
+    pub fn of(request: &Request<'_>) -> Self {
+        let front_lit = |hit: &&PrimaryHit| crate::shadow::is_front_lit(hit, request.light);
+        let hits: Vec<Option<&PrimaryHit>> =
+            request.samples.hits().iter().map(|hit| hit.as_ref().filter(front_lit)).collect();
+        let points: Vec<[f32; 3]> = hits.iter().flatten().map(|hit| hit.point).collect();
+        let mut verdicts = vec![Verdict::Lit; points.len()];
+        request.casters.oracle().verdicts_into(&points, request.light, &mut verdicts);
+        let mut next = verdicts.into_iter();
+        Self { verdicts: hits.iter().map(|hit| hit.and_then(|_| next.next())).collect() }
+    }
+
+    /// Per sample: `None` where nothing is seen, or the face turns from the light.
+    #[must_use]
+    pub fn verdicts(&self) -> &[Option<Verdict>] {
+        &self.verdicts
+    }
+}
+
+/// What is known of how a visibility was made, for [`Errors::of`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Made<'a> {
+    /// Samples within the rasterizer's footprint, which are not judged: one entry per sample. Empty for none.
+    pub footprint: &'a [bool],
+    /// The side of a shadow map's texel at the scene, in mesh units; `None` for a technique without texels.
+    pub texel: Option<f64>,
+}
+
+/// Errors of a visibility under a hard light, by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Errors {
+    /// All samples.
+    pub samples: u64,
+    /// Those that are judged.
+    pub judged: u64,
+    /// Front-lit samples that are not judged: their exact verdict is grazing, or they lie within the footprint.
+    pub excused: u64,
+    /// Judged samples on the wrong side of one half.
+    pub wrong: u64,
+    /// False shadows away from any boundary.
+    pub acne: u64,
+    /// False light away from any boundary.
+    pub leak: u64,
+    /// False shadows within two texels of a boundary.
+    pub alias_dark: u64,
+    /// False light within two texels of a boundary.
+    pub alias_lit: u64,
+    /// Samples whose face turns from the light, and whose value is not 0.
+    pub turned_away: u64,
+    /// Mean of |value − truth| over the judged samples.
+    pub mean: f64,
+    /// Mean of value − truth: above 0 where too much is lit.
+    pub mean_signed: f64,
+    /// The 99th percentile of |value − truth|.
+    pub p99: f64,
+    /// The largest |value − truth|.
+    pub max: f64,
+}
+
+/// Rings of directions around a sample in which a boundary is searched, in texels.
+const RINGS: [f64; 2] = [1.0, 2.0];
+/// Directions per ring.
+const DIRECTIONS: u32 = 16;
+
+impl Errors {
+    /// Compares every sample. Only wrong ones take up to 32 more shadow rays, for their kind.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `visibility`, `truth` and the footprint are not of the samples of `request`.
+    #[must_use]
+    pub fn of(request: &Request<'_>, visibility: &Visibility, truth: &Truth, made: &Made<'_>) -> Self {
+        let samples = request.samples;
+        assert_eq!(visibility.values().len(), samples.len(), "the visibility is of other samples");
+        assert_eq!(truth.verdicts.len(), samples.len(), "the truth is of other samples");
+        assert!(made.footprint.is_empty() || made.footprint.len() == samples.len(), "one entry per sample");
+        let mut errors = Self { samples: samples.len() as u64, ..Self::default() };
+        let mut differences: Vec<f32> = Vec::new();
+        for (index, (hit, verdict)) in samples.hits().iter().zip(&truth.verdicts).enumerate() {
+            let value = visibility.values()[index];
+            let (Some(hit), Some(verdict)) = (hit, verdict) else {
+                errors.turned_away += u64::from(value != 0.0);
+                continue;
+            };
+            if *verdict == Verdict::Grazing || made.footprint.get(index) == Some(&true) {
+                errors.excused += 1;
+                continue;
+            }
+            let lit = *verdict == Verdict::Lit;
+            errors.judged += 1;
+            let difference = value - if lit { 1.0 } else { 0.0 };
+            differences.push(difference.abs());
+            errors.mean += f64::from(difference.abs());
+            errors.mean_signed += f64::from(difference);
+            if (value >= 0.5) != lit {
+                errors.wrong += 1;
+                let at_boundary = made.texel.is_some_and(|texel| {
+                    changes_nearby(request.casters.oracle(), request.light, hit, *verdict, texel)
+                });
+                *match (lit, at_boundary) {
+                    (true, true) => &mut errors.alias_dark,
+                    (true, false) => &mut errors.acne,
+                    (false, true) => &mut errors.alias_lit,
+                    (false, false) => &mut errors.leak,
+                } += 1;
+            }
+        }
+        let count = errors.judged.max(1) as f64;
+        errors.mean /= count;
+        errors.mean_signed /= count;
+        (errors.p99, errors.max) = percentile_and_max(&mut differences);
+        errors
+    }
+
+    /// Whether a claim is true of what was compared. [`Claim::WithinFootprint`] needs the footprint to have been left
+    /// out.
+    #[must_use]
+    pub fn hold(&self, claim: Claim) -> bool {
+        let exact = self.turned_away == 0;
+        match claim {
+            Claim::Exact | Claim::WithinFootprint => exact && self.wrong == 0 && self.max == 0.0,
+            Claim::Bounded(fraction) => {
+                exact && self.wrong as f64 <= f64::from(fraction) * self.judged as f64
+            }
+            Claim::Approximate => exact,
+        }
+    }
+}
+
+/// The value that 99 of 100 do not exceed, and the largest.
+fn percentile_and_max(differences: &mut [f32]) -> (f64, f64) {
+    let Some(last) = differences.len().checked_sub(1) else { return (0.0, 0.0) };
+    let at = (differences.len() * 99).div_ceil(100) - 1;
+    let (_, p99, above) = differences.select_nth_unstable_by(at, f32::total_cmp);
+    let p99 = *p99;
+    let max = if at == last { p99 } else { above.iter().fold(p99, |most, &x| most.max(x)) };
+    (f64::from(p99), f64::from(max))
+}
+
+/// Whether the exact verdict changes within two texels of a sample, on the plane of its face.
+fn changes_nearby(oracle: &Oracle, light: &Light, hit: &PrimaryHit, verdict: Verdict, texel: f64) -> bool {
+    let [a, b, c] = hit.corners.map(|corner| DVec3::from(corner.map(f64::from)));
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let across = normal.any_orthonormal_vector();
+    let along = normal.cross(across);
+    let point = DVec3::from(hit.point.map(f64::from));
+    RINGS.iter().any(|ring| {
+        (0..DIRECTIONS).any(|i| {
+            let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / f64::from(DIRECTIONS)).sin_cos();
+            let beside = point + (across * cos + along * sin) * (ring * texel);
+            lifted(hit, normal, beside).is_some_and(|beside| oracle.verdict(beside, light) != verdict)
+        })
+    })
+}
+
+/// A point beside a sample, moved off the plane until it lies strictly on the side that is seen: by doubled steps from
+/// one unit in the last place on, as [`PrimaryHit::point`] is. `None` where `f32` has no such point.
+fn lifted(hit: &PrimaryHit, normal: DVec3, beside: DVec3) -> Option<[f32; 3]> {
+    let away = normal * f64::from(hit.side.value());
+    let largest = beside.abs().max_element().min(f64::from(f32::MAX)) as f32;
+    let mut step = f64::from(largest.next_up()) - f64::from(largest);
+    for _ in 0..f32::MANTISSA_DIGITS {
+        let at: [f32; 3] = (beside + away * step).as_vec3().into();
+        if at.iter().all(|x| x.is_finite()) && side_of_point(hit.corners, at) == hit.side {
+            return Some(at);
+        }
+        step *= 2.0;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::caster::{Caster, CasterGroup};
+    use crate::mesh::Mesh;
+    use crate::shadow::{Samples, Technique};
+    use crate::testing::shapes;
+    use crate::view::{Camera, Size, Up};
+
+    /// A plate over a floor, seen from above at an angle.
+    fn scene() -> Caster {
+        let floor = shapes::scaled(&shapes::sheet(1), 8.0);
+        let plate = shapes::translated(&shapes::scaled(&shapes::sheet(1), 2.0), [3.0, 3.0, 2.0]);
+        Caster::new(Mesh::concat(&[floor, plate]).unwrap())
+    }
+
+    fn with_request<T>(caster: &Caster, light: &Light, work: impl FnOnce(&Request<'_>) -> T) -> T {
+        let casters = CasterGroup::new(vec![caster]);
+        let size = Size::new(96, 72).unwrap();
+        let camera = Camera::look_at([4.0, -6.0, 9.0], [4.0, 4.0, 0.0], 0.9, Up::Z).unwrap();
+        let projection = camera.projection(size, 0.125);
+        let samples = Samples::of_view(&casters, &projection, size, 1).unwrap();
+        work(&Request { casters: &casters, light, samples: &samples })
+    }
+
+    #[test]
+    fn errors_of_exact_rays_are_none_and_one_flipped_sample_breaks_the_claim() {
+        let light = Light::directional([0.2, 0.1, -1.0]).unwrap();
+        with_request(&scene(), &light, |request| {
+            let truth = Truth::of(request);
+            let rays = Technique::Rays.shade(request);
+            let errors = Errors::of(request, &rays, &truth, &Made::default());
+            assert!(errors.hold(Claim::Exact) && errors.judged > 1000, "{errors:?}");
+            let lit = rays.values().iter().position(|&value| value == 1.0).unwrap();
+            let dark =
+                (0..rays.values().len()).find(|&i| rays.asked()[i] && rays.values()[i] == 0.0).unwrap();
+            for (at, value, kind) in [(lit, 0.0, [1, 0]), (dark, 1.0, [0, 1])] {
+                let mut values = rays.values().to_vec();
+                values[at] = value;
+                let spoiled = Visibility::from_values(request.samples, &light, values, Claim::Exact);
+                let errors = Errors::of(request, &spoiled, &truth, &Made::default());
+                assert!(!errors.hold(Claim::Exact) && !errors.hold(Claim::WithinFootprint));
+                assert_eq!([errors.acne, errors.leak], kind);
+                assert!(errors.hold(Claim::Bounded(0.01)) && !errors.hold(Claim::Bounded(1e-7)));
+                // Within the footprint it is not judged.
+                let mut footprint = vec![false; request.samples.len()];
+                footprint[at] = true;
+                let made = Made { footprint: &footprint, ..Made::default() };
+                assert!(Errors::of(request, &spoiled, &truth, &made).hold(Claim::WithinFootprint));
+            }
+            // A value of its own where the face turns from the light.
+            let away = Light::directional([0.0, 0.0, 1.0]).unwrap();
+            let turned = Request { light: &away, ..*request };
+            let truth = Truth::of(&turned);
+            assert!(!Errors::of(&turned, &rays, &truth, &Made::default()).hold(Claim::Approximate));
+        });
+    }
+
+    #[test]
+    fn errors_at_the_boundary_are_aliasing_and_those_away_from_it_are_not() {
+        let (light, moved) = ([0.2, 0.1, -1.0], [0.23, 0.1, -1.0]);
+        let [light, moved] = [light, moved].map(|travel| Light::directional(travel).unwrap());
+        with_request(&scene(), &light, |request| {
+            let truth = Truth::of(request);
+            // The shadow of a light that is a little off: wrong in stripes 0.06 wide along the shadow's rim.
+            let off = Technique::Rays.shade(&Request { light: &moved, ..*request });
+            let errors =
+                |texel| Errors::of(request, &off, &truth, &Made { texel: Some(texel), ..Made::default() });
+            let found = errors(0.06);
+            assert!(found.alias_dark > 5 && found.alias_lit > 5, "{found:?}");
+            assert_eq!([found.acne, found.leak], [0, 0], "{found:?}");
+            assert_eq!(found.wrong, found.alias_dark + found.alias_lit);
+            // Texels far smaller than the stripes explain few of them.
+            let fine = errors(0.0005);
+            assert!(fine.acne + fine.leak > found.wrong / 2, "{fine:?}");
+            // The mean is the share of the wrong, and the sign is that of what is missing.
+            assert!((found.mean - found.wrong as f64 / found.judged as f64).abs() < f64::EPSILON);
+            let lit = Errors::of(request, &Technique::None.shade(request), &truth, &Made::default());
+            let dark = Errors::of(request, &Technique::Dark.shade(request), &truth, &Made::default());
+            assert!(lit.mean_signed > 0.0 && dark.mean_signed < 0.0);
+            assert_eq!(lit.wrong + dark.wrong, lit.judged);
+        });
+    }
+
+    #[test]
+    fn percentile_of_a_hundred_leaves_one_out() {
+        let mut values: Vec<f32> = (0..100).map(|i| i as f32).rev().collect();
+        assert_eq!(percentile_and_max(&mut values), (98.0, 99.0));
+        assert_eq!(percentile_and_max(&mut [3.0]), (3.0, 3.0));
+        assert_eq!(percentile_and_max(&mut []), (0.0, 0.0));
+    }
+}

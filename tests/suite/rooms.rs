@@ -1,0 +1,115 @@
+//! The order of the modules: none imports one that comes after it.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The modules of the library, from the ground up. `gpu` is wgpu at work and knows no mesh; `built`, `choice`, `parallel`
+/// and `random` are single files that every room may use.
+const ORDER: [&str; 23] = [
+    "random",
+    "parallel",
+    "choice",
+    "geom",
+    "mesh",
+    "built",
+    "view",
+    "gpu",
+    "scene",
+    "read",
+    "write",
+    "oracle",
+    "topology",
+    "check",
+    "facing",
+    "silhouette",
+    "caster",
+    "shadow",
+    "verify",
+    "testing",
+    "accuracy",
+    "render",
+    "determinism",
+];
+
+/// All Rust files below a folder.
+fn files(folder: &Path, found: &mut Vec<PathBuf>) {
+    let mut entries: Vec<PathBuf> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            files(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// The code of a file without comments and without its unit tests, which may use anything.
+fn code(text: &str) -> String {
+    let own = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+    let lines = own.lines().map(|line| line.split("//").next().unwrap_or_default());
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// The modules that a file's code names by `crate::…`.
+fn imports(code: &str) -> Vec<String> {
+    assert!(!code.contains("crate::{"), "one module per import, so that this test can read it");
+    let name = |rest: &str| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    code.split("crate::").skip(1).map(name).filter(|module| !module.is_empty()).collect()
+}
+
+/// What files import upwards: "a/b.rs imports c".
+fn upward(sources: &BTreeMap<String, String>) -> Vec<String> {
+    let place = |module: &str| ORDER.iter().position(|other| *other == module);
+    let mut found = Vec::new();
+    for (path, text) in sources {
+        let room = path.split(['/', '.']).next().unwrap_or_default();
+        let Some(own) = place(room) else {
+            panic!("{path}: the module `{room}` has no place in the order");
+        };
+        for module in imports(&code(text)) {
+            // What is no module is a type or a macro of the root.
+            if place(&module).is_some_and(|there| there > own) {
+                found.push(format!("{path} imports {module}"));
+            }
+        }
+    }
+    found.dedup();
+    found
+}
+
+fn sources() -> BTreeMap<String, String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut paths = Vec::new();
+    files(&root, &mut paths);
+    let read = |path: &PathBuf| {
+        let name = path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
+        (name, fs::read_to_string(path).unwrap())
+    };
+    let library = |name: &str| !name.starts_with("cli/") && !matches!(name, "main.rs" | "lib.rs");
+    // Files that only tests compile.
+    let tests = |name: &str| {
+        name.ends_with("tests.rs") || name.ends_with("test_support.rs") || name.ends_with("emulation.rs")
+    };
+    paths.iter().map(read).filter(|(name, _)| library(name) && !tests(name)).collect()
+}
+
+#[test]
+fn rooms_import_nothing_that_comes_after_them() {
+    let mut sources = sources();
+    assert!(sources.len() > 150, "{}", sources.len());
+    assert_eq!(upward(&sources), Vec::<String>::new());
+    // An upward arrow would be seen, however it is written; one in a test or a comment is none.
+    let spoil = |text: &str| BTreeMap::from([("oracle/mod.rs".to_owned(), text.to_owned())]);
+    for text in
+        ["use crate::topology::Topology;", "fn a() {\n    crate::caster::x();\n}", "pub use crate::check;"]
+    {
+        assert_eq!(upward(&spoil(text)).len(), 1, "{text}");
+    }
+    let harmless = "use crate::geom::Light; // crate::caster\n#[cfg(test)]\nmod tests {\n    use crate::caster::Caster;\n}\n";
+    assert_eq!(upward(&spoil(harmless)), Vec::<String>::new());
+    sources.insert("geom/extra.rs".to_owned(), "use crate::mesh::Mesh;".to_owned());
+    assert_eq!(upward(&sources), ["geom/extra.rs imports mesh"]);
+}

@@ -1,0 +1,154 @@
+//! Every technique against the truth: a claim that is false fails here.
+
+use umbrage::caster::{Caster, CasterGroup};
+use umbrage::geom::{Facing, Light};
+use umbrage::mesh::Mesh;
+use umbrage::oracle::Verdict;
+use umbrage::shadow::{Claim, Request, Samples, Technique, Visibility};
+use umbrage::testing::shapes;
+use umbrage::verify::errors::{Errors, Made, Truth};
+use umbrage::view::{Camera, Size, Up};
+
+/// Casters with a name: sound, inside out, open, not orientable, nested, meeting itself, and several at once.
+fn scenes() -> Vec<(&'static str, Vec<Caster>)> {
+    let one = |name, mesh: Mesh| (name, vec![Caster::new(mesh)]);
+    let ground = shapes::translated(&shapes::scaled(&shapes::cube(), 9.0), [0.0, -6.5, 0.0]);
+    let lifted = |mesh: &Mesh| shapes::translated(mesh, [0.4, 1.2, -0.3]);
+    vec![
+        one("torus", shapes::torus(24, 12, 2.0, 0.7)),
+        one("inside out", shapes::inside_out(&shapes::icosphere(2))),
+        one("open cube", shapes::open_cube()),
+        one("Möbius strip", shapes::mobius(24)),
+        one("nested cubes", shapes::nested_cubes(3)),
+        one("figure eight", shapes::figure_eight_prism()),
+        (
+            "several",
+            vec![
+                Caster::new(ground),
+                Caster::new(lifted(&shapes::torus_knot(2, 3, 60, 8, 0.4))),
+                Caster::new(lifted(&shapes::sheet(3))),
+            ],
+        ),
+    ]
+}
+
+fn lights() -> [Light; 3] {
+    ["point:3,9,5", "directional:0.3,-1,0.2", "point:0.1,0.2,0.05"].map(|light| light.parse().unwrap())
+}
+
+/// Runs `work` on every scene, light and view: from afar, and from within, where z-pass is wrong.
+fn for_each_request(mut work: impl FnMut(&str, &Request<'_>)) {
+    let size = Size::new(40, 30).unwrap();
+    for (name, scene) in scenes() {
+        let casters = CasterGroup::new(scene.iter().collect());
+        let bounds = casters.bounds();
+        let within = Camera::look_at([0.3, -0.4, 0.2], [1.0, 0.1, 0.4], 1.2, Up::Y).unwrap();
+        for camera in [Camera::fit(&bounds, Up::Y, size.aspect()), within] {
+            let projection = camera.projection(size, camera.near(&bounds, size));
+            let samples = Samples::of_view(&casters, &projection, size, 1).unwrap();
+            for light in &lights() {
+                work(name, &Request { casters: &casters, light, samples: &samples });
+            }
+        }
+    }
+}
+
+#[test]
+fn technique_claims_hold_on_every_scene() {
+    let (mut judged, mut zpass_wrong) = (0, 0);
+    for_each_request(|name, request| {
+        let truth = Truth::of(request);
+        for technique in Technique::ALL {
+            let visibility = technique.shade(request);
+            let errors = Errors::of(request, &visibility, &truth, &Made::default());
+            assert!(errors.hold(visibility.claim()), "{name} {technique} {}: {errors:?}", request.light);
+            judged += errors.judged;
+            if technique == Technique::ZPass {
+                zpass_wrong += errors.wrong;
+            }
+        }
+    });
+    assert!(judged > 50_000, "{judged}");
+    // What z-pass does not claim it does not keep: so the views show where it fails.
+    assert!(zpass_wrong > 100, "{zpass_wrong}");
+}
+
+#[test]
+fn technique_claims_that_are_false_are_seen() {
+    let mut seen = [0; 3];
+    for_each_request(|_, request| {
+        let truth = Truth::of(request);
+        let holds = |visibility: &Visibility, claim| {
+            Errors::of(request, visibility, &truth, &Made::default()).hold(claim)
+        };
+        // z-pass everywhere, said to be exact.
+        let zpass = Technique::ZPass.shade(request);
+        seen[0] += usize::from(!holds(&zpass, Claim::Exact));
+        // No shadows, said to be wrong at one sample in a thousand at most.
+        let none = Technique::None.shade(request);
+        seen[1] += usize::from(!holds(&none, Claim::Bounded(0.001)));
+        // A single sample of the rays turned.
+        let rays = Technique::Rays.shade(request);
+        let judged = truth.verdicts().iter().position(|verdict| *verdict == Some(Verdict::Lit));
+        if let Some(at) = judged {
+            let mut values = rays.values().to_vec();
+            values[at] = 0.0;
+            let turned = Visibility::from_values(request.samples, request.light, values, Claim::Exact);
+            assert!(!holds(&turned, Claim::Exact) && !holds(&turned, Claim::WithinFootprint));
+            seen[2] += 1;
+        }
+    });
+    assert!(seen.iter().all(|&count| count > 5), "{seen:?}");
+}
+
+/// The reference: every sample by itself, all faces tried one by one.
+#[test]
+fn technique_rays_equal_the_loop_over_all_faces() {
+    for_each_request(|name, request| {
+        let rays = Technique::Rays.shade(request);
+        for (index, hit) in request.samples.hits().iter().enumerate() {
+            let Some(hit) = hit else {
+                assert_eq!((rays.values()[index], rays.asked()[index]), (0.0, false));
+                continue;
+            };
+            let side = umbrage::geom::predicate::side_of_light(hit.corners, request.light);
+            let front_lit = side == hit.side;
+            let crossed = || {
+                request.casters.casters().iter().any(|caster| {
+                    let mut faces = caster.topology().faces();
+                    faces.any(|face| {
+                        let corners = caster.mesh().corners(face);
+                        let met = umbrage::oracle::intersect(hit.point, request.light, corners);
+                        matches!(met, umbrage::oracle::Intersection::Crossing(Facing::Front | Facing::Back))
+                    })
+                })
+            };
+            // Every seventh sample: the loop is slow.
+            if index % 7 == 0 {
+                let lit = front_lit && !crossed();
+                assert_eq!(rays.values()[index], f32::from(u8::from(lit)), "{name} {index}");
+            }
+            assert_eq!(rays.asked()[index], front_lit);
+        }
+    });
+}
+
+#[test]
+fn oracle_over_several_meshes_equals_that_of_all_in_one() {
+    let meshes = [shapes::cube(), Mesh::default(), shapes::torus(12, 9, 2.0, 0.75), shapes::sheet(2)];
+    let over = umbrage::oracle::Oracle::over(&meshes.each_ref());
+    let one = umbrage::oracle::Oracle::build(&Mesh::concat(&meshes).unwrap());
+    let light = Light::point([3.0, 5.0, 4.0]).unwrap();
+    for i in 0..400_u16 {
+        let p = [7, 11, 13].map(|k| f32::from(i * k % 97) / 16.0 - 3.0);
+        assert_eq!(over.crossings(p, &light), one.crossings(p, &light), "{p:?}");
+        let hit = over.first_hit(p, [0.3, -0.2, -1.0]);
+        assert_eq!(hit, one.first_hit(p, [0.3, -0.2, -1.0]));
+        if let Some(hit) = hit {
+            let (mesh, face) = over.mesh_face(hit.face);
+            let offset: usize = meshes[..mesh].iter().map(Mesh::face_count).sum();
+            assert_eq!(offset + face.index(), hit.face.index());
+            assert!(face.index() < meshes[mesh].face_count());
+        }
+    }
+}

@@ -4,7 +4,8 @@ use super::{MOST_LIGHTS, Options};
 use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
-use crate::testing::generate::{Feature, LightKind};
+use crate::testing::generate::LightKind;
+use crate::verify::points::feature::Feature;
 
 /// The kinds of lights; without a kind those that were given. See
 /// [`Question::strata`](super::Question::strata).

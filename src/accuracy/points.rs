@@ -7,9 +7,10 @@ use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
 use crate::silhouette::Silhouette;
-use crate::testing::generate::{Feature, PointKind, Sampler};
 use crate::topology::Topology;
 use crate::verify::points::draw;
+use crate::verify::points::feature::Feature;
+use crate::verify::points::sampler::{PointKind, Sampler};
 
 /// The kinds of points. See [`Question::strata`](super::Question::strata).
 pub(super) const STRATA: [&str; 7] = [

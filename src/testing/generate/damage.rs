@@ -1,8 +1,8 @@
 //! Damage that is done to a mesh, piece by piece.
 
-use super::feature::{along, nudged, rounded};
 use super::mesh::Draft;
 use super::{Draw, faces, position};
+use crate::verify::points::feature::{along, nudged, rounded};
 
 /// One thing that was done to a mesh. Faces and vertices are numbered as they were at that moment.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! Lights: anywhere, and where a given mesh makes them hard.
 
-use super::feature::{Feature, along, corner, corners, one_ulp_off, rounded};
 use super::{Draw, position};
 use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
+use crate::verify::points::feature::{Feature, along, corner, corners, one_ulp_off, rounded};
 
 /// A kind of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

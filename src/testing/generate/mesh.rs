@@ -2,11 +2,11 @@
 
 use std::ops::RangeInclusive;
 
-use super::feature::{along, combined, nudged, rounded};
 use super::solid::{bent, boxes, voxel_solid};
 use super::{Damage, Draw, Scale, damage, position};
 use crate::mesh::Mesh;
 use crate::testing::shapes;
+use crate::verify::points::feature::{along, combined, nudged, rounded};
 
 /// What kind of mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! How large a mesh is, and where.
 
 use super::Draw;
-use super::feature::rounded;
+use crate::verify::points::feature::rounded;
 
 /// What is done to the coordinates of a shape, which are near 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,9 +1,10 @@
-use super::feature::one_ulp_off;
 use super::mesh::{CLOSED, KNOWN};
 use super::*;
 use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
+use crate::random::SplitMix64;
 use crate::topology::Topology;
+use crate::verify::points::feature::one_ulp_off;
 
 #[test]
 fn generate_zeros_are_the_simplest_choices() {

@@ -6,7 +6,8 @@ use proptest::prelude::*;
 use super::choices::{Choices, drawn};
 use crate::geom::Light;
 use crate::mesh::Mesh;
-use crate::testing::generate::{self, LightKind, Sampler};
+use crate::testing::generate::{self, LightKind};
+use crate::verify::points::sampler::Sampler;
 
 /// A point light or a directional one, often on the grid.
 ///

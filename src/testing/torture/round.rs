@@ -10,9 +10,9 @@ use crate::oracle::{Oracle, Verdict};
 use crate::random::SplitMix64;
 use crate::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex, WindingTable, stands_on};
 use crate::silhouette::Silhouette;
-use crate::testing::generate::Sampler;
 use crate::topology::Topology;
 use crate::verify::points::judge::Cast;
+use crate::verify::points::sampler::Sampler;
 
 /// Where tests inject faults, to show that they are found.
 #[derive(Clone, Copy)]

@@ -3,7 +3,9 @@
 use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
-use crate::testing::generate::{Damage, Draw, Feature, LightKind, PointKind, Scale, Shape, damage};
+use crate::testing::generate::{Damage, Draw, LightKind, Scale, Shape, damage};
+use crate::verify::points::feature::Feature;
+use crate::verify::points::sampler::PointKind;
 
 /// What a stratum draws from, each list evenly.
 pub(super) struct Recipe {

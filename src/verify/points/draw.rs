@@ -1,8 +1,8 @@
 //! Which points are judged.
 
 use super::Options;
+use super::sampler::{PointKind, Sampler};
 use crate::random::SplitMix64;
-use crate::testing::generate::{PointKind, Sampler};
 
 /// The kinds of points, in the order in which they are drawn in turn:
 ///

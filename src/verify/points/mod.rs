@@ -7,7 +7,9 @@
 //! on a face, that is declared: both answers are right there.
 
 pub(crate) mod draw;
+pub(crate) mod feature;
 pub(crate) mod judge;
+pub(crate) mod sampler;
 
 pub use draw::STRATA;
 
@@ -18,9 +20,9 @@ use crate::oracle::Verdict;
 use crate::parallel;
 use crate::shadow::volume::{Caps, ShadowVolume, WindingIndex};
 use crate::silhouette::Silhouette;
-use crate::testing::generate::Sampler;
 use crate::verify::Tally;
 use judge::Cast;
+use sampler::Sampler;
 
 /// How much to verify.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

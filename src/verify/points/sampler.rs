@@ -1,11 +1,11 @@
 //! Points where the answer is easy to get wrong: uniform sampling finds nothing where targeted sampling finds
 //! one wrong answer in seventy.
 
-use super::Draw;
 use super::feature::{Feature, along, corner, nudged, rounded};
 use crate::facing::{CasterFaces, classify};
 use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
+use crate::random::Draw;
 use crate::silhouette::Silhouette;
 use crate::topology::Topology;
 

@@ -1,7 +1,7 @@
 //! Positions on a mesh: its vertices, edges, faces and their planes, and how they are rounded.
 
-use super::Draw;
 use crate::mesh::Mesh;
+use crate::random::Draw;
 
 /// What of a mesh a position is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub(crate) enum Feature {
 impl Feature {
     pub(crate) const ANY: &'static [Self] = &[Self::Vertex, Self::Edge, Self::Face, Self::Plane];
 
-    pub(super) fn draw(self, draw: &mut dyn Draw, mesh: &Mesh) -> [f64; 3] {
+    pub(crate) fn draw(self, draw: &mut dyn Draw, mesh: &Mesh) -> [f64; 3] {
         let [a, b, c] = corners(draw, mesh);
         let eighths = |draw: &mut dyn Draw, low, high| f64::from(draw.between(low, high)) / 8.0;
         let part =
@@ -41,7 +41,7 @@ impl Feature {
 }
 
 /// The corners of a face, from any of them on; three times the origin where there is no face.
-pub(super) fn corners(draw: &mut dyn Draw, mesh: &Mesh) -> [[f64; 3]; 3] {
+pub(crate) fn corners(draw: &mut dyn Draw, mesh: &Mesh) -> [[f64; 3]; 3] {
     let (face, first) = (draw.index(mesh.face_count().max(1)), draw.index(3));
     let Some(mut face) = mesh.triangles().get(face).copied() else { return [[0.0; 3]; 3] };
     face.rotate_left(first);
@@ -49,22 +49,22 @@ pub(super) fn corners(draw: &mut dyn Draw, mesh: &Mesh) -> [[f64; 3]; 3] {
 }
 
 /// Each coordinate that of some vertex.
-pub(super) fn corner(draw: &mut dyn Draw, mesh: &Mesh) -> [f32; 3] {
+pub(crate) fn corner(draw: &mut dyn Draw, mesh: &Mesh) -> [f32; 3] {
     rounded([0, 1, 2].map(|axis| corners(draw, mesh)[0][axis]))
 }
 
 /// `a` + `t` (`b` − `a`).
-pub(super) fn along([a, b]: [[f64; 3]; 2], t: f64) -> [f64; 3] {
+pub(crate) fn along([a, b]: [[f64; 3]; 2], t: f64) -> [f64; 3] {
     [0, 1, 2].map(|i| a[i] + t * (b[i] - a[i]))
 }
 
 /// `a` + `u` (`b` − `a`) + `v` (`c` − `a`).
-pub(super) fn combined([a, b, c]: [[f64; 3]; 3], u: f64, v: f64) -> [f64; 3] {
+pub(crate) fn combined([a, b, c]: [[f64; 3]; 3], u: f64, v: f64) -> [f64; 3] {
     [0, 1, 2].map(|i| a[i] + u * (b[i] - a[i]) + v * (c[i] - a[i]))
 }
 
 /// The nearest `f32` point that is finite.
-pub(super) fn rounded(p: [f64; 3]) -> [f32; 3] {
+pub(crate) fn rounded(p: [f64; 3]) -> [f32; 3] {
     p.map(finite)
 }
 
@@ -73,12 +73,12 @@ fn finite(x: f64) -> f32 {
 }
 
 /// The nearest `f32` point, each coordinate moved by −2 … 2 ulps.
-pub(super) fn nudged(draw: &mut dyn Draw, p: [f64; 3]) -> [f32; 3] {
+pub(crate) fn nudged(draw: &mut dyn Draw, p: [f64; 3]) -> [f32; 3] {
     rounded(p).map(|x| stepped(x, draw.between(-2, 2)))
 }
 
 /// Each coordinate one ulp up, one down, or as it is; not all three as they are.
-pub(super) fn one_ulp_off(draw: &mut dyn Draw, p: [f32; 3]) -> [f32; 3] {
+pub(crate) fn one_ulp_off(draw: &mut dyn Draw, p: [f32; 3]) -> [f32; 3] {
     // Three digits of base 3: stay, up, down. Not 000.
     let digits = 1 + draw.below(26);
     [0, 1, 2].map(|i| match digits / 3_u32.pow(i) % 3 {

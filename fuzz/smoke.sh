@@ -24,13 +24,19 @@ fi
 
 cargo fmt --manifest-path fuzz/Cargo.toml --check
 cargo +nightly fuzz build
-for target in $(cargo +nightly fuzz list); do
-    printf '\n-- %s\n' "$target"
+
+# Runs one target, and prints what came of it in one piece.
+one() {
+    local log
     log=$(mktemp)
-    if ! fuzz/run.sh "$target" "$seconds" >"$log" 2>&1; then
-        tail -n 60 "$log" >&2
-        exit 1
+    if fuzz/run.sh "$1" "$2" >"$log" 2>&1; then
+        printf '\n-- %s\n%s\n' "$1" "$(grep -E 'stat::number_of_executed_units|DONE ' "$log")"
+        rm -f "$log"
+    else
+        printf '\n-- %s\n%s\n' "$1" "$(tail -n 60 "$log")" >&2
+        return 1
     fi
-    grep -E 'stat::number_of_executed_units|DONE ' "$log" || true
-    rm -f "$log"
-done
+}
+export -f one
+# A target has one thread: as many at a time as there are cores.
+cargo +nightly fuzz list | xargs -P "$(getconf _NPROCESSORS_ONLN)" -I {} bash -c 'one "$@"' one {} "$seconds"

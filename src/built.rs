@@ -1,8 +1,8 @@
-//! Which parts were built of which mesh: for tests that no command builds a part twice.
+//! Log of the parts built per mesh, so that tests can show that no command builds a part twice.
 
 use crate::mesh::Mesh;
 
-/// What is built of a mesh, once for its positions.
+/// A structure that is built once per mesh and position set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(
@@ -27,13 +27,13 @@ pub enum Part {
     Upload,
 }
 
-/// Notes that a part is built of a mesh.
+/// Logs that `part` is built for `mesh`.
 #[inline]
 pub(crate) fn note(part: Part, mesh: &Mesh) {
     note_lists(part, mesh.triangles(), mesh.positions());
 }
 
-/// Notes that a part is built of triangles, whatever their positions.
+/// Logs that the topology of `triangles` is built, whatever their positions.
 #[inline]
 pub(crate) fn note_topology(triangles: &[[u32; 3]]) {
     note_lists(Part::Topology, triangles, &[]);
@@ -66,15 +66,15 @@ mod log {
         });
     }
 
-    /// What the calling thread builds while `work` runs: each part with a fingerprint of the faces and positions that it
-    /// was built of. What other threads build is not seen.
+    /// The parts that the calling thread builds while `work` runs, each with a fingerprint of its faces and
+    /// positions. Parts built on other threads are not recorded.
     pub fn record<T>(work: impl FnOnce() -> T) -> (T, Vec<(Part, u64)>) {
         LOG.with_borrow_mut(|log| *log = Some(Vec::new()));
         let result = work();
         (result, LOG.take().unwrap_or_default())
     }
 
-    /// FNV-1a over words (Glenn Fowler, Landon Curt Noll, Phong Vo, 1991).
+    /// FNV-1a hash over 32-bit words (Glenn Fowler, Landon Curt Noll, Phong Vo, 1991).
     fn fingerprint(triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> u64 {
         let positions = positions.as_flattened().iter().map(|x| x.to_bits());
         let words = triangles.as_flattened().iter().copied().chain(positions);

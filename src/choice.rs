@@ -1,8 +1,8 @@
-//! What was chosen, and why: one type for every choice that the crate makes.
+//! A choice with its reason: one type for every automatic choice of the crate.
 
 use std::fmt;
 
-/// A choice and its reason. Displays as the reason in words.
+/// A choice and its reason. `Display` writes the reason in words.
 ///
 /// ```
 /// use umbrage::silhouette::SilhouetteMethod;
@@ -12,9 +12,9 @@ use std::fmt;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Choice<T> {
-    /// What was chosen.
+    /// The chosen value.
     pub what: T,
-    /// Why.
+    /// The reason for `what`.
     pub why: Reason,
 }
 
@@ -30,71 +30,73 @@ impl<T> fmt::Display for Choice<T> {
     }
 }
 
-/// Why something was chosen.
+/// Reason for a [`Choice`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Reason {
-    // Which faces of a shell cast.
+    // Faces of a shell that cast the shadow volume.
     /// All faces were asked for.
     AllFacesAsked,
     /// Front faces were asked for.
     FrontFacesAsked,
     /// Back faces were asked for.
     BackFacesAsked,
-    /// All faces: an edge of the shell does not have exactly two faces in opposite directions.
+    /// All faces cast: some edge of the shell does not have exactly two faces in opposite directions.
     NotWatertight,
-    /// All faces: a face of the shell has no area.
+    /// All faces cast: a face of the shell has zero area.
     ZeroAreaFace,
-    /// All faces: two faces of the shell intersect.
+    /// All faces cast: two faces of the shell intersect.
     MeetsItself,
-    /// All faces: the search for self-intersections gave up.
+    /// All faces cast: the search for self-intersections gave up.
     Unsettled,
-    /// All faces: the shell has volume 0.
+    /// All faces cast: the shell has zero volume.
     NoVolume,
-    /// All faces: the light lies on the shell, or so aligned with it that its winding number was not found.
+    /// All faces cast: the light lies on the shell, or is so aligned with the shell that no winding number
+    /// was found.
     LightOnShell,
-    /// All faces: the shell winds around the light.
+    /// All faces cast: the shell winds around the light.
     LightInside {
-        /// How often.
+        /// Winding number of the shell around the light.
         winding: i32,
     },
-    /// Front faces: watertight, not self-intersecting, positive volume, and the light is outside.
+    /// Front faces cast: the shell is watertight, has no self-intersection and has positive volume, and the
+    /// light is outside.
     FrontFacesSuffice,
-    /// Back faces: the same with a negative volume.
+    /// Back faces cast: as [`Reason::FrontFacesSuffice`], but with negative volume.
     BackFacesSuffice,
 
-    // How a shell is counted by a stencil pass.
+    // Stencil counting method of a shell.
     /// z-pass was asked for.
     ZPassAsked,
     /// z-fail was asked for.
     ZFailAsked,
-    /// z-pass: no face of the shell meets the convex hull of the light and the near rectangle.
+    /// z-pass: no face of the shell intersects the convex hull of the light and the near rectangle.
     NothingBetween,
-    /// z-fail: a face may meet that hull.
+    /// z-fail: a face of the shell may intersect the convex hull of the light and the near rectangle.
     MayLieBetween,
 
-    // How a silhouette is found.
-    /// Scan: there is too little to search.
+    // Search method for the silhouette.
+    /// Linear scan: the mesh is too small for a search to pay.
     FewFaces {
-        /// How many faces there are.
+        /// Number of faces.
         faces: u32,
     },
-    /// Scan: building a tree would take longer than it saves.
+    /// Linear scan: building a tree would take longer than the tree saves.
     FewLights {
-        /// How many lights are expected.
+        /// Number of lights expected.
         lights: u32,
     },
-    /// Scan: many edges have other faces than two in opposite directions.
+    /// Linear scan: many edges do not have exactly two faces in opposite directions.
     OpenMesh,
-    /// Scan: many faces lie in a plane with the light, or nearly.
+    /// Linear scan: the light lies in, or nearly in, the planes of many faces.
     Ties,
-    /// Scan: the silhouette runs through most of the mesh.
+    /// Linear scan: the silhouette runs through most of the mesh.
     Crowded,
-    /// Tree: many lights are expected, and this one is not near the last.
+    /// Tree: many lights are expected, and the present light is far from the previous one.
     ColdLight,
     /// Tree: the light has moved so far that most certificates would expire.
     FarMove,
-    /// Tree: the light seems to move slowly; certificates were made.
+    /// Tree: the light seems to move slowly, so certificates were made during the search.
     SlowLight,
     /// Certificates: the light has moved little or not at all.
     SmallMove,

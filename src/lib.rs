@@ -96,13 +96,16 @@
 //!
 //! # Features
 //!
-//! - `cli` (default): the command `umbrage`, and `verify`.
-//! - `parallel` (default): verification and pictures on several threads; the same bytes either way.
+//! - `files` (default): readers and writers of mesh files, and pictures as PNG.
+//! - `cli` (default): the command `umbrage`; brings `files`, `serde` and `verify`.
 //! - `gpu` (default): silhouettes, volumes and the stencil pass on a graphics adapter, by wgpu.
+//! - `parallel` (default): verification and pictures on several threads; the same bytes either way.
 //! - `verify`: the big-integer reference, verification at points, `accuracy` and torture.
-//! - `testing`: strategies for property tests of shadows, with proptest.
+//! - `serde`: `Serialize` for reports, with the keys of the command's JSON.
+//! - `testing`: strategies for property tests of shadows, with proptest; promises nothing between versions.
 //!
-//! `--no-default-features` leaves a lean geometry library.
+//! `--no-default-features` leaves a lean geometry library: at most 20 crates, itself included.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod geom;
 pub mod mesh;
@@ -110,7 +113,9 @@ pub mod view;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod scene;
+#[cfg(feature = "files")]
 pub mod read;
+#[cfg(feature = "files")]
 pub mod write;
 pub mod oracle;
 pub mod topology;
@@ -129,6 +134,8 @@ pub mod render;
 mod determinism;
 mod built;
 mod choice;
+#[cfg(feature = "serde")]
+mod json;
 mod parallel;
 mod random;
 

@@ -1,7 +1,7 @@
-//! Work that is shared by threads: rows of pixels, sums, halves of a task.
+//! Parallel loops over rows, sums, and fork-join, with serial versions where the feature `parallel` is off.
 
-/// Calls `work` with the number and the elements of each row of `buffer`: on several threads if the feature
-/// `parallel` is on. Rows do not see each other, so the result does not depend on the order.
+/// Calls `work` with the index and the elements of each row of `buffer`, on several threads if the feature
+/// `parallel` is on. Each call sees only its own row, so the result does not depend on the order.
 #[cfg(feature = "parallel")]
 pub(crate) fn rows<T: Send>(buffer: &mut [T], width: usize, work: impl Fn(usize, &mut [T]) + Sync) {
     use rayon::prelude::*;
@@ -13,7 +13,8 @@ pub(crate) fn rows<T>(buffer: &mut [T], width: usize, work: impl Fn(usize, &mut 
     buffer.chunks_mut(width).enumerate().for_each(|(y, row)| work(y, row));
 }
 
-/// Does both: on two threads, if there are, with the feature `parallel`.
+/// Runs both closures and returns both results, on two threads where available if the feature `parallel` is
+/// on.
 #[cfg(feature = "parallel")]
 pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     rayon::join(a, b)
@@ -49,7 +50,9 @@ pub(crate) fn sum<R>(
     join(empty(), (0..count).fold(empty(), add))
 }
 
-/// What `of` makes of a list, taken in parts of at most `grain` that `both` puts together.
+/// Parallel reduction of a list: `of` maps each run of at most `grain` elements, and `both` combines
+/// neighboring results. The split depends on the length alone, so the result does not depend on the thread
+/// count.
 pub(crate) fn fold<T: Sync, R: Send>(
     list: &[T],
     grain: usize,

@@ -1,11 +1,11 @@
 //! Pseudo-random numbers, the same on every platform, and other sources of choices.
 
-/// SplitMix64: a counter through a mixing function. Not for secrets.
+/// SplitMix64 generator: a counter passed through a mixing function. Not for cryptography.
 ///
 /// Steele, Lea & Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014.
 #[derive(Clone, Debug)]
 pub(crate) struct SplitMix64(
-    /// The counter; any value is a good seed.
+    /// State of the generator. Any value is a good seed.
     pub(crate) u64,
 );
 
@@ -18,17 +18,17 @@ impl SplitMix64 {
         z ^ (z >> 31)
     }
 
-    /// A number in [0, 1), one of 2⁵³.
+    /// A uniform number in [0, 1), a multiple of 2⁻⁵³.
     pub(crate) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// An integer below `bound`, which is not zero. Uneven by less than `bound` / 2⁶⁴.
+    /// A uniform integer below `bound`, which must not be zero. The bias is less than `bound` / 2⁶⁴.
     pub(crate) fn below(&mut self, bound: usize) -> usize {
         ((u128::from(self.next()) * bound as u128) >> 64) as usize
     }
 
-    /// The numbers 0 … `count` − 1 in random order (Fisher & Yates).
+    /// A random permutation of 0 … `count` − 1 (Fisher–Yates shuffle).
     pub(crate) fn permutation(&mut self, count: usize) -> Vec<u32> {
         let mut order: Vec<u32> = (0..count).map(|i| u32::try_from(i).expect("ids have 32 bits")).collect();
         for last in (1..count).rev() {

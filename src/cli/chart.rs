@@ -1,16 +1,16 @@
-//! What charts are drawn with: logarithmic axes, marks and text as SVG. The same numbers give the same bytes, and the
-//! colors follow the reader's light or dark scheme.
+//! Charts as SVG: logarithmic axes, marks and text. The same numbers give the same bytes, and the colors
+//! follow the light or dark scheme of the reader.
 
 use std::fmt;
 
-/// A chart on its way to a file: lines of SVG.
+/// A chart under construction: lines of SVG.
 #[derive(Clone, Debug)]
 pub(crate) struct Svg {
     text: String,
 }
 
-/// The colors of what is drawn with `class="c0"` and so on, as `currentColor`: blue, vermilion and green after Okabe and
-/// Ito, then purple and ochre, told apart by color-blind people; on light and on dark ground.
+/// The colors of the classes `c0` to `c4`, as `currentColor`, on light and on dark ground: blue, vermilion
+/// and green after Okabe and Ito, then purple and ochre, which color-blind people can distinguish.
 const COLORS: [[&str; 2]; 5] = [
     ["#0072b2", "#56b4e9"],
     ["#c04a00", "#ff9b57"],
@@ -19,14 +19,15 @@ const COLORS: [[&str; 2]; 5] = [
     ["#7a6200", "#e3c44a"],
 ];
 
-/// How many colors there are.
+/// Number of colors.
 pub(crate) const COLOR_COUNT: usize = COLORS.len();
 
 impl Svg {
-    /// An empty ground of so many pixels.
+    /// An empty chart of the given size in pixels.
     ///
-    /// Classes: `c0` to `c4` are colors, as `currentColor`; `grid` strokes lines of a grid, `faint` fills text of less
-    /// weight, `paper` fills and strokes in the color of the ground, `halo` keeps lines off the letters of a text.
+    /// Classes: `c0` to `c4` are colors, as `currentColor`; `grid` strokes lines of a grid, `faint` fills
+    /// text of less weight, `paper` fills and strokes in the color of the ground, `halo` outlines text in
+    /// that color.
     #[must_use]
     pub(crate) fn new(width: f64, height: f64) -> Self {
         let classes = |side: usize| -> String {
@@ -50,13 +51,14 @@ impl Svg {
         svg
     }
 
-    /// A line of SVG; text in it is [`escaped`] already.
+    /// A line of SVG; text in it is already [`escaped`].
     pub(crate) fn add(&mut self, line: fmt::Arguments<'_>) {
         use fmt::Write as _;
         let _ = writeln!(self.text, "{line}"); // a String takes everything
     }
 
-    /// The lines at the ticks of two axes with their numbers, and what the axes mean; all text is [`escaped`] already.
+    /// Grid lines and numbers at the ticks of two axes, and the titles of the axes; all text is already
+    /// [`escaped`].
     pub(crate) fn grid(&mut self, x: &Axis, y: &Axis, labels: [fn(f64) -> String; 2], titles: [&str; 2]) {
         let ([left, right], [bottom, top]) = (x.ends, y.ends);
         for &tick in &x.ticks {
@@ -101,12 +103,13 @@ pub(crate) struct Axis {
     ends: [f64; 2],
 }
 
-/// More ticks than this are too many.
+/// Ticks per axis at most.
 const MOST_TICKS: usize = 13;
 
 impl Axis {
-    /// Ticks at 1, 2 and 5 of each decade, or where that are many at the decades, the outermost just around the values,
-    /// which are above 0. `ends` are where the lowest and the highest tick stand, in pixels.
+    /// Ticks at 1, 2 and 5 of each decade, or at the decades if those were too many; the outermost ones just
+    /// enclose the values, which are above 0. `ends` are the positions of the lowest and the highest tick, in
+    /// pixels.
     #[must_use]
     pub(crate) fn around(values: impl Iterator<Item = f64> + Clone, ends: [f64; 2]) -> Self {
         let ticks = Self::ticks_around(Self::range(values.clone()), &[1.0, 2.0, 5.0]);
@@ -119,26 +122,26 @@ impl Axis {
         Self { ticks: Self::ticks_around(Self::range(values), &[1.0]), ends }
     }
 
-    /// The lowest and the highest value, as far as a logarithm can be taken of them.
+    /// The lowest and the highest value among those that have a logarithm.
     fn range(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
         let (low, high) = (values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max));
         if low <= high { [low.max(1e-300), high.max(1e-300)] } else { [1.0, 1.0] }
     }
 
     fn ticks_around([low, high]: [f64; 2], digits: &[f64]) -> Vec<f64> {
-        // One further on either side, should rounding have taken a power of ten for another.
+        // One more on either side, in case rounding has chosen the wrong power of ten.
         let decades = low.log10().floor() as i32 - 1..=high.log10().ceil() as i32 + 1;
         let tick = |decade: i32, digit: f64| format!("{digit}e{decade}").parse().unwrap_or(digit);
         let all: Vec<f64> =
             decades.flat_map(|decade| digits.iter().map(move |&digit| tick(decade, digit))).collect();
         let last_below = all.iter().rposition(|&tick| tick <= low).unwrap_or(0);
-        // One value still wants an axis of some length.
+        // A single value still needs an axis of positive length.
         let first_above =
             all.iter().position(|&tick| tick >= high).unwrap_or(all.len() - 1).max(last_below + 1);
         all[last_below..=first_above.min(all.len() - 1)].to_vec()
     }
 
-    /// Where a value stands, in pixels.
+    /// Position of a value, in pixels.
     #[must_use]
     pub(crate) fn place(&self, value: f64) -> f64 {
         let [low, high] = [self.ticks[0], self.ticks[self.ticks.len() - 1]].map(f64::ln);
@@ -146,7 +149,7 @@ impl Axis {
     }
 }
 
-/// A mark of some 8 pixels.
+/// Shape of a mark, about 8 pixels wide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mark {
     /// A disc.
@@ -166,7 +169,7 @@ impl Mark {
     pub(crate) const ALL: [Self; COLOR_COUNT] =
         [Self::Circle, Self::Square, Self::Triangle, Self::Diamond, Self::Wedge];
 
-    /// The outline around a place, as the `d` of a path.
+    /// The outline around a point, as the `d` of a path.
     #[must_use]
     pub(crate) fn path(self, [x, y]: [f64; 2]) -> String {
         match self {

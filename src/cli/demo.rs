@@ -29,9 +29,10 @@ use super::{Failure, Outcome, check, output, silhouette, verify, volume};
 
 /// All of it on a generated scene: report, silhouettes, volumes, pictures, verification
 ///
-/// A torus knot, a sphere and an open sheet over a ground, with a point light and a directional light. Open the
-/// .glb files in any glTF viewer. With a graphics adapter picture.png shows the shadows of a stencil pass on the left
-/// and of exact ray cast on the right, and verdicts.png where the two agree; without one, the ray cast alone.
+/// A torus knot, a sphere and an open sheet over a ground, with a point light and a directional light. Open
+/// the .glb files in any glTF viewer. With a graphics adapter picture.png shows the shadows of a stencil pass
+/// on the left and of exact ray cast on the right, and verdicts.png where the two agree; without one, the ray
+/// cast alone.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     /// The folder that everything is written into; made if it is missing
@@ -45,7 +46,7 @@ pub(crate) struct Args {
     adapter: AdapterArgs,
 }
 
-/// Points judged for each light, and the size of the picture.
+/// Points verified per light, and the size of the picture.
 const POINTS: usize = 20_000;
 const SIZE: (u32, u32) = (960, 540);
 /// The size of each of two pictures side by side.
@@ -57,7 +58,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     args.threads.apply()?;
     std::fs::create_dir_all(&args.out).map_err(|error| {
         let problem = format!("the folder cannot be made: {error}");
-        Failure::new(problem, "choose another place with --out").in_file(&args.out)
+        Failure::new(problem, "choose another folder with --out").in_file(&args.out)
     })?;
     let at = |name: &str| args.out.join(name);
     let mut out = Output::new();
@@ -88,11 +89,11 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     }
     out.flush()?;
 
-    // 4. The pictures, and the judges of pixels.
+    // 4. The pictures, and the verification of pixels.
     let (files, pixels_agree) = pictures(found, &caster, &lights, &args.out, &mut out)?;
     out.flush()?;
 
-    // 5. The judges of points.
+    // 5. The verification of points.
     let results = judge(&caster, &lights);
     let table = verify::text(&file, &lights, &results);
     out.text(format_args!("Verification: {table}\n"))?;
@@ -107,7 +108,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     Ok(if agreed && pixels_agree && closed { Outcome::Sound } else { Outcome::Unsound })
 }
 
-/// A knot that stands, a sphere, a sheet that leans and is open, and the ground; y is up.
+/// An upright knot, a sphere, a tilted open sheet, and the ground; y is up.
 fn scene() -> Scene {
     let move_to = |x, y, z| Mat4::from_translation(Vec3::new(x, y, z));
     let scale = |factor| Mat4::from_scale(Vec3::splat(factor));
@@ -174,7 +175,7 @@ fn by_rays(caster: &Caster, lights: &[SceneLight], size: (u32, u32)) -> Result<P
     .map_err(|error| Failure::new(error, "free some memory"))
 }
 
-/// The adapter that was asked for, or any; why there is none.
+/// The adapter that was asked for, or any; or the reason why there is none.
 #[cfg(feature = "gpu")]
 type Found = Result<Gpu, GpuError>;
 /// This build has no graphics.

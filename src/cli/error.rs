@@ -1,4 +1,4 @@
-//! Why a command could not run, in one line.
+//! Errors of commands, one line each.
 
 use std::fmt;
 use std::path::Path;
@@ -6,11 +6,11 @@ use std::path::Path;
 use umbrage::read::{Format, ReadError};
 use umbrage::write::WriteError;
 
-/// Why a command could not run: file, place, problem, remedy, in one line.
+/// Why a command could not run: file, location, problem and remedy on one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Failure {
     line: String,
-    /// What the file was taken for, where that was settled.
+    /// The format of the file, if it was recognized.
     pub(crate) format: Option<Format>,
 }
 
@@ -35,7 +35,7 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Both already print as one line that names the file.
+/// Both already print as one line with the name of the file.
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
         Self::of(error.to_string(), error.format)

@@ -1,4 +1,4 @@
-//! One file under its lights, as every command but `check` takes it.
+//! One file and its lights: the input of every command but `check`.
 
 use std::path::PathBuf;
 
@@ -12,10 +12,10 @@ use super::lights::LightArgs;
 use super::load;
 use super::load::MeshArgs;
 
-/// Which file, how it is welded, and what lights it.
+/// The file, how it is welded, and its lights.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SourceArgs {
-    /// A mesh file: obj, gltf, glb, stl, ply, md2; told apart by its content, then by its extension
+    /// A mesh file: obj, gltf, glb, stl, ply, md2; recognized by its content, then by its extension
     pub(crate) file: PathBuf,
 
     #[command(flatten)]
@@ -25,7 +25,7 @@ pub(crate) struct SourceArgs {
     pub(crate) lights: LightArgs,
 }
 
-/// All meshes of a file as one that casts, and its lights.
+/// All meshes of a file as one caster, and the lights.
 #[derive(Debug)]
 pub(crate) struct Source {
     /// The format's name, as reports give it.
@@ -38,7 +38,7 @@ pub(crate) struct Source {
 }
 
 impl SourceArgs {
-    /// Reads, bakes, welds and joins the file, and settles the lights. Remarks go to standard error.
+    /// Reads, bakes, welds and joins the file, and chooses the lights. Notes go to standard error.
     pub(crate) fn load(&self) -> Result<Source, Failure> {
         let baked = self.mesh.read(&self.file)?;
         let up = baked.up;

@@ -1,4 +1,4 @@
-//! Ending when told to: Ctrl-C, SIGINT, SIGTERM, SIGHUP.
+//! Clean exit on signals: Ctrl-C, SIGINT, SIGTERM, SIGHUP.
 
 use std::process;
 
@@ -10,11 +10,11 @@ use super::progress;
 /// The exit code of a command that was interrupted, as shells give it for SIGINT.
 const INTERRUPTED: i32 = 130;
 
-/// From now on a signal that asks the program to end does so in order: no file is left half written, the terminal is
-/// left clean, one line is said. A second one ends it whatever is in the way.
+/// Installs the handler of signals that ask the program to exit: no file is left half written, the terminal
+/// is left clean, and one line is printed. A second signal exits at once.
 ///
-/// A signal that whoever started the program has it ignore (`nohup`, a job in the background of a script) stays
-/// ignored. Where watching is refused, signals end the program as they do any other.
+/// A signal that was set to be ignored when the program was started (`nohup`, a background job of a script)
+/// stays ignored. If the handler cannot be installed, signals end the program as usual.
 #[cfg(unix)]
 pub(crate) fn watch() {
     use std::thread;
@@ -23,14 +23,15 @@ pub(crate) fn watch() {
     use signal_hook::iterator::Signals;
     use signal_hook::low_level;
 
-    /// `timeout` sends its signal twice: enough for what the first one has begun, too short for a person to notice.
+    /// `timeout` sends its signal twice: long enough for the cleanup after the first one, too short for a
+    /// person to notice.
     const GRACE: Duration = Duration::from_millis(100);
 
     let Ok(mut signals) = Signals::new(heeded()) else { return };
     thread::spawn(move || {
         let mut signals = signals.forever();
         if signals.next().is_some() {
-            // Of its own: standard error may be a pipe that nobody reads.
+            // In a thread of its own: standard error may be a pipe that nobody reads.
             thread::spawn(|| write::abandon(end));
             if signals.next().is_some() {
                 thread::sleep(GRACE);
@@ -40,13 +41,14 @@ pub(crate) fn watch() {
     });
 }
 
-/// As above, as far as the system has such signals.
+/// The same for the signals of this system.
 #[cfg(windows)]
 pub(crate) fn watch() {
     let _ = ctrlc::try_set_handler(|| write::abandon(end));
 }
 
-/// The signals to end by: those that are not ignored. Where that cannot be known, all but the one that is ignored most.
+/// The signals to handle: those that are not ignored. Where that is unknown, all but SIGHUP, which is the one
+/// most often ignored.
 #[cfg(unix)]
 fn heeded() -> Vec<i32> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -55,7 +57,7 @@ fn heeded() -> Vec<i32> {
     [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0).collect()
 }
 
-/// The ignored signals as bits, the first signal lowest, of what Linux says about a process.
+/// The ignored signals as bits, the first signal lowest, from the status of a process on Linux.
 #[cfg(unix)]
 fn ignored(status: &str) -> Option<u64> {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;

@@ -1,4 +1,4 @@
-//! Which lights a command works with.
+//! The lights of a command.
 
 use serde_json::Value;
 use umbrage::geom::{Aabb, Light};
@@ -10,10 +10,11 @@ use super::output;
 /// The lights that were asked for.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct LightArgs {
-    /// `point:X,Y,Z` or `directional:X,Y,Z` (the way the light travels), in mesh units; may be repeated
+    /// `point:X,Y,Z` or `directional:X,Y,Z` (the direction in which the light travels), in mesh units; may be
+    /// repeated
     ///
-    /// [default: the file's own lights; without those, a point light 1.5 diagonals of the bounding box away from
-    /// its center, above and to the side, towards (1,2,1), or (1,-1,2) for stl and md2, where z is up]
+    /// [default: the file's own lights; without those, a point light 1.5 diagonals of the bounding box away
+    /// from its center, above and to the side, towards (1,2,1), or (1,-1,2) for stl and md2, where z is up]
     #[arg(long = "light", value_name = "LIGHT", allow_hyphen_values = true)]
     lights: Vec<Light>,
 }
@@ -38,8 +39,8 @@ impl LightArgs {
     }
 }
 
-/// A light for a person: coordinates far from 1 with an exponent, then its name, if it has one. Without the name it
-/// can be given back as `--light`.
+/// Label of a light in text output: coordinates far from 1 with an exponent, then its name, if it has one.
+/// Without the name it is a valid value of `--light`.
 pub(crate) fn label(light: &Light, name: &str) -> String {
     let exact = light.to_string();
     let (kind, coordinates) = exact.split_once(':').unwrap_or(("", &exact));
@@ -61,7 +62,8 @@ fn white(light: Light) -> SceneLight {
     SceneLight { name: String::new(), light, color: [1.0; 3], intensity: 1.0, spot: None }
 }
 
-/// 1.5 diagonals from the center towards (1, 2, 1) of a y-up model: above, in front and to the side of everything.
+/// Default position: 1.5 diagonals from the center towards (1, 2, 1) of a y-up model, which is above, in
+/// front and to the side of everything.
 fn default_light(bounds: Aabb, up: Up) -> Light {
     let (center, diagonal) = (bounds.center(), bounds.diagonal());
     let reach = if diagonal > 0.0 { 1.5 * diagonal } else { 1.0 };

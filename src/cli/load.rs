@@ -1,4 +1,4 @@
-//! From a file to welded meshes, as every command that reads a mesh does it.
+//! From a file to welded meshes: shared by every command that reads a mesh.
 
 use std::path::Path;
 
@@ -16,8 +16,8 @@ use super::progress::Progress;
 /// How vertices are merged and what counts as one mesh.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct MeshArgs {
-    /// Which vertices are the same: `exact` (equal positions, bit for bit), `none` (the file's own indices), or a
-    /// distance in mesh units
+    /// Which vertices are the same: `exact` (equal positions, bit for bit), `none` (the file's own indices),
+    /// or a distance in mesh units
     ///
     /// Raise the distance when a report speaks of near-miss seams: nothing moves farther than that.
     #[arg(long, value_name = "exact|none|DIST", default_value = "exact", value_parser = parse_weld, allow_negative_numbers = true)]
@@ -30,9 +30,9 @@ pub(crate) struct MeshArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum ScopeArg {
-    /// Each mesh where it stands in the scene
+    /// Each mesh instance, where the scene places it
     Mesh,
-    /// Each part of a mesh (primitive, group) for itself
+    /// Each part of a mesh (primitive, group) separately
     Primitive,
     /// The whole file; for solids that are stored in pieces
     Scene,
@@ -121,8 +121,8 @@ impl MeshArgs {
         WeldedMesh { mesh: welded.mesh, vertices, unreferenced }
     }
 
-    /// Whether a mesh is balanced as it would be welded, with the probability of error of [`Screen`]; `None` for a
-    /// weld within a distance, which cannot be told without doing it.
+    /// Whether a mesh would be balanced once it is welded, with the probability of error of [`Screen`];
+    /// `None` for a weld within a distance, which cannot be decided without welding.
     pub(crate) fn screen(&self, mesh: &Mesh) -> Option<bool> {
         match self.weld {
             Weld::Exact => Some(Screen::default().positions(mesh)),

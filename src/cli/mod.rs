@@ -1,12 +1,13 @@
-//! The command line: one file a command, and what they share.
+//! The command line: one module per command, and what they share.
 //!
-//! Standard output is the result, standard error the talk. Every command is `Args`, which says what can be
-//! asked, and `run`, which does it.
+//! Results go to standard output, everything else to standard error. Every command has `Args`, its arguments,
+//! and `run`.
 
 mod chart;
 mod error;
 mod input;
 mod interrupt;
+mod json;
 mod lights;
 mod load;
 mod output;
@@ -41,7 +42,7 @@ use error::Failure;
     name = "umbrage",
     version,
     max_term_width = 100,
-    after_help = "Exit codes: 0 sound, or all judges agree; 1 cracks or disagreements found; 2 could not run; \
+    after_help = "Exit codes: 0 sound, or all methods agree; 1 cracks or disagreements found; 2 could not run; \
                   130 interrupted.\n\
                   Results go to standard output, notes, progress and errors to standard error."
 )]
@@ -80,15 +81,15 @@ impl Command {
 /// How a command that ran has ended; ascending, so that the worst of several is their maximum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Outcome {
-    /// Sound, or all judges agree.
+    /// Sound, or all methods agree.
     Sound = 0,
     /// Cracks or disagreements were found.
     Unsound = 1,
-    /// Some of it could not be done; what was in the way has been said.
+    /// Some of it could not be done; the error has been printed.
     Incomplete = 2,
 }
 
-/// Parses the arguments, runs the command, and gives the exit code.
+/// Parses the arguments, runs the command, and returns the exit code.
 pub(crate) fn main() -> ExitCode {
     let cli = match parse(std::env::args_os()) {
         Ok(cli) => cli,
@@ -104,12 +105,12 @@ pub(crate) fn main() -> ExitCode {
     }
 }
 
-/// What `arguments` ask for, the command's own name first. Nothing is looked at or done yet.
+/// The parsed `arguments`, of which the first is the name of the command. Nothing is run.
 pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
     Cli::try_parse_from(arguments)
 }
 
-/// What the parser answers itself: help and version, or in one line what is wrong with the arguments.
+/// Prints what the parser answers itself: help and version, or one line about a bad argument.
 fn answer(error: &clap::Error) -> Outcome {
     if error.use_stderr() && error.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         output::say(usage(&error.to_string()));
@@ -126,22 +127,22 @@ fn answer(error: &clap::Error) -> Outcome {
     }
 }
 
-/// The parser's paragraphs as problem and remedy. The first one is the problem; a tip, if there is one, the remedy.
+/// The message of the parser as problem and remedy: its first paragraph, and its tip, if there is one.
 pub(crate) fn usage(text: &str) -> Failure {
     let fold = |paragraph: &str| paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
     let mut paragraphs = text.split("\n\n").map(fold);
     let first = paragraphs.next().unwrap_or_default();
     let problem = first.strip_prefix("error: ").unwrap_or(&first);
-    // What our own parsers say of a value is the remedy already.
+    // The messages of our own parsers have the remedy already.
     let said = problem.split_once("; write ").or_else(|| problem.split_once(": write "));
     if let Some((problem, remedy)) = said {
         return Failure::new(problem, format_args!("write {remedy}"));
     }
-    // A mistyped option is likelier than a file of that name, which the other tip is about.
+    // A mistyped option is likelier than a file of that name, which the other tip is about (`to pass …`).
     let tip = paragraphs
         .find_map(|paragraph| paragraph.strip_prefix("tip: ").map(str::to_owned))
         .filter(|tip| !tip.starts_with("to pass"));
-    Failure::new(problem, tip.as_deref().unwrap_or("--help tells what is allowed"))
+    Failure::new(problem, tip.as_deref().unwrap_or("--help lists what is allowed"))
 }
 
 #[cfg(test)]
@@ -159,9 +160,9 @@ mod tests {
             (
                 "check a --scope planet",
                 "invalid value 'planet' for '--scope <SCOPE>' [possible values: mesh, primitive, scene]; --help \
-                 tells what is allowed",
+                 lists what is allowed",
             ),
-            ("check a --bogus", "unexpected argument '--bogus' found; --help tells what is allowed"),
+            ("check a --bogus", "unexpected argument '--bogus' found; --help lists what is allowed"),
             (
                 "silhouette a --light -1,2,3",
                 "invalid value '-1,2,3' for '--light <LIGHT>': `-1,2,3` is not a light; write point:X,Y,Z or \
@@ -170,7 +171,7 @@ mod tests {
             ("chekc a", "unrecognized subcommand 'chekc'; a similar subcommand exists: 'check'"),
             (
                 "check",
-                "the following required arguments were not provided: <FILE>...; --help tells what is allowed",
+                "the following required arguments were not provided: <FILE>...; --help lists what is allowed",
             ),
             (
                 "verify a --points -1",
@@ -187,7 +188,8 @@ mod tests {
         <Cli as clap::CommandFactory>::command().debug_assert();
     }
 
-    /// Runs a command on this thread, and asserts that it builds no part twice of the same faces and positions.
+    /// Runs a command on this thread, and asserts that it builds no part twice of the same faces and
+    /// positions.
     fn builds_each_part_once(arguments: &[&str]) -> Vec<umbrage::testing::BuiltPart> {
         let words = ["umbrage"].iter().chain(arguments).map(OsString::from);
         let command = parse(words).unwrap().command;

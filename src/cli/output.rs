@@ -9,18 +9,18 @@ use serde_json::Value;
 
 use super::error::Failure;
 
-/// Says something to the person: one line on standard error. Nothing is lost if nobody listens.
+/// Prints one line on standard error. A closed standard error is ignored.
 pub(crate) fn say(text: impl Display) {
     let _ = writeln!(io::stderr().lock(), "umbrage: {text}");
 }
 
-/// Says that a file was written.
+/// Reports that a file was written.
 pub(crate) fn wrote(path: &Path) {
     say(format_args!("wrote {}", plain(&path.to_string_lossy())));
 }
 
-/// Standard output. Once the reader has closed the pipe, what is written goes nowhere, and the command goes
-/// on to its exit code.
+/// Standard output. Once the reader has closed the pipe, further output is dropped, and the command runs on
+/// to its exit code.
 pub(crate) struct Output {
     writer: BufWriter<UntilClosed<StdoutLock<'static>>>,
 }
@@ -45,30 +45,30 @@ impl Output {
         self.line(format_args!("{value:#}"))
     }
 
-    /// Hands everything on to the reader.
+    /// Flushes everything to the reader.
     pub(crate) fn flush(&mut self) -> Result<(), Failure> {
         self.writer.flush().map_err(unwritable)
     }
 }
 
-/// Why the result did not reach anybody.
+/// The error of a result that could not be printed.
 pub(super) fn unwritable(error: io::Error) -> Failure {
-    Failure::new(format_args!("standard output cannot be written: {error}"), "write to another place")
+    Failure::new(format_args!("standard output cannot be written: {error}"), "write to another file")
 }
 
-/// Whether anything was handed to standard output, which may then have reached its reader.
+/// Whether anything was written to standard output, and may have reached its reader.
 pub(crate) fn has_begun() -> bool {
     BEGUN.load(Ordering::Relaxed)
 }
 
 static BEGUN: AtomicBool = AtomicBool::new(false);
 
-/// Takes a closed pipe as a reader who has seen enough.
+/// A writer that ignores a closed pipe: the reader has seen enough.
 struct UntilClosed<W>(W);
 
 impl<W: Write> Write for UntilClosed<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // Before the bytes go: a pipe that is full keeps the call here with half of them read.
+        // Before the write: a full pipe blocks here with half of the bytes read.
         BEGUN.store(true, Ordering::Relaxed);
         match self.0.write(bytes) {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(bytes.len()),
@@ -89,13 +89,13 @@ pub(crate) fn number(value: f64) -> Value {
     Value::from(value)
 }
 
-/// A single-precision number for JSON with no more digits than tell it from its neighbors.
+/// A single-precision number for JSON with no more digits than it needs to be read back exactly.
 pub(crate) fn number32(value: f32) -> Value {
     // The shortest decimal of the f32, which as an f64 prints the same digits.
     value.to_string().parse().map_or(Value::Null, number)
 }
 
-/// A number for a person: six significant digits.
+/// A number in text output: six significant digits.
 pub(crate) fn significant(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     match rounded.abs() {
@@ -109,7 +109,7 @@ pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-/// Text from outside, fit for a terminal: no control characters, so one line and no commands to it.
+/// Text of a file, safe for a terminal: without control characters, so one line and no escape sequences.
 pub(crate) fn plain(text: &str) -> String {
     text.replace(char::is_control, "\u{fffd}")
 }
@@ -124,7 +124,7 @@ pub(crate) fn short(name: &str) -> String {
     }
 }
 
-/// Rows with aligned columns: the first one to the left, the others to the right.
+/// Rows with aligned columns: the first one to the left, the rest to the right.
 pub(crate) struct Table {
     rows: Vec<Vec<String>>,
 }

@@ -1,4 +1,4 @@
-//! Values of options that several commands take, and what is said of one that is none.
+//! Parsers of option values that several commands share, and their error messages.
 
 use std::path::Path;
 
@@ -29,7 +29,7 @@ pub(crate) fn degrees(text: &str) -> Result<f32, String> {
     text.parse().map_err(|_| "write a number of degrees".to_owned())
 }
 
-/// A distance that is some.
+/// A positive distance.
 pub(crate) fn distance(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(distance) if distance > 0.0 && distance.is_finite() => Ok(distance),
@@ -48,18 +48,18 @@ pub(crate) fn refuse_overwriting(option: &str, output: Option<&Path>, input: &Pa
     }
 }
 
-/// Refuses an output whose folder is not there, before the work and not after it.
+/// Refuses an output whose folder does not exist, before any work is done.
 pub(crate) fn require_folder(output: &Path) -> Result<(), Failure> {
     match output.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
             let problem = format!("cannot be written: there is no folder {}", folder.display());
-            Err(Failure::new(problem, "make it, or choose another place").in_file(output))
+            Err(Failure::new(problem, "create it, or choose another folder").in_file(output))
         }
         _ => Ok(()),
     }
 }
 
-/// Whether two names lead to one file that exists, through links too.
+/// Whether two names are the same existing file, also through links.
 fn is_same_file(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     {

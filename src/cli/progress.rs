@@ -8,10 +8,11 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Nothing that is over within this time is worth a bar.
+/// Delay before a bar appears: shorter work shows none.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// A bar that appears after a second and goes with the value. Where standard error is no terminal there is none.
+/// A progress bar that appears after a second and disappears when dropped. There is none where standard error
+/// is no terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
     watch: Option<(Sender<()>, JoinHandle<()>)>,
@@ -23,7 +24,7 @@ fn shown() -> MutexGuard<'static, Option<ProgressBar>> {
     SHOWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Takes the bar off the terminal, if there is one: the program is about to end.
+/// Removes the bar from the terminal, if there is one: the program is about to exit.
 pub(crate) fn clear() {
     if let Some(bar) = shown().take() {
         bar.finish_and_clear();

@@ -28,10 +28,10 @@ use super::{Failure, Outcome};
 
 /// Picture: shadows by a stencil pass or by exact ray cast, flat faces, plain shading
 ///
-/// Shading is for the eye: a light is as strong far away as near. Lights asked for share one brightness; those of a
-/// file keep the ratio that their candela and lux have at the center of the scene, a spot light within its cone.
-/// Both ways shade alike; a stencil pass says of each light how its shells were counted. A point that a ray only
-/// grazes is drawn lit.
+/// Shading has no falloff with distance. Lights given by --light share one brightness; those of a file keep
+/// the ratio that their candela and lux have at the center of the scene, a spot light within its cone. Both
+/// methods shade alike; with a stencil pass, standard error says per light how its shells were counted. A
+/// point that a ray only grazes is drawn lit.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -146,7 +146,7 @@ pub(crate) fn parse_samples(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Whether a picture can be written under this name, as far as the name tells.
+/// Refuses a name that no picture can be written under, judging by the extension.
 pub(crate) fn require_png(path: &Path) -> Result<(), Failure> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         return Ok(());

@@ -46,7 +46,7 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "OUT.{obj,ply,glb}")]
     output: Option<PathBuf>,
 
-    /// Print one JSON document instead of a table: `file`, `format`, and `lights` with an object for each light
+    /// Print one JSON document instead of a table: `file`, `format`, and `lights` with one object per light
     #[arg(long)]
     json: bool,
 
@@ -56,7 +56,7 @@ pub(crate) struct Args {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Method {
-    /// Scan or tree, whichever is cheaper for so many lights
+    /// Scan or tree, whichever is cheaper for this number of lights
     Auto,
     /// All faces, then all edges
     Scan,
@@ -87,7 +87,8 @@ impl Finder {
         }
     }
 
-    /// The silhouettes of all faces and of front faces, the sides, and how many of them took a second look.
+    /// The silhouettes of all faces and of front faces, the sides, and how many of them the filter left to
+    /// the exact predicate.
     fn find(&mut self, mesh: &Mesh, topology: &Topology, light: &Light) -> Result<Looked, Failure> {
         match self {
             Self::Scan => Ok(scan(mesh, topology, light)),
@@ -116,11 +117,11 @@ fn scan(mesh: &Mesh, topology: &Topology, light: &Light) -> Looked {
     let facing = classify(mesh, light);
     let [all, front] = [CasterFaces::All, CasterFaces::Front]
         .map(|casters| Silhouette::extract(topology, &casters.signs(&facing)));
-    // Every face was asked the exact predicate: none is left over.
+    // Every face was decided by the exact predicate: none is unsure.
     Looked { facing, all, front, unsure_faces: 0 }
 }
 
-/// What a finder says of one light.
+/// What a finder reports for one light.
 struct Looked {
     facing: Vec<Facing>,
     all: Silhouette,
@@ -244,7 +245,7 @@ fn found(topology: &Topology, SceneLight { name, light, .. }: SceneLight, looked
 
 fn document(topology: &Topology, found: &Found, method: &str, reason: &str) -> Value {
     json!({
-        "light": found.light.to_string(),
+        "light": found.light,
         "name": lights::name(&found.name),
         "faces": topology.face_count(),
         "front_faces": found.front_faces,

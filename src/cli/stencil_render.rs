@@ -1,4 +1,4 @@
-//! A picture by stencil shadows: from a mesh and a view to pixels, and what can be said of each light.
+//! Pictures with stencil shadows: from a mesh and a view to pixels, with a description per light.
 
 use umbrage::caster::Caster;
 use umbrage::facing::CasterFaces;
@@ -10,21 +10,21 @@ use umbrage::shadow::stencil::{
 };
 use umbrage::view::Projection;
 
-/// A mesh before an eye, with the volumes of each lamp.
+/// A mesh and a view, with the volumes of each lamp.
 pub(crate) struct Stage<'a> {
     caster: &'a Caster,
     view: View<'a>,
     pass: StencilPass,
     receivers: Receivers,
     pub(crate) projection: Projection,
-    /// One a lamp.
+    /// One entry per lamp.
     pub(crate) castings: Vec<StencilVolumes>,
     on_device: Vec<GpuStencilVolumes>,
 }
 
 impl<'a> Stage<'a> {
-    /// `bounds` are those of what the eye looks at, without a ground. All faces cast: proving that half of them are
-    /// enough takes longer than drawing the others once.
+    /// `bounds` are those of the mesh without a ground. All faces cast: proving that half of them are enough
+    /// takes longer than drawing the other half once.
     pub(crate) fn new(
         gpu: &Gpu,
         caster: &'a Caster,
@@ -53,7 +53,7 @@ impl<'a> Stage<'a> {
         render_stencil(&self.pass, self.caster, &self.receivers, &self.view, &self.projection, &shadows)
     }
 
-    /// What is counted for one lamp, without its light.
+    /// Description of how one lamp is counted, without the lamp itself.
     pub(crate) fn mask(&self, lamp: usize) -> Result<ShadowMask, GpuError> {
         let (draws, counting) = (self.on_device[lamp].draws(), self.castings[lamp].counting());
         self.pass.mask(&self.projection, self.view.size, &self.receivers, &draws, counting)

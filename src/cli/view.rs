@@ -1,4 +1,4 @@
-//! From where a picture is taken.
+//! The camera of a picture.
 
 use umbrage::view::{Camera, Up};
 
@@ -8,14 +8,14 @@ use super::parsers::degrees;
 /// The camera that is asked for, if one is.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct ViewArgs {
-    /// Where the eye is, in mesh units
+    /// Position of the eye, in mesh units
     ///
-    /// [default: the file's own camera; without one, a three-quarter view from the front, the right and above that
-    /// shows everything]
+    /// [default: the file's own camera; without one, a three-quarter view from the front, the right and above
+    /// that shows everything]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "target", allow_hyphen_values = true)]
     eye: Option<[f32; 3]>,
 
-    /// Where the eye looks to, in mesh units, together with --eye [default: as for --eye]
+    /// The point that the eye looks at, in mesh units, together with --eye [default: as for --eye]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "eye", allow_hyphen_values = true)]
     target: Option<[f32; 3]>,
 

@@ -24,8 +24,8 @@ use super::{Failure, Outcome};
 
 /// Shadow volume: light cap, sides and dark cap, closed at infinity, with the certificate that it is closed
 ///
-/// Each mesh of the file is welded by itself; all of them cast together. Exits with 1 if a volume with both caps
-/// is not closed.
+/// Each mesh of the file is welded separately; all of them cast together. Exits with 1 if a volume with both
+/// caps is not closed.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -47,13 +47,14 @@ pub(crate) struct Args {
 
     /// How far vertices at infinity are moved when written, in mesh units, since no format holds infinity
     ///
-    /// [default: 10 diagonals of the bounding box]. GLB and PLY carry the homogeneous w too, 0 for such a vertex.
+    /// [default: 10 diagonals of the bounding box]. GLB and PLY also carry the homogeneous w, 0 for such a
+    /// vertex.
     #[arg(long, value_name = "DIST", value_parser = distance, allow_negative_numbers = true)]
     far: Option<f32>,
 
-    /// Print one JSON document instead of a table: `file`, `format`, and `lights` with an object for each light
+    /// Print one JSON document instead of a table: `file`, `format`, and `lights` with one object per light
     ///
-    /// At most 1000 shells a light are listed.
+    /// At most 1000 shells per light are listed.
     #[arg(long)]
     json: bool,
 
@@ -83,7 +84,7 @@ impl From<Faces> for Option<CasterFaces> {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Caps {
-    /// Both: where the eye will be is not known here
+    /// Both: the position of the eye is not known here
     Auto,
     /// Light cap and dark cap, as z-fail counting needs them
     Both,
@@ -100,7 +101,7 @@ impl From<Caps> for volume::Caps {
     }
 }
 
-/// A bound on what is listed where a mesh falls apart into single faces.
+/// Shells listed at most: a mesh may fall apart into single faces.
 const SHELLS_LISTED: usize = 1000;
 
 /// The volume of one light, and why it is as it is.
@@ -182,14 +183,14 @@ fn build(caster: &Caster, light: SceneLight, faces: Option<CasterFaces>, caps: v
     Built { name, light, faces, volume, closed }
 }
 
-/// Ten diagonals, so that the clamped end is well out of a picture of the mesh.
+/// Ten diagonals, so that the clamped end is far outside any picture of the mesh.
 fn default_far(mesh: &Mesh) -> f32 {
     let diagonal = load::bounds(mesh).diagonal();
     if diagonal > 0.0 { (10.0 * diagonal).min(f64::from(f32::MAX)) as f32 } else { 1.0 }
 }
 
-/// The three runs of triangles, each with the vertices that it uses; a run that is empty is left out. Where two
-/// runs meet, both have the vertex, bit for bit.
+/// Light cap, sides and dark cap, each with the vertices that it uses; empty ones are left out. A vertex on
+/// the border of two of them is in both, bit for bit.
 fn layers(volume: &ShadowVolume, far: f32, suffix: &str) -> Vec<Layer> {
     let positions = volume.clamped(far);
     let finite = volume.positions().len();
@@ -219,10 +220,10 @@ fn layers(volume: &ShadowVolume, far: f32, suffix: &str) -> Vec<Layer> {
 }
 
 fn document(built: &Built) -> Value {
-    let variant = |(shell, choice): (usize, &Choice<CasterFaces>)| json!({ "shell": shell, "variant": choice.what.name(), "reason": choice.to_string() });
+    let variant = |(shell, choice): (usize, &Choice<CasterFaces>)| json!({ "shell": shell, "variant": choice.what, "reason": choice.why });
     let volume = &built.volume;
     json!({
-        "light": built.light.to_string(),
+        "light": built.light,
         "name": lights::name(&built.name),
         "variant": built.faces.choices.iter().enumerate().take(SHELLS_LISTED).map(variant).collect::<Vec<_>>(),
         "vertices": volume.vertex_count(),
@@ -263,7 +264,7 @@ fn text(file: &Path, built: &[Built]) -> String {
 fn grouped(choices: &[Choice<CasterFaces>]) -> Vec<(Choice<CasterFaces>, usize)> {
     let mut groups: Vec<(Choice<CasterFaces>, usize)> = Vec::new();
     for choice in choices {
-        // What is printed is all that tells two apart, and there are few reasons.
+        // Choices that print the same are the same here, and there are few reasons.
         let same = |group: &&mut (Choice<CasterFaces>, usize)| {
             group.0.what == choice.what && group.0.to_string() == choice.to_string()
         };

@@ -1,29 +1,38 @@
-//! Axis-aligned boxes of exact `f32` bounds.
+//! Axis-aligned boxes with exact `f32` bounds.
 
-/// A closed axis-aligned box.
+/// A closed axis-aligned bounding box.
+///
+/// ```
+/// use umbrage::geom::Aabb;
+/// let aabb = Aabb::around([[0.0, 0.0, 0.0], [2.0, 3.0, 6.0], [1.0, 1.0, 1.0]]);
+/// assert_eq!((aabb.low, aabb.high), ([0.0; 3], [2.0, 3.0, 6.0]));
+/// assert_eq!((aabb.center(), aabb.diagonal()), ([1.0, 1.5, 3.0], 7.0));
+/// assert!(aabb.contains([2.0, 0.0, 5.0]) && !aabb.contains([2.5, 0.0, 5.0]));
+/// assert!(Aabb::EMPTY.is_empty() && Aabb::EMPTY.join(&aabb) == aabb);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
-    /// The lowest corner.
+    /// Corner with the smallest coordinates.
     pub low: [f32; 3],
-    /// The highest corner.
+    /// Corner with the largest coordinates.
     pub high: [f32; 3],
 }
 
 impl Aabb {
-    /// The box that holds nothing; joining it changes nothing.
+    /// The empty box, the identity of [`Aabb::join`].
     pub const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
 
-    /// The smallest box around points; [`Aabb::EMPTY`] for none.
+    /// Smallest box around points; [`Aabb::EMPTY`] for no points.
     #[must_use]
     pub fn around(points: impl IntoIterator<Item = [f32; 3]>) -> Self {
         points.into_iter().fold(Self::EMPTY, |aabb, p| aabb.join(&Self { low: p, high: p }))
     }
 
-    /// The smallest box around both.
+    /// Smallest box around both boxes.
     #[inline]
     #[must_use]
     pub fn join(&self, other: &Self) -> Self {
-        // (A loop: `from_fn` is not always inlined.)
+        // A loop, since closures on arrays are not always inlined.
         let mut all = *self;
         for i in 0..3 {
             all.low[i] = all.low[i].min(other.low[i]);
@@ -52,13 +61,13 @@ impl Aabb {
         (0..3).all(|i| self.low[i] <= other.low[i] && other.high[i] <= self.high[i])
     }
 
-    /// Whether it holds nothing.
+    /// Whether the box contains no point.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         (0..3).any(|i| self.low[i] > self.high[i])
     }
 
-    /// The length of the diagonal, in `f64` so that it cannot overflow; 0 for an empty box.
+    /// Length of the diagonal, in `f64`, where it cannot overflow; 0 for an empty box.
     #[must_use]
     pub fn diagonal(&self) -> f64 {
         if self.is_empty() {
@@ -67,7 +76,7 @@ impl Aabb {
         (0..3).map(|i| (f64::from(self.high[i]) - f64::from(self.low[i])).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// The middle, rounded to `f32`; the origin for an empty box.
+    /// Center, rounded to `f32`; the origin for an empty box.
     #[must_use]
     pub fn center(&self) -> [f32; 3] {
         if self.is_empty() {

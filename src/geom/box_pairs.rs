@@ -1,34 +1,36 @@
-//! All pairs of boxes that overlap, found together and not one box at a time.
+//! All overlapping pairs in a list of boxes: broad-phase collision detection by traversing a BVH against
+//! itself.
 //!
-//! The boxes are halved at the median of their middles along the longest axis until eight are left; so the tree is
-//! complete, its depth is log₂ of a number of boxes whatever they are, and needs no links. Two nodes whose boxes
-//! overlap are looked into together (Stefan Gottschalk, Ming C. Lin and Dinesh Manocha, *OBBTree: A Hierarchical
-//! Structure for Rapid Interference Detection*, 1996, section 5), which meets each pair once.
+//! The boxes are split at the median of their centers along the longest axis until at most eight remain. So
+//! the tree is complete: its depth is log₂ of the number of boxes for every input, and nodes need no links.
+//! Two nodes whose boxes overlap are descended together (Stefan Gottschalk, Ming C. Lin and Dinesh Manocha,
+//! *OBBTree: A Hierarchical Structure for Rapid Interference Detection*, 1996, section 5), which reports each
+//! pair once.
 
 use std::ops::ControlFlow;
 
 use super::Aabb;
 use crate::parallel;
 
-/// Boxes in a leaf: eight comparisons are a few vector instructions.
+/// Boxes per leaf: eight comparisons are a few SIMD instructions.
 const LEAF: usize = 8;
-/// Levels below a task's node: a task is some thousand boxes.
+/// Levels of the tree below a task's node: a task covers some thousand boxes.
 const TASK_LEVELS: u32 = 7;
-/// Tasks are not divided further once there are more.
+/// Number of tasks above which tasks are not divided further.
 const MOST_TASKS: usize = 1 << 18;
-/// Parts of so many boxes are halved all the way at once, while the cache holds them.
+/// Boxes per part that one thread splits down to the leaves, so that the part stays in the cache.
 const CHUNK: usize = 4096;
 
-/// A complete binary tree over boxes.
+/// A complete binary BVH.
 #[derive(Debug)]
 pub(crate) struct Overlaps {
-    /// The root is 1, the children of node i are 2i and 2i + 1.
+    /// Boxes of the nodes: the root is node 1, and the children of node i are 2i and 2i + 1.
     nodes: Vec<Aabb>,
     leaves: Vec<Leaf>,
     order: Vec<u32>,
 }
 
-/// Two nodes of one level, the boxes below which are compared; twice the same node for those of one.
+/// Two nodes of one level whose boxes are to be compared; the same node twice for the pairs within that node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Task(u32, u32);
 
@@ -39,10 +41,10 @@ struct Leaf {
 }
 
 impl Leaf {
-    /// Boxes that overlap none.
+    /// Boxes that overlap nothing.
     const EMPTY: Self = Self { low: [[f32::INFINITY; LEAF]; 3], high: [[f32::NEG_INFINITY; LEAF]; 3] };
 
-    /// One bit for each of its boxes: whether it overlaps `aabb`.
+    /// One bit per box of the leaf: whether the box overlaps `aabb`.
     #[inline(always)]
     fn overlapping(&self, aabb: &Aabb) -> u32 {
         let mut hit = [1_u32; LEAF];
@@ -59,7 +61,7 @@ impl Leaf {
     }
 }
 
-/// The middle of a box on its way into the tree.
+/// Center and index of a box while the tree is built.
 #[derive(Clone, Copy)]
 struct Item {
     middle: [f32; 3],
@@ -67,14 +69,14 @@ struct Item {
 }
 
 impl Overlaps {
-    /// Builds the tree. About 100 ns a box; 34 to 64 bytes a box, and 16 more meanwhile.
+    /// Builds the tree. About 100 ns per box. Memory: 34 to 64 bytes per box, and 16 more during the build.
     ///
     /// # Panics
     ///
     /// Panics if there are 2³¹ boxes or more.
     pub(crate) fn of(boxes: &[Aabb]) -> Self {
         assert!(boxes.len() < 1 << 31, "{} boxes; a tree holds less than 2^31", boxes.len());
-        // Halves are added, as the sum could overflow.
+        // Halves are added, since the sum could overflow.
         let middle = |aabb: &Aabb| [0, 1, 2].map(|i| 0.5 * aabb.low[i] + 0.5 * aabb.high[i]);
         let mut items: Vec<Item> =
             boxes.iter().zip(0..).map(|(aabb, index)| Item { middle: middle(aabb), index }).collect();
@@ -108,18 +110,19 @@ impl Overlaps {
         Self { nodes, leaves, order: items.iter().map(|item| item.index).collect() }
     }
 
-    /// The boxes' indices in the order of the leaves: what lies near each other in it lies near each other.
+    /// Indices of the boxes in the order of the leaves: boxes that are close in this order are close in
+    /// space.
     pub(crate) fn order(&self) -> &[u32] {
         &self.order
     }
 
-    /// The work in parts that do not depend on each other, each pair in one of them. Their order, and the pairs' order
-    /// within each, depend on the boxes alone.
+    /// The search as independent tasks; each pair belongs to exactly one task. The order of the tasks, and of
+    /// the pairs within each task, depends only on the boxes.
     pub(crate) fn tasks(&self) -> Vec<Task> {
         let mut tasks = vec![Task(1, 1)];
         for _ in TASK_LEVELS..self.leaves.len().ilog2() {
             if tasks.len() > MOST_TASKS {
-                break; // everything reaches everywhere: the list itself would be too long
+                break; // most boxes overlap most others: the list would get too long
             }
             let mut finer = Vec::new();
             tasks.iter().for_each(|&task| self.within(task, |task| finer.push(task)));
@@ -128,7 +131,7 @@ impl Overlaps {
         tasks
     }
 
-    /// Calls `visit` with the pairs of children that may hold overlapping boxes.
+    /// Calls `visit` with the pairs of child nodes that may contain overlapping boxes.
     #[inline(always)]
     fn within(&self, Task(a, b): Task, mut visit: impl FnMut(Task)) {
         for i in 0..2 {
@@ -141,8 +144,9 @@ impl Overlaps {
         }
     }
 
-    /// Calls `visit` with the places in [`Overlaps::order`] of each two boxes of a task that overlap, until it breaks;
-    /// and with `None` for each two nodes that are looked into, so that work which finds nothing can be counted too.
+    /// Calls `visit` with the positions in [`Overlaps::order`] of every two boxes of a task that overlap,
+    /// until `visit` breaks. Also calls `visit` with `None` for every pair of nodes visited, so that a caller
+    /// can limit work that finds nothing.
     pub(crate) fn for_each_pair(
         &self,
         task: Task,
@@ -166,7 +170,7 @@ impl Overlaps {
                 }
                 let mut hits = other.overlapping(&aabb);
                 if a == b {
-                    hits &= !1 << i; // each two once, and none with itself
+                    hits &= !1 << i; // each pair once, and no box with itself
                 }
                 while hits != 0 {
                     visit(Some([LEAF * a + i, LEAF * b + hits.trailing_zeros() as usize]))?;
@@ -178,7 +182,8 @@ impl Overlaps {
     }
 }
 
-/// Puts the lower half of a part of `part` items, if it is not full, before the rest, along its longest axis.
+/// Partitions a part with room for `part` items along its longest axis: the `part` / 2 items with the
+/// smallest centers come first, even if the part is not full.
 fn halve(items: &mut [Item], part: usize) {
     if items.len() <= part / 2 {
         return;
@@ -192,7 +197,7 @@ fn halve(items: &mut [Item], part: usize) {
     }
     let extent = |axis: usize| f64::from(high[axis]) - f64::from(low[axis]);
     let axis = (1..3).fold(0, |best, axis| if extent(axis) > extent(best) { axis } else { best });
-    // Equal middles by their number, so that the same boxes always give the same tree.
+    // Equal centers are ordered by index, so that the same boxes always give the same tree.
     let before = |a: &Item, b: &Item| a.middle[axis].total_cmp(&b.middle[axis]).then(a.index.cmp(&b.index));
     items.select_nth_unstable_by(part / 2, before);
 }
@@ -221,7 +226,7 @@ mod tests {
         pairs.filter(|&[i, j]| boxes[i].overlaps(&boxes[j])).map(|pair| pair.map(|i| i as u32)).collect()
     }
 
-    /// Scattered boxes, some of them equal or points, some as large as everything.
+    /// Scattered boxes: some are equal, some are points, some cover everything.
     fn boxes(count: usize, scale: f32) -> Vec<Aabb> {
         let mut random = SplitMix64(count as u64);
         let mut whole = |most: usize| random.below(most) as f32;
@@ -243,7 +248,7 @@ mod tests {
             if count < 9000 {
                 assert_eq!(found(&Overlaps::of(&boxes)), naive(&boxes), "{count} boxes");
             } else {
-                // Deep enough for several tasks.
+                // Enough boxes for several tasks.
                 boxes.iter_mut().for_each(|aabb| aabb.high = aabb.low);
                 let tree = Overlaps::of(&boxes);
                 assert!(tree.tasks().len() > 4);
@@ -262,13 +267,13 @@ mod tests {
     fn overlaps_in_a_tree_with_a_bound_that_is_too_small_are_lost() {
         let boxes = boxes(500, 1.0);
         let mut tree = Overlaps::of(&boxes);
-        tree.nodes[2].high = tree.nodes[2].low; // the sabotage
+        tree.nodes[2].high = tree.nodes[2].low; // fault injected
         assert_ne!(found(&tree), naive(&boxes));
     }
 
     #[test]
     fn overlaps_count_work_that_finds_nothing() {
-        // Thin rods along all axes: next to none overlap, but the boxes around eight of them nearly all do.
+        // Thin rods along all axes: almost none overlap, but almost all boxes around eight rods do.
         let mut random = SplitMix64(5);
         let mut unit = || random.below(1 << 20) as f32 / (1 << 20) as f32;
         let boxes: Vec<Aabb> = (0..4096)

@@ -1,10 +1,10 @@
-//! A bounding-volume hierarchy whose answers never miss, and which no input makes slow to build or deep.
+//! Bounding volume hierarchy with conservative queries. No input makes the build slow or the tree deep.
 //!
-//! Built from the top by the surface-area heuristic over 16 bins (Ingo Wald, *On fast Construction of SAH-based
-//! Bounding Volume Hierarchies*, 2007). Where that finds no split, or has gone on for 64 levels, a
-//! range is halved: so a tree over n boxes has at most 64 + log₂ n levels, and takes that many passes
-//! over the boxes, whatever they are. (Builders that join nearest neighbors from the bottom take n passes where all
-//! boxes are equal, or each is larger than the one before.)
+//! Built top-down by the surface area heuristic over 16 bins (Ingo Wald, *On fast Construction of SAH-based
+//! Bounding Volume Hierarchies*, 2007). Where the heuristic finds no split, or has been used for 64 levels, a
+//! range is split in half. So a tree over n boxes has at most 64 + log₂ n levels, and its build takes at most
+//! as many passes over the boxes, for every input. (Bottom-up builders that merge nearest neighbors take n
+//! passes if all boxes are equal, or if each box is larger than the previous one.)
 
 use std::ops::Range;
 
@@ -18,37 +18,39 @@ mod wide;
 use split::{Hull, Item, split};
 pub(crate) use wide::{Step, WideBvh};
 
-/// A tree over axis-aligned boxes, stored in depth-first order with skip links: a walk needs no stack.
+/// A bounding volume hierarchy over axis-aligned boxes, stored in depth-first order with skip links: a
+/// traversal needs no stack.
 #[derive(Clone, Debug, Default)]
 pub struct Bvh {
     nodes: Vec<Node>,
-    /// Indices of the boxes that the tree was built of, in the order of the leaves.
+    /// Indices of the boxes in the order of the leaves.
     primitives: Vec<u32>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
     aabb: Aabb,
-    /// The node that follows when this one's box is missed; one further on for a leaf.
+    /// The next node if this node's box is missed; for a leaf, the next node in any case.
     skip: u32,
-    /// Where the primitives of this node's subtree start; they end where those of `nodes[skip]` start.
+    /// Index of the first primitive of this node's subtree; the last one precedes the first primitive of
+    /// `nodes[skip]`.
     first: u32,
 }
 
-/// What is below a node.
+/// Content of a node.
 #[cfg(feature = "verify")]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Below {
-    /// Two nodes, by their places.
+    /// Indices of the two child nodes.
     Nodes([usize; 2]),
-    /// A leaf's slots.
+    /// Slots of a leaf.
     Slots(Range<u32>),
 }
 
 impl Bvh {
-    /// Builds a tree over boxes, none of them empty. About 300 ns a box.
+    /// Builds a tree over boxes, none of them empty. About 300 ns per box.
     ///
-    /// Memory: 68 bytes a box while it lives, 100 while it is built.
+    /// Memory: 68 bytes per box for the tree, 100 during the build.
     ///
     /// # Panics
     ///
@@ -59,7 +61,7 @@ impl Bvh {
         if boxes.is_empty() {
             return Self::default();
         }
-        // A node is met twice: first on the way down, then, when all below it is placed, to be closed.
+        // A node is visited twice: on the way down, and when its subtree is complete, to set its skip link.
         enum Visit {
             Open { start: usize, end: usize, depth: u32, hull: Hull },
             Close(usize),
@@ -71,7 +73,7 @@ impl Bvh {
         while let Some(visit) = stack.pop() {
             match visit {
                 Visit::Open { start, end, depth, hull } => {
-                    let place = nodes.len(); // at most two nodes a box
+                    let place = nodes.len(); // at most two nodes per box
                     nodes.push(Node { aabb: hull.boxes.aabb(), skip: place as u32 + 1, first: start as u32 });
                     if let Some((left, hulls)) = split(&mut items[start..end], &hull, depth) {
                         let (middle, depth) = (start + left, depth + 1);
@@ -87,19 +89,19 @@ impl Bvh {
         Self { nodes, primitives: items.iter().map(|item| item.index()).collect() }
     }
 
-    /// The boxes' indices in the order of the leaves: data laid out this way is met in runs.
+    /// Indices of the boxes in the order of the leaves. Data stored in this order is accessed in runs.
     #[must_use]
     pub fn order(&self) -> &[u32] {
         &self.primitives
     }
 
-    /// The box around everything; empty for an empty tree.
+    /// Bounding box of all boxes; empty for an empty tree.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.nodes.first().map_or(Aabb::EMPTY, |root| root.aabb)
     }
 
-    /// A node by its place, from 0 for the root of a tree that is not empty: its box, and what is below it.
+    /// A node by its index, 0 for the root of a non-empty tree: its box, and its content.
     #[cfg(feature = "verify")]
     pub(crate) fn node(&self, at: usize) -> (Aabb, Below) {
         let node = self.nodes[at];
@@ -111,7 +113,7 @@ impl Bvh {
     }
 
     /// Visits every slot (index into [`Bvh::order`]) whose leaf box passes `test`, in order, until `visit`
-    /// says to stop by returning `false`.
+    /// returns `false`.
     #[inline]
     pub fn walk(&self, mut test: impl FnMut(&Aabb) -> bool, mut visit: impl FnMut(usize) -> bool) {
         let end = self.nodes.len().saturating_sub(1);
@@ -142,13 +144,14 @@ impl Bvh {
         node.first as usize..self.nodes[node.skip as usize].first as usize
     }
 
-    /// The same tree with several children a node, and the boxes' indices in the order of its leaves.
+    /// The same tree collapsed to eight children per node, and the indices of the boxes in the order of its
+    /// leaves.
     pub(crate) fn into_wide(mut self) -> (WideBvh, Vec<u32>) {
         self.nodes.shrink_to_fit();
         WideBvh::of(&self)
     }
 
-    /// Visits the index of every box that may meet `segment` (and of some that do not).
+    /// Visits the index of every box that may meet `segment`, and of some boxes that do not.
     #[inline]
     pub fn for_each_along(&self, segment: &Segment, mut visit: impl FnMut(u32)) {
         self.walk(
@@ -160,7 +163,8 @@ impl Bvh {
         );
     }
 
-    /// Visits the index of every box in whose leaf something may overlap `query` (and of some that do not).
+    /// Visits the index of every box that may overlap `query`, and of some boxes that do not: all boxes of a
+    /// leaf are visited together.
     #[inline]
     pub fn for_each_overlapping(&self, query: &Aabb, mut visit: impl FnMut(u32)) {
         self.walk(
@@ -177,7 +181,7 @@ impl Bvh {
 mod tests {
     use super::*;
 
-    /// Boxes on a scattered grid, some equal, some huge, some points.
+    /// Boxes on a scattered grid: some are equal, some huge, some points.
     fn boxes(n: u32, scale: f32) -> Vec<Aabb> {
         let mut state = 1_u32;
         let mut next = || {
@@ -231,7 +235,7 @@ mod tests {
     fn bvh_with_a_bound_that_is_too_small_would_be_seen() {
         let boxes = boxes(500, 1.0);
         let mut bvh = Bvh::build(&boxes);
-        bvh.nodes[0].aabb.high[0] *= 0.5; // the sabotage
+        bvh.nodes[0].aabb.high[0] *= 0.5; // fault injected
         let lost = boxes.iter().any(|query| {
             let candidates = found(|visit| bvh.for_each_overlapping(query, visit));
             (0..500).any(|i| boxes[i as usize].overlaps(query) && candidates.binary_search(&i).is_err())

@@ -2,7 +2,7 @@
 
 use crate::geom::predicate::Sign;
 
-/// The side of a face that the light is on. Decided once and stored: whatever reads it later agrees.
+/// Side of a face that a light is on. The side is decided once and stored, so all later stages agree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(i8)]
 pub enum Facing {

@@ -1,19 +1,28 @@
-//! One homogeneous type for the lights that cast hard shadows.
+//! Point lights and directional lights as one homogeneous type.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// A point light or a directional light, as homogeneous coordinates `(x, y, z, w)`.
+/// A point light or a directional light, in homogeneous coordinates `(x, y, z, w)`.
 ///
-/// `w = 1`: a point light at (x, y, z). `w = 0`: a directional light, and (x, y, z) points *towards* it.
-/// Coordinates are finite, and a direction is not zero.
+/// With `w = 1`, a point light at (x, y, z). With `w = 0`, a directional light: (x, y, z) points *towards*
+/// the light. Coordinates are finite, and a direction is not zero.
+///
+/// ```
+/// use umbrage::geom::Light;
+/// assert_eq!(Light::point([4.0, 5.0, 6.0])?.homogeneous(), [4.0, 5.0, 6.0, 1.0]);
+/// // The light travels down, so the light is up.
+/// assert_eq!(Light::directional([0.0, -1.0, 0.0])?.homogeneous(), [0.0, 1.0, 0.0, 0.0]);
+/// assert_eq!("directional:0,-1,0".parse::<Light>()?, Light::directional([0.0, -1.0, 0.0])?);
+/// # Ok::<(), umbrage::geom::LightError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     xyz: [f32; 3],
     at_infinity: bool,
 }
 
-/// Why coordinates do not make a [`Light`].
+/// Reason why coordinates or a text do not make a [`Light`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LightError {
@@ -33,17 +42,18 @@ impl Light {
     ///
     /// # Errors
     ///
-    /// [`LightError::NotFinite`].
+    /// [`LightError::NotFinite`] if a coordinate is NaN or infinite.
     pub fn point(position: [f32; 3]) -> Result<Self, LightError> {
         Ok(Self { xyz: finite(position)?, at_infinity: false })
     }
 
-    /// A light at infinity whose rays travel along `travel` (any length but zero). The negation to the
-    /// direction *towards* the light happens here and nowhere else.
+    /// A directional light whose rays travel along `travel`, of any length but zero. Only this function
+    /// negates the direction, so that the stored one points *towards* the light.
     ///
     /// # Errors
     ///
-    /// [`LightError::NotFinite`], or [`LightError::ZeroDirection`].
+    /// [`LightError::NotFinite`] if a coordinate is NaN or infinite, [`LightError::ZeroDirection`] if all are
+    /// zero.
     pub fn directional(travel: [f32; 3]) -> Result<Self, LightError> {
         let travel = finite(travel)?;
         if travel == [0.0; 3] {
@@ -52,21 +62,21 @@ impl Light {
         Ok(Self { xyz: travel.map(|x| 0.0 - x), at_infinity: true })
     }
 
-    /// Position of a point light, or direction towards a directional one.
+    /// Position of a point light, or direction towards a directional light.
     #[inline]
     #[must_use]
     pub fn xyz(&self) -> [f32; 3] {
         self.xyz
     }
 
-    /// Whether this is a directional light, `w = 0`.
+    /// Whether the light is directional, `w = 0`.
     #[inline]
     #[must_use]
     pub fn is_directional(&self) -> bool {
         self.at_infinity
     }
 
-    /// `(x, y, z, w)`.
+    /// The homogeneous coordinates `(x, y, z, w)`.
     #[must_use]
     pub fn homogeneous(&self) -> [f32; 4] {
         let [x, y, z] = self.xyz;
@@ -81,7 +91,8 @@ fn finite(xyz: [f32; 3]) -> Result<[f32; 3], LightError> {
     }
 }
 
-/// As on the command line: `point:X,Y,Z`, or `directional:X,Y,Z` with the way the light travels.
+/// The notation of the command line: `point:X,Y,Z`, or `directional:X,Y,Z` with the direction in which the
+/// light travels.
 impl fmt::Display for Light {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y, z] = if self.at_infinity { self.xyz.map(|x| 0.0 - x) } else { self.xyz };

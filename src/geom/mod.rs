@@ -1,4 +1,4 @@
-//! Geometry whose signs are exact: predicates, lights, sides of faces, boxes.
+//! Geometry with exact signs: predicates, lights, sides of faces, boxes, bounding volume hierarchies.
 
 mod aabb;
 pub(crate) mod box_pairs;

@@ -1,44 +1,56 @@
-//! The part of a line that a query looks along, and a box test that never misses.
+//! Segments and rays for queries, with a box test that never misses.
 
 use glam::Vec4;
 
 use super::{Aabb, Light};
 
-/// From a point towards another one (`t` in 0 ..= 1) or along a direction without end.
+/// A segment from a point to another one (`t` in 0 ..= 1), or a ray along a direction.
 ///
-/// [`Segment::may_meet`] is conservative: it says no only if no point of the closed segment lies in the box.
+/// [`Segment::may_meet`] is conservative: `false` guarantees that no point of the closed segment lies in the
+/// box.
+///
+/// ```
+/// use umbrage::geom::{Aabb, Segment};
+/// let aabb = Aabb { low: [2.0, -1.0, -1.0], high: [3.0, 1.0, 1.0] };
+/// assert!(Segment::between([0.0; 3], [4.0, 0.0, 0.0]).may_meet(&aabb));
+/// assert!(!Segment::between([0.0; 3], [1.0, 0.0, 0.0]).may_meet(&aabb));
+/// assert!(Segment::along([0.0; 3], [1.0, 0.0, 0.0]).may_meet(&aabb));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
     origin: [f64; 3],
     direction: [f64; 3],
-    /// 1 / direction, infinite where that is 0.
+    /// 1 / direction; infinite where the direction is 0.
     inverse: [f64; 3],
-    /// Largest `t`.
+    /// Largest `t` of the segment.
     end: f64,
 }
 
+/// Factor that widens exit parameters, so that no box is lost.
+///
 /// Entry and exit parameters are `(bound − origin) · (1 / direction)`: four roundings (the direction's own
-/// among them), so each is off by less than 5·2⁻⁵³ of itself, and an entry that truly comes no later than an
-/// exit is found later by a factor of less than 1 + 11·2⁻⁵³. Widening exits by 1 + 16·2⁻⁵³ therefore never
-/// loses a box. (The argument of Thiago Ize, *Robust BVH Ray Traversal*, 2013, section 3, in `f64` and with
-/// the bounds exact.) Boxes are lost at 1 + 2·2⁻⁵³. Nothing overflows: `f32` differences and their inverses stay within 2^±149.
+/// among them), so each has a relative error below 5·2⁻⁵³. An entry that is in truth at most an exit is
+/// computed larger by a factor of less than 1 + 11·2⁻⁵³. Widening exits by 1 + 16·2⁻⁵³ therefore never loses
+/// a box. (The argument is that of Thiago Ize, *Robust BVH Ray Traversal*, 2013, section 3, in `f64` and with
+/// exact bounds.) At 1 + 2·2⁻⁵³ boxes are lost. Nothing overflows: `f32` differences and their inverses stay
+/// within 2^±149.
 const WIDEN: f64 = 1.0 + 8.0 * f64::EPSILON;
 
 impl Segment {
-    /// From `origin` to `target`.
+    /// The segment from `origin` to `target`.
     #[must_use]
     pub fn between(origin: [f32; 3], target: [f32; 3]) -> Self {
         let direction = std::array::from_fn(|i| f64::from(target[i]) - f64::from(origin[i]));
         Self::new(origin.map(f64::from), direction, 1.0)
     }
 
-    /// From `origin` along `direction` without end.
+    /// The ray from `origin` along `direction`, without end.
     #[must_use]
     pub fn along(origin: [f32; 3], direction: [f32; 3]) -> Self {
         Self::new(origin.map(f64::from), direction.map(f64::from), f64::INFINITY)
     }
 
-    /// From `origin` to a light.
+    /// The segment from `origin` to a point light, or the ray towards a directional light.
     #[must_use]
     pub fn to_light(origin: [f32; 3], light: &Light) -> Self {
         if light.is_directional() {
@@ -52,20 +64,20 @@ impl Segment {
         Self { origin, direction, inverse: direction.map(f64::recip), end }
     }
 
-    /// The same line, no farther than `t`.
+    /// The same segment, ending at `t`.
     #[must_use]
     pub(crate) fn until(self, t: f64) -> Self {
         Self { end: t, ..self }
     }
 
-    /// Whether the closed segment may meet the closed box: no false "no".
+    /// Whether the closed segment may meet the closed box. May be wrong only by answering `true`.
     #[inline]
     #[must_use]
     pub fn may_meet(&self, aabb: &Aabb) -> bool {
         self.entry(aabb).is_some()
     }
 
-    /// Where the segment may enter the box, rounded; `None` only if it does not meet it.
+    /// Rounded parameter at which the segment enters the box; `None` only if the segment misses the box.
     #[inline]
     #[must_use]
     pub(crate) fn entry(&self, aabb: &Aabb) -> Option<f64> {
@@ -88,47 +100,51 @@ impl Segment {
             entry = entry.max(t0.min(t1));
             exit = exit.min(t0.max(t1));
         }
-        // The sign of an exit is exact, so a box behind the origin has a negative one.
+        // The sign of an exit is exact, so the exit of a box behind the origin is negative.
         (entry <= exit * widen).then_some(entry)
     }
 }
 
-/// A [`Segment`] for several boxes at once, in `f32`.
+/// A [`Segment`] in `f32` for tests against several boxes at once.
 ///
-/// Let u = 2⁻²⁴. The direction, its inverse, the difference and the product round once each, so an entry or exit is off
-/// by less than 4.01u of itself, or by 2⁻¹⁵⁰ where the product is subnormal. An entry that truly comes no later than an
-/// exit is found later by a factor of less than 1 + 8.1u: widening the inverse for exits by 1 + 16u, itself rounded once,
-/// never loses a box, and the smallest normal number on top is more than what products lose below it. A box behind the
-/// origin has an exit whose sign is right. (Boxes are lost at 1 + 2u.) Ranges: with coordinates below 2⁶⁰, planes that were
-/// rounded outwards below 2⁶¹, and parts of the direction in 2⁻⁶⁰ .. 2⁶⁰, inverses are normal and parameters stay below 2¹²²,
-/// that is, finite. A part that is 0 has an infinite inverse, whose products are infinite of the right sign, or NaN where the
-/// origin lies in a plane of the box. Of two numbers one of which is NaN, `max` and `min` of vectors may give either: a bound
-/// is forgotten, or becomes NaN, and then no comparison says that the box is missed.
+/// Let u = 2⁻²⁴. The direction, its inverse, the difference and the product round once each. An entry or exit
+/// therefore has a relative error below 4.01u, or an absolute error of 2⁻¹⁵⁰ where the product is subnormal.
+/// An entry that is in truth at most an exit is computed larger by a factor of less than 1 + 8.1u. Widening
+/// the inverse for exits by 1 + 16u, itself rounded once, never loses a box. The smallest normal number,
+/// added to the exit, exceeds what subnormal products lose. The exit of a box behind the origin has the
+/// correct sign. (At 1 + 2u boxes are lost.)
+///
+/// Ranges: let coordinates be below 2⁶⁰, planes rounded outwards below 2⁶¹, and direction components in
+/// 2⁻⁶⁰ .. 2⁶⁰. Then inverses are normal and parameters stay below 2¹²², that is, finite. A component of 0
+/// has an infinite inverse. Its products are infinite with the correct sign, or NaN where the origin lies in
+/// a plane of the box. If one operand is NaN, `max` and `min` of vectors may return either: a bound is
+/// dropped or becomes NaN, and then no comparison says that the box is missed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Narrow {
     origin: [f32; 3],
-    /// 1 / direction, for the planes that are met first.
+    /// 1 / direction, for the planes entered through.
     first: [f32; 3],
-    /// The same widened, for the planes that are met last.
+    /// 1 / direction, widened, for the planes left through.
     last: [f32; 3],
-    /// 1 where the direction is negative: the high plane is met first.
+    /// 1 where the direction is negative, so that the high plane is the entry plane.
     turned: [usize; 3],
-    /// Largest parameter, widened too.
+    /// Largest parameter, widened likewise.
     end: f32,
 }
 
 const NARROW_WIDEN: f32 = 1.0 + 8.0 * f32::EPSILON;
-/// Coordinates are smaller, and parts of a direction not so small unless they are 0.
+/// Coordinates and direction components must be smaller in magnitude.
 const MOST: f32 = (1_u64 << 60) as f32;
+/// Direction components must be larger in magnitude, unless they are 0.
 const LEAST: f32 = 1.0 / MOST;
 
 impl Narrow {
-    /// Whether numbers are small enough for boxes within `bounds`.
+    /// Whether the coordinates of boxes within `bounds` are in range.
     pub(crate) fn fits(bounds: &Aabb) -> bool {
         (0..3).all(|i| bounds.low[i] > -MOST && bounds.high[i] < MOST)
     }
 
-    /// From `origin` to a light; `None` where `f32` might not do.
+    /// The segment from `origin` to a light; `None` where the range of `f32` might not suffice.
     #[inline(always)]
     pub(crate) fn to_light(origin: [f32; 3], light: &Light) -> Option<Self> {
         Self::widened(origin, light, NARROW_WIDEN)
@@ -147,20 +163,20 @@ impl Narrow {
         for i in 0..3 {
             let size = direction[i].abs();
             fits &= (origin[i].abs() < MOST) & (size < MOST) & ((size > LEAST) | (size == 0.0));
-            first[i] = 1.0 / (direction[i] + 0.0); // never 1 / −0.0, which `turned` would not see
+            first[i] = 1.0 / (direction[i] + 0.0); // never 1 / −0.0, as `turned` ignores its sign
             last[i] = first[i] * widen;
             turned[i] = usize::from(direction[i] < 0.0);
         }
         fits.then_some(Self { origin, first, last, turned, end })
     }
 
-    /// No farther than `t`.
+    /// Ends the segment at `t`.
     #[inline]
     pub(crate) fn shorten(&mut self, t: f64) {
         self.end = ((t * f64::from(NARROW_WIDEN)) as f32).min(f32::MAX);
     }
 
-    /// Where the way enters a box, roughly; `None` only if it does not meet it.
+    /// Approximate point where the segment enters a box; `None` only if the segment misses the box.
     #[inline]
     pub(crate) fn entry(&self, aabb: &Aabb) -> Option<[f32; 3]> {
         let ([t], hits) = self.entries(|plane| [Vec4::splat([aabb.low, aabb.high][plane % 2][plane / 2])]);
@@ -171,9 +187,9 @@ impl Narrow {
         })
     }
 
-    /// Where boxes are entered, rounded, and a bit for each that may be met; no bit is missing.
+    /// Rounded entry parameters, and one bit per box that the segment may meet; no bit is missing.
     ///
-    /// `plane` tells low x, high x, low y, high y, low z, high z of each box, four boxes a vector.
+    /// `plane` returns low x, high x, low y, high y, low z, high z of each box, four boxes per vector.
     #[inline(always)]
     pub(crate) fn entries<const N: usize>(&self, plane: impl Fn(usize) -> [Vec4; N]) -> ([Vec4; N], u32) {
         let (mut entry, mut exit) = ([Vec4::ZERO; N], [Vec4::splat(self.end); N]);
@@ -189,7 +205,7 @@ impl Narrow {
         }
         let mut hits = 0;
         for i in 0..N {
-            // (A box is met unless it is surely missed: see above on NaN.)
+            // A box counts as met unless the comparison proves a miss; see above on NaN.
             let misses = entry[i].cmpgt(exit[i] + Vec4::splat(f32::MIN_POSITIVE));
             hits |= (misses.bitmask() ^ 15) << (4 * i);
         }
@@ -203,7 +219,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// A box drawn around a point of the segment, rounded outwards by nothing at all, must be met.
+        /// A box around a point of the segment must be met, without any outward rounding.
         #[test]
         fn segment_never_misses_a_box_around_one_of_its_points(
             origin in [-1e3_f32..1e3, -1e3_f32..1e3, -1e3_f32..1e3],
@@ -211,7 +227,7 @@ mod tests {
             eighths in 0_u8..=8,
             size in 0.0_f32..2.0,
         ) {
-            // Whole numbers make the target and the point on the way exact.
+            // Integers make the target and the point on the segment exact.
             let origin = origin.map(f32::round);
             let target: [f32; 3] = std::array::from_fn(|i| origin[i] + 8.0 * f32::from(step[i]));
             let point: [f32; 3] = std::array::from_fn(|i| origin[i] + f32::from(eighths) * f32::from(step[i]));
@@ -221,7 +237,7 @@ mod tests {
             prop_assert!(!Segment::between(origin, target).may_meet(&beside));
         }
 
-        /// The same along a direction without end, scaled to the ends of `f32`; components may be zero.
+        /// The same for a ray, scaled to the ends of the `f32` range; components may be zero.
         #[test]
         fn segment_along_a_direction_never_misses_a_box_around_one_of_its_points(
             origin in [-1000_i16..1000, -1000_i16..1000, -1000_i16..1000],
@@ -237,7 +253,7 @@ mod tests {
             let holds = Aabb { low: point, high: point };
             prop_assert!(segment.may_meet(&holds));
             prop_assert!(segment.until(f64::from(steps)).may_meet(&holds));
-            // The sabotage: a segment that ends too soon misses it.
+            // Fault injected: a segment that ends too early misses the box.
             if steps > 1 && step != [0; 3] {
                 prop_assert!(!segment.until(f64::from(steps) - 0.5).may_meet(&holds));
             }
@@ -264,7 +280,7 @@ mod tests {
         assert!(missed[0] == 0 && missed[3] > 0, "{missed:?}");
     }
 
-    /// A box that is a point of the way, every number exact: whether it is met.
+    /// Whether a box that consists of one point of the segment is met; every number is exact.
     fn meets_point_of_way(random: &mut crate::random::SplitMix64, widen: f32) -> bool {
         let mut whole = |most: usize| random.below(2 * most + 1) as f32 - most as f32;
         let origin = [(); 3].map(|()| whole(1000));

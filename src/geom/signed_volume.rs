@@ -1,22 +1,24 @@
-//! Volume under triangles, with a sign that is exact.
+//! Signed volume of a triangle mesh, with an exact sign.
 //!
-//! Six times the volume is the sum over faces of `det [a; b; c]`. It is added up in `f64` with a running
-//! error bound; where the bound cannot tell the sign, [`ExactVolume`] adds whole numbers of 2⁻⁴⁴⁷.
+//! Six times the volume is the sum of `det [a; b; c]` over the faces. The sum is computed in `f64` with a
+//! running error bound. If the bound does not decide the sign, [`ExactVolume`] sums integer multiples of
+//! 2⁻⁴⁴⁷.
 
 use super::predicate::Sign;
 
-/// The sum in `f64`, relative to a reference point, and a bound on its error.
+/// The sum in `f64` relative to a reference point, with a bound on its error.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VolumeSum {
     reference: [f64; 3],
     sum: f64,
-    /// Σ of the magnitudes of all products, an upper bound of Σ |det|.
+    /// Sum of the magnitudes of all products, an upper bound of Σ |det|.
     permanent: f64,
     terms: u32,
 }
 
 impl VolumeSum {
-    /// Of a closed surface any reference gives the same volume; one on the surface keeps the terms small.
+    /// An empty sum. For a closed surface any reference point gives the same volume; one on the surface keeps
+    /// the terms small.
     pub(crate) fn new(reference: [f64; 3]) -> Self {
         Self { reference, sum: 0.0, permanent: 0.0, terms: 0 }
     }
@@ -42,10 +44,11 @@ impl VolumeSum {
 
     /// The sign, if the error cannot change it.
     ///
-    /// This asks for a reference that is exact in `f32`. A term errs by at most 8ε times its permanent (the bound of the predicate's filter, rounded up), and
-    /// adding n numbers one after the other by at most (n − 1)ε times the sum of their magnitudes (Nicholas J.
-    /// Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 4.2). The permanents are added
-    /// with the same relative error, which doubling the bound covers for all n that 32 bits can count.
+    /// The reference point must be exact in `f32`. A term errs by at most 8ε times its permanent (the bound
+    /// of the predicate's filter, rounded up). Adding n numbers one after the other errs by at most (n − 1)ε
+    /// times the sum of their magnitudes (Nicholas J. Higham, *Accuracy and Stability of Numerical
+    /// Algorithms*, 2002, section 4.2). The permanents are summed with the same relative error; doubling the
+    /// bound covers this error for all n that 32 bits can count.
     pub(crate) fn sign(&self) -> Option<Sign> {
         let epsilon = f64::EPSILON / 2.0;
         let bound = 2.0 * (8.0 + f64::from(self.terms)) * epsilon * self.permanent;
@@ -59,11 +62,11 @@ impl VolumeSum {
     }
 }
 
-/// The same sum as a whole number of 2⁻⁴⁴⁷, relative to the origin: digits of 32 bits, lowest first, with room
-/// for carries (Ulrich Kulisch's long accumulator).
+/// The same sum relative to the origin, as an integer multiple of 2⁻⁴⁴⁷: digits of 32 bits, lowest first,
+/// with room for carries (Ulrich Kulisch's long accumulator).
 ///
-/// A product of three `f32` has 72 bits at most and lies below 2³⁸⁴, so that 831 bits hold any of them, and
-/// 32 digits hold 2³² faces of six products each.
+/// A product of three `f32` has at most 72 bits and is below 2³⁸⁴, so 831 bits hold any product. 32 digits
+/// hold the sum over 2³² faces of six products each.
 #[derive(Clone, Debug)]
 pub(crate) struct ExactVolume {
     digits: [i64; 32],
@@ -105,7 +108,7 @@ impl ExactVolume {
         }
     }
 
-    /// Brings all digits but the last into 0 .. 2³².
+    /// Propagates the carries: all digits but the last are then in 0 .. 2³².
     fn carry(&mut self) {
         self.pending = 0;
         let mut carry = 0;
@@ -182,7 +185,7 @@ mod tests {
         assert_eq!(exact.clone().sign(), Sign::Positive); // 1 − 2⁻⁴⁴⁷
         exact.add([one[1], one[0], one[2]]);
         assert_eq!(exact.clone().sign(), Sign::Negative); // −2⁻⁴⁴⁷
-        exact.digits[31] = 0; // the sabotage: the sign lives in the digit that only carries reach
+        exact.digits[31] = 0; // fault injected: the sign is in the digit that only carries reach
         exact.carry();
         exact.digits[31] = 0;
         assert_eq!(exact.sign(), Sign::Positive);

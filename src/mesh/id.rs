@@ -1,4 +1,5 @@
-//! Ids are types: four bytes each, the same on the CPU and the GPU.
+//! Typed ids of vertices, half-edges, edges and faces: four bytes each, with the same layout on the CPU and
+//! the GPU.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -8,12 +9,12 @@ macro_rules! id {
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable)]
         #[repr(transparent)]
         pub struct $name(
-            /// The index itself.
+            /// The index.
             pub u32,
         );
 
         impl $name {
-            /// The id of the thing at `index`.
+            /// The id of the element at `index`.
             ///
             /// # Panics
             ///
@@ -24,7 +25,7 @@ macro_rules! id {
                 Self(u32::try_from(index).expect("an id is an index below 2^32"))
             }
 
-            /// The id as an index into a slice.
+            /// The id as a slice index.
             #[inline]
             #[must_use]
             pub fn index(self) -> usize {
@@ -35,18 +36,19 @@ macro_rules! id {
 }
 
 id!(
-    /// A vertex: an index into the positions.
+    /// Id of a vertex: an index into the positions.
     VertexId
 );
 id!(
-    /// A half-edge: corner `h` of the triangle list, directed from that corner's vertex to the next one's.
+    /// Id of a half-edge: corner `h` of the triangle list, directed from the vertex of that corner to the
+    /// vertex of the next corner of the same triangle.
     HalfEdgeId
 );
 id!(
-    /// An undirected edge: an index into the edge table of a [`Topology`](crate::topology::Topology).
+    /// Id of an undirected edge: an index into the edge table of a [`Topology`](crate::topology::Topology).
     EdgeId
 );
 id!(
-    /// A face: an index into the triangles.
+    /// Id of a face: an index into the triangles.
     FaceId
 );

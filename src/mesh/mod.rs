@@ -1,4 +1,4 @@
-//! The mesh: finite positions, in-range triangles, and the names that help a person find a place in it.
+//! Triangle meshes: finite positions, in-range indices, named runs of faces, and welding.
 
 mod id;
 mod weld;
@@ -10,16 +10,17 @@ pub use id::{EdgeId, FaceId, HalfEdgeId, VertexId};
 pub(crate) use weld::weld_points;
 pub use weld::{Weld, Welded, weld, weld_in_place};
 
-/// A triangle mesh inside the declared domain.
+/// A triangle mesh whose positions are finite and whose indices are in range.
 ///
-/// Positions are finite `f32` in mesh units, right-handed; a face is front-facing when its corners run
-/// counter-clockwise. [`Mesh::new`] is the one door that checks this, so nothing behind it checks again.
+/// Positions are `f32` in mesh units, in right-handed coordinates. A face is seen from the front if its
+/// corners run counter-clockwise. Only [`Mesh::new`] and the functions built on it check the input, so later
+/// code does not check again.
 ///
-/// Inside that domain every determinant of three coordinate differences fits an `f64` with room to spare
-/// (2⁻⁴⁴⁷ … 2³⁹³), which is what the exact predicates need: they can neither overflow nor underflow.
+/// Every determinant of three coordinate differences of a mesh fits an `f64` with room to spare
+/// (2⁻⁴⁴⁷ … 2³⁹³). The exact predicates rely on this range: they can neither overflow nor underflow.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// What the file calls the mesh; may be empty.
+    /// Name of the mesh in its file; may be empty.
     pub name: String,
     positions: Vec<[f32; 3]>,
     triangles: Arc<Vec<[u32; 3]>>,
@@ -30,20 +31,20 @@ pub struct Mesh {
 /// A named run of faces: a group, a primitive, a material.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// What the file calls it.
+    /// Name of the part in its file; may be empty.
     pub name: String,
-    /// Which faces it holds.
+    /// The faces of the part.
     pub faces: Range<u32>,
 }
 
-/// Why positions and triangles do not make a [`Mesh`].
+/// Reason why positions and triangles do not make a [`Mesh`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
     /// A coordinate is NaN or infinite.
     #[error("vertex {vertex} has the coordinate {value}, which is not a finite number")]
     NotFinite {
-        /// Which vertex.
+        /// Index of the vertex.
         vertex: usize,
         /// The coordinate.
         value: f32,
@@ -51,62 +52,63 @@ pub enum MeshError {
     /// A triangle names a vertex that does not exist.
     #[error("triangle {triangle} names vertex {index}, but there are {vertex_count} vertices")]
     IndexOutOfRange {
-        /// Which triangle.
+        /// Index of the triangle.
         triangle: usize,
-        /// The index it holds.
+        /// The out-of-range index.
         index: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         vertex_count: usize,
     },
-    /// More triangles or vertices than 32-bit ids can name, or than instances may add up to.
+    /// The number of triangles or vertices exceeds the range of 32-bit ids, or the limit for the sum over all
+    /// instances.
     #[error("{count} {what} are too many (at most {most})")]
     TooLarge {
         /// "triangles" or "vertices".
         what: &'static str,
-        /// How many there are.
+        /// Actual number.
         count: usize,
-        /// How many are allowed.
+        /// Largest allowed number.
         most: usize,
     },
-    /// There are more or fewer positions than vertices.
+    /// The number of positions differs from the number of vertices.
     #[error("there are {count} positions, but the mesh has {vertex_count} vertices")]
     PositionCount {
-        /// How many positions there are.
+        /// Number of positions.
         count: usize,
-        /// How many vertices the mesh has.
+        /// Number of vertices of the mesh.
         vertex_count: usize,
     },
     /// The number of indices is not divisible by 3.
     #[error("there are {count} indices, which is not a multiple of 3")]
     IndexCount {
-        /// How many indices there are.
+        /// Number of indices.
         count: usize,
     },
-    /// A frame has another number of positions than the mesh.
+    /// A frame and the mesh differ in their number of positions.
     #[error("frame {frame} has {count} positions, but the mesh has {vertex_count}")]
     FrameLength {
-        /// Which frame.
+        /// Number of the frame; the mesh itself is frame 0.
         frame: usize,
-        /// How many positions it has.
+        /// Number of positions of the frame.
         count: usize,
-        /// How many the mesh has.
+        /// Number of vertices of the mesh.
         vertex_count: usize,
     },
 }
 
-/// The most triangles a mesh may have, 715,827,882: three half-edges each, of which the edge table keeps a
-/// 31-bit id beside one bit of direction.
+/// Largest number of triangles of a mesh: 715,827,882. A triangle has three half-edges, and the edge table
+/// stores a half-edge as a 31-bit id with one bit of direction.
 pub const MAX_TRIANGLES: usize = (1 << 31) / 3;
 
 impl Mesh {
-    /// Checks `positions` and `triangles` and takes them in. Linear time, no copy.
+    /// Checks `positions` and `triangles` and takes ownership of them. Linear time, no copy.
     ///
-    /// −0.0 becomes +0.0, so that an exact weld never splits a seam on the sign of zero.
+    /// The coordinate −0.0 becomes +0.0, so that an exact weld never splits a seam at the sign of zero.
     ///
     /// # Errors
     ///
-    /// [`MeshError`] if a coordinate is NaN or infinite, an index is out of range, or there are more
-    /// triangles than [`MAX_TRIANGLES`] or vertices than 2³² − 1.
+    /// [`MeshError`] if a coordinate is NaN or infinite, if an index is out of range, or if there are more
+    /// triangles than [`MAX_TRIANGLES`] or more vertices than 2³² − 2.
     ///
     /// ```
     /// use umbrage::mesh::Mesh;
@@ -134,7 +136,7 @@ impl Mesh {
         Ok(Self { positions, triangles: Arc::new(triangles), ..Self::default() })
     }
 
-    /// Copies vertex and index arrays, three indices per face. Nothing is welded.
+    /// A mesh copied from vertex and index arrays, with three indices per face. Nothing is welded.
     ///
     /// # Errors
     ///
@@ -155,7 +157,7 @@ impl Mesh {
         Self::new(positions.to_vec(), triangles.to_vec())
     }
 
-    /// Moves the vertices; after an error nothing has changed.
+    /// Replaces the vertex positions. On error the mesh is unchanged.
     pub(crate) fn set_positions(&mut self, mut positions: Vec<[f32; 3]>) -> Result<(), MeshError> {
         let (count, vertex_count) = (positions.len(), self.vertex_count());
         if count != vertex_count {
@@ -173,11 +175,20 @@ impl Mesh {
         self
     }
 
-    /// The same mesh with named runs of faces, in ascending order and without overlap.
+    /// The same mesh with named runs of faces. The runs are in ascending order and do not overlap.
+    ///
+    /// ```
+    /// use umbrage::mesh::{FaceId, Part};
+    /// use umbrage::testing::shapes;
+    /// let bottom = Part { name: "bottom".to_owned(), faces: 0..2 };
+    /// let cube = shapes::cube().with_parts(vec![bottom]);
+    /// assert_eq!(cube.part_name(FaceId(1)), Some("bottom"));
+    /// assert_eq!(cube.part_name(FaceId(2)), None);
+    /// ```
     ///
     /// # Panics
     ///
-    /// Panics if a part is out of order or names a face that does not exist.
+    /// Panics if a part is out of order, or if its range ends past the last face.
     #[must_use]
     pub fn with_parts(mut self, parts: Vec<Part>) -> Self {
         let mut end = 0;
@@ -197,13 +208,23 @@ impl Mesh {
         self
     }
 
-    /// The same mesh with further frames of an animation: other positions for the same vertices.
+    /// The same mesh with further animation frames: other positions for the same vertices.
     ///
-    /// Welding looks at all of them, so that adjacency does not depend on the frame.
+    /// Welding compares vertices in all frames, so the adjacency does not depend on the frame.
+    ///
+    /// ```
+    /// use umbrage::testing::shapes;
+    /// let cube = shapes::cube();
+    /// let raised = cube.positions().iter().map(|&[x, y, z]| [x, y + 1.0, z]).collect();
+    /// assert_eq!(cube.clone().with_frames(vec![raised])?.frames().len(), 1);
+    /// assert!(cube.with_frames(vec![vec![[0.0; 3]; 7]]).is_err()); // the cube has 8 vertices
+    /// # Ok::<(), umbrage::mesh::MeshError>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// [`MeshError`] if a frame has another length than the mesh, or a coordinate that is not finite.
+    /// [`MeshError`] if the length of a frame differs from the vertex count, or if a coordinate is not
+    /// finite.
     pub fn with_frames(mut self, mut frames: Vec<Vec<[f32; 3]>>) -> Result<Self, MeshError> {
         for (index, frame) in frames.iter_mut().enumerate() {
             if frame.len() != self.positions.len() {
@@ -216,21 +237,21 @@ impl Mesh {
         Ok(self)
     }
 
-    /// Where the vertices are.
+    /// Vertex positions.
     #[inline]
     #[must_use]
     pub fn positions(&self) -> &[[f32; 3]] {
         &self.positions
     }
 
-    /// The faces, three vertex indices each, counter-clockwise from the front.
+    /// Faces as three vertex indices each, counter-clockwise seen from the front.
     #[inline]
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// The faces, to be shared with what is built over them: a clone of a pointer.
+    /// Shared ownership of the faces: clones a pointer, not the list.
     #[must_use]
     pub fn shared_triangles(&self) -> Arc<Vec<[u32; 3]>> {
         Arc::clone(&self.triangles)
@@ -242,27 +263,27 @@ impl Mesh {
         &self.parts
     }
 
-    /// Positions in the further frames of an animation; the first frame is [`Mesh::positions`].
+    /// Positions in the further animation frames. The first frame is [`Mesh::positions`].
     #[must_use]
     pub fn frames(&self) -> &[Vec<[f32; 3]>] {
         &self.frames
     }
 
-    /// How many vertices there are, referenced or not.
+    /// Number of vertices, referenced or not.
     #[inline]
     #[must_use]
     pub fn vertex_count(&self) -> usize {
         self.positions.len()
     }
 
-    /// How many faces there are, collapsed ones included.
+    /// Number of faces, collapsed ones included.
     #[inline]
     #[must_use]
     pub fn face_count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// The three corners of a face.
+    /// Positions of the three corners of a face.
     ///
     /// # Panics
     ///
@@ -270,12 +291,13 @@ impl Mesh {
     #[inline]
     #[must_use]
     pub fn corners(&self, face: FaceId) -> [[f32; 3]; 3] {
-        // Spelt out: `map` is not always inlined, and this is the innermost line of most loops.
+        // Without `map`: closures on arrays are not always inlined, and this is the innermost line of most
+        // loops.
         let [a, b, c] = self.triangles[face.index()];
         [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
     }
 
-    /// What the file calls the run of faces that holds `face`, if it has a name. Logarithmic in the parts.
+    /// Name of the part that contains `face`, if that part has a name. Logarithmic in the number of parts.
     #[must_use]
     pub fn part_name(&self, face: FaceId) -> Option<&str> {
         let after = self.parts.partition_point(|part| part.faces.start <= face.0);
@@ -283,8 +305,8 @@ impl Mesh {
         (part.faces.contains(&face.0) && !part.name.is_empty()).then_some(part.name.as_str())
     }
 
-    /// The smallest axis-aligned box around the *referenced* vertices: `[lowest, highest]`, or `None` if no
-    /// face exists.
+    /// Smallest axis-aligned box around the *referenced* vertices, as `[lowest, highest]`. `None` if the mesh
+    /// has no faces.
     #[must_use]
     pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
         let mut corners = self.triangles.iter().flatten().map(|&vertex| self.positions[vertex as usize]);
@@ -294,32 +316,42 @@ impl Mesh {
         }))
     }
 
-    /// The largest magnitude of a coordinate of any *referenced* vertex; 0 without faces.
+    /// Largest magnitude of a coordinate of any *referenced* vertex; 0 without faces.
     #[cfg(feature = "gpu")]
     pub(crate) fn largest_coordinate(&self) -> f32 {
         self.bounds().iter().flatten().flatten().fold(0.0, |most, x| most.max(x.abs()))
     }
 
-    /// Positions, triangles, parts and frames, to be changed and brought back through [`Mesh::new`].
+    /// The positions, triangles, parts and frames, by value. [`Mesh::new`] turns them into a mesh again.
     #[must_use]
     #[expect(clippy::type_complexity, reason = "the four fields, named in the line above")]
     pub fn into_parts(self) -> (Vec<[f32; 3]>, Vec<[u32; 3]>, Vec<Part>, Vec<Vec<[f32; 3]>>) {
         (self.positions, Arc::unwrap_or_clone(self.triangles), self.parts, self.frames)
     }
 
-    /// Several meshes as one: vertices and faces in order, no vertex shared between two of them.
+    /// Concatenation of several meshes: vertices and faces in order, no vertex shared between two meshes.
     ///
-    /// Each mesh's parts are kept, named `mesh / part`; a mesh without parts becomes one part.
+    /// The parts of each mesh are kept and named `mesh / part`. A mesh without parts becomes one part.
+    ///
+    /// ```
+    /// use umbrage::mesh::Mesh;
+    /// use umbrage::testing::shapes;
+    /// let right = shapes::translated(&shapes::cube(), [5.0, 0.0, 0.0]).with_name("right");
+    /// let both = Mesh::concat(&[shapes::cube().with_name("left"), right])?;
+    /// assert_eq!((both.vertex_count(), both.face_count()), (16, 24));
+    /// assert_eq!((both.parts()[1].name.as_str(), both.parts()[1].faces.clone()), ("right", 12..24));
+    /// # Ok::<(), umbrage::mesh::MeshError>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// [`MeshError::TooLarge`] if the sum does not fit 32-bit ids.
+    /// [`MeshError::TooLarge`] if the sums do not fit 32-bit ids.
     pub fn concat(meshes: &[Mesh]) -> Result<Mesh, MeshError> {
         let mut positions = Vec::with_capacity(meshes.iter().map(Mesh::vertex_count).sum());
         let mut triangles = Vec::with_capacity(meshes.iter().map(Mesh::face_count).sum());
         let mut parts = Vec::new();
         for mesh in meshes {
-            // Checked by `Mesh::new` below: an offset that does not fit makes the count too large.
+            // `Mesh::new` below checks the counts: an offset that does not fit makes a count too large.
             let (vertices, faces) = (positions.len() as u32, triangles.len() as u32);
             positions.extend_from_slice(&mesh.positions);
             triangles.extend(mesh.triangles.iter().map(|t| t.map(|vertex| vertex.wrapping_add(vertices))));
@@ -338,14 +370,14 @@ impl Mesh {
     }
 }
 
-/// Refuses what is not finite and turns −0.0 into +0.0.
+/// Rejects coordinates that are not finite, and turns −0.0 into +0.0.
 fn admit(positions: &mut [[f32; 3]]) -> Result<(), MeshError> {
     for (vertex, position) in positions.iter_mut().enumerate() {
         for value in position {
             if !value.is_finite() {
                 return Err(MeshError::NotFinite { vertex, value: *value });
             }
-            *value += 0.0; // −0.0 + 0.0 is +0.0; every other value is unchanged
+            *value += 0.0; // −0.0 + 0.0 is +0.0; no other value changes
         }
     }
     Ok(())

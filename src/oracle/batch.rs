@@ -1,21 +1,21 @@
-//! Many points towards one light.
+//! Shadow queries for many points towards one light.
 //!
-//! Ways that meet nothing but empty space are answered at once. The others are taken in an order in which neighbors
-//! run through the same part of the tree (along the curve of G. M. Morton, *A Computer Oriented Geodetic Data Base*,
-//! 1966, by where they enter the box around all faces), and each tries the face first that shadowed the one before:
-//! any proper crossing is a shadow, so the order changes no answer.
+//! Segments that miss the bounding box of all faces are answered at once. The others are sorted along a
+//! Morton curve (G. M. Morton, *A Computer Oriented Geodetic Data Base*, 1966) by their entry point into that
+//! box, so that neighbors traverse the same part of the BVH. Each segment first tests the face that shadowed
+//! the previous one. Any proper crossing is a shadow, so the order changes no answer.
 
 use multiversion::multiversion;
 
 use super::{Oracle, Verdict};
 use crate::geom::{Aabb, Light};
 
-/// So many ways are taken in a row; each run starts without a face to try.
+/// Segments per run; each run starts without a face to try first.
 const RUN: usize = 512;
 
 impl Oracle {
-    /// What [`Oracle::verdict`] says of each of `points`, several times as fast where there are many: on several
-    /// threads if the feature `parallel` is on. Memory: up to 24 bytes a point.
+    /// Writes the [`Oracle::verdict`] of each of `points` to `verdicts`, several times as fast where there
+    /// are many, and on several threads if the feature `parallel` is on. Memory: up to 24 bytes per point.
     ///
     /// ```
     /// use umbrage::geom::Light;
@@ -31,20 +31,21 @@ impl Oracle {
     ///
     /// # Panics
     ///
-    /// Panics if `verdicts` is not as long as `points`, or at 2³² points or more.
+    /// Panics if `verdicts` and `points` differ in length, or if there are 2³² points or more.
     pub fn verdicts_into(&self, points: &[[f32; 3]], light: &Light, verdicts: &mut [Verdict]) {
         assert_eq!(points.len(), verdicts.len(), "a verdict for each point");
         assert!(u32::try_from(points.len()).is_ok(), "{} points; 2^32 are too many", points.len());
         verdicts.fill(Verdict::Lit);
         let curve = Curve::in_box(&self.bounds());
-        // Where a way enters on the curve, and its point.
+        // Position of a segment's entry point on the curve, and index of its start point.
         let mut ways: Vec<(u32, u32)> = Vec::new();
         for (&p, index) in points.iter().zip(0..) {
             if let Some(at) = self.tree.entry(p, light) {
                 ways.push((curve.place(at), index));
             }
         }
-        // Neighbors that mostly share a cell of 32 along each axis, such as pixels, are in order as they are.
+        // Points that arrive in a coherent order, such as pixels, are not sorted: sort only if more than a
+        // quarter of consecutive points lie in different cells of a 32 × 32 × 32 grid.
         let jumps = ways.windows(2).filter(|pair| (pair[0].0 ^ pair[1].0) >> 15 != 0).count();
         if jumps > ways.len() / 4 {
             ways.sort_unstable();
@@ -59,7 +60,7 @@ impl Oracle {
     }
 }
 
-/// One way after the other, with AVX2's instructions where the processor has them.
+/// The verdicts of one run in sequence, with AVX2 instructions where the processor has them.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]
 fn verdicts_in_a_row(
     oracle: &Oracle,
@@ -74,7 +75,7 @@ fn verdicts_in_a_row(
     }
 }
 
-/// A curve through a box of 1024 cells along each axis.
+/// Morton curve through a box of 1024 cells along each axis.
 struct Curve {
     low: [f32; 3],
     scale: [f32; 3],
@@ -82,7 +83,7 @@ struct Curve {
 
 impl Curve {
     fn in_box(&Aabb { low, high }: &Aabb) -> Self {
-        // Any cell is right; the nearest makes it fast. Out of range, casts saturate.
+        // Every cell is correct, and the right one is fastest. Casts out of range saturate.
         Self { low, scale: [0, 1, 2].map(|i| 1023.0 / (high[i] - low[i])) }
     }
 
@@ -93,7 +94,7 @@ impl Curve {
     }
 }
 
-/// Ten bits, two zeros before each.
+/// The ten lowest bits of `x`, with two zeros before each.
 #[inline]
 fn spread(mut x: u32) -> u32 {
     x = (x | x << 16) & 0x0300_00ff;
@@ -114,7 +115,7 @@ mod tests {
         (0..count).map(|_| [next(), next(), next()]).collect()
     }
 
-    /// Whether `verdicts` are those of one point after the other.
+    /// Whether `verdicts` equal those of single queries.
     fn right(oracle: &Oracle, points: &[[f32; 3]], light: &Light, verdicts: &[Verdict]) -> bool {
         points.iter().zip(verdicts).all(|(&p, &verdict)| oracle.verdict(p, light) == verdict)
     }
@@ -137,7 +138,7 @@ mod tests {
                 oracle.verdicts_into(&points, &light, &mut verdicts);
                 assert!(right(&oracle, &points, &light, &verdicts));
                 shadowed += verdicts.iter().filter(|&&verdict| verdict == Verdict::Shadowed).count();
-                // The sabotage: a verdict for the point beside it.
+                // Fault injected: each point gets the verdict of its neighbor.
                 verdicts.rotate_left(1);
                 caught += usize::from(!right(&oracle, &points, &light, &verdicts));
             }

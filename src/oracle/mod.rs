@@ -1,8 +1,10 @@
-//! The exact ray cast: what lies between a point and a light.
+//! Exact ray casting: which faces lie between a point and a light.
 //!
-//! A tree finds the faces that the way to the light may meet, in `f32` but without losing one; five orientation signs
-//! decide each of them, by a filter for all five or, where that is not certain, one by one (`meet.rs`). Signs on shared edges are antisymmetric, so no ray slips between two triangles, and what is
-//! only touched is declared, not guessed.
+//! A conservative `f32` BVH traversal collects the triangles that the shadow ray may hit. Five orientation
+//! signs decide each triangle: a filter for all five signs (`segment_filter.rs`), or exact predicates one by
+//! one where the filter is not certain (`segment_triangle.rs`). Signs on shared edges are antisymmetric, so
+//! no ray slips between two triangles. A ray that only touches the surface is reported as such, never
+//! guessed.
 
 mod batch;
 mod primary_hit;
@@ -24,30 +26,31 @@ use crate::geom::{Aabb, Light};
 use crate::mesh::{FaceId, MAX_TRIANGLES, Mesh};
 use crate::oracle::segment_filter::{Outcome, SegmentFilter};
 
-/// What is true of a point and a light.
+/// Visibility of a light from a point, decided exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
-    /// The open segment to the light does not even touch the closed surface.
+    /// The open segment to the light does not touch the closed surface.
     Lit,
     /// The open segment to the light properly crosses a face.
     Shadowed,
-    /// It touches the surface without properly crossing a face: both answers are right.
+    /// The open segment to the light touches the surface without properly crossing a face: both answers are
+    /// right.
     Grazing,
 }
 
-/// How often the open segment from a point to a light meets the faces.
+/// Number of faces that the open segment from a point to a light crosses or touches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Crossings {
-    /// Faces crossed that have the light in front of them.
+    /// Faces crossed whose front side the light is on.
     pub front: u32,
-    /// Faces crossed that have the light behind them.
+    /// Faces crossed whose back side the light is on.
     pub back: u32,
-    /// Faces that are touched: at an edge, at a corner, or along their plane.
+    /// Faces touched: at an edge, at a corner, or along their plane.
     pub touching: u32,
 }
 
 impl Crossings {
-    /// What the counts mean for the point.
+    /// The verdict that follows from the counts.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         if self.front + self.back > 0 {
@@ -60,38 +63,40 @@ impl Crossings {
     }
 }
 
-/// The first face along a ray.
+/// First face along a ray; see [`Oracle::first_hit`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Which face.
+    /// The face.
     pub face: FaceId,
-    /// How far, in lengths of the ray's direction. Rounded: for drawing, not for deciding.
+    /// Distance, in lengths of the ray's direction. Rounded: for drawing, not for deciding.
     pub t: f64,
 }
 
-/// The faces of a mesh in a tree, ready for exact queries. Owns what it needs: about 50 bytes a face, 8 of them the tree.
+/// Ray caster over the faces of one or several meshes, with exact answers. Owns its data: about 50 bytes per
+/// face, 8 of them the BVH.
 #[derive(Clone, Debug)]
 pub struct Oracle {
     pub(crate) tree: WideBvh,
-    /// Faces in the order of the tree's leaves.
+    /// Face ids in the order of the BVH leaves.
     order: Vec<u32>,
-    /// The first face of each mesh, and the number of all faces.
+    /// First face id of each mesh, then the number of all faces.
     first_faces: Vec<u32>,
-    /// Corners in the order of the tree's leaves.
+    /// Corner positions in the order of the BVH leaves.
     pub(crate) triangles: Vec<[[f32; 3]; 3]>,
 }
 
 impl Oracle {
-    /// Builds the tree over all faces of `mesh`. Those without area cannot be crossed, only touched. About 400 ns
-    /// a face. Memory: 128 bytes a face at its peak.
+    /// Builds the BVH over all faces of `mesh`. Faces without area cannot be crossed, only touched. About 400
+    /// ns per face. Peak memory: 128 bytes per face.
     #[must_use]
     pub fn build(mesh: &Mesh) -> Self {
         built::note(Part::Oracle, mesh);
         Self::over(&[mesh])
     }
 
-    /// Builds one tree over the faces of several meshes. Faces are numbered mesh after mesh; [`Oracle::mesh_face`]
-    /// separates the two. Costs and memory are those of [`Oracle::build`].
+    /// Builds one BVH over the faces of several meshes. Faces are numbered mesh after mesh;
+    /// [`Oracle::mesh_face`] converts a number to a mesh and a face. Time and memory are those of
+    /// [`Oracle::build`].
     ///
     /// # Panics
     ///
@@ -115,7 +120,7 @@ impl Oracle {
         assert!(faces <= MAX_TRIANGLES, "{faces} faces; at most {MAX_TRIANGLES} fit");
         let mut first_faces = vec![0];
         for mesh in meshes {
-            first_faces.push(first_faces[first_faces.len() - 1] + mesh.face_count() as u32); // fits as all do
+            first_faces.push(first_faces[first_faces.len() - 1] + mesh.face_count() as u32); // the sum fits
         }
         let mut boxes = Vec::with_capacity(faces);
         for mesh in meshes {
@@ -132,7 +137,7 @@ impl Oracle {
         Self { tree, order, first_faces, triangles }
     }
 
-    /// The mesh of a face, as its index in [`Oracle::over`], and the face's number in that mesh.
+    /// The mesh of a face, as its index in [`Oracle::over`], and the id of the face in that mesh.
     ///
     /// # Panics
     ///
@@ -144,7 +149,7 @@ impl Oracle {
         (mesh, FaceId(face))
     }
 
-    /// Whether `p` is in shadow. Stops at the first face that is properly crossed.
+    /// Whether `p` is in shadow. Stops at the first face that the segment properly crosses.
     ///
     /// ```
     /// use umbrage::geom::Light;
@@ -161,7 +166,8 @@ impl Oracle {
         verdict(self, p, light)
     }
 
-    /// Asks the face in slot `first` before all others; leaves the one there that was crossed, if any.
+    /// The verdict, testing the face in slot `first` before all others. If another face is found to be
+    /// crossed, `first` is set to its slot.
     #[inline(always)]
     fn verdict_trying(&self, p: [f32; 3], light: &Light, first: &mut usize) -> Verdict {
         let way = self.way(p, light);
@@ -183,7 +189,8 @@ impl Oracle {
         verdict
     }
 
-    /// Calls `visit` with the slot of every face that is met, as far as it wants to go; `NEAREST` as in [`WideBvh::walk`].
+    /// Calls `visit` with the slot of every face that the segment meets, until `visit` stops the traversal;
+    /// `NEAREST` is as in [`WideBvh::walk`].
     #[inline(always)]
     fn meetings<const NEAREST: bool>(
         &self,
@@ -206,10 +213,10 @@ impl Oracle {
         });
     }
 
-    /// The way to a light, ready to be compared with faces.
+    /// The segment to a light, prepared for the filter.
     #[inline(always)]
     fn way(&self, p: [f32; 3], light: &Light) -> SegmentFilter {
-        // How far any coordinate of a corner may be from that of the point.
+        // Largest difference between a coordinate of a corner and that of the point.
         let Aabb { low, high } = self.tree.bounds();
         let mut reach = 0.0_f64;
         for i in 0..3 {
@@ -221,7 +228,18 @@ impl Oracle {
         SegmentFilter::new(p, Homogeneous::light(light), reach)
     }
 
-    /// All faces between `p` and `light`, counted by side.
+    /// Number of faces between `p` and `light`, by side.
+    ///
+    /// ```
+    /// use umbrage::geom::Light;
+    /// use umbrage::oracle::{Crossings, Oracle};
+    /// use umbrage::testing::shapes;
+    /// let oracle = Oracle::build(&shapes::cube());
+    /// // Up through the bottom, which faces away from the light, and out through the top.
+    /// let crossings = oracle.crossings([0.3, 0.1, -4.0], &Light::point([0.1, 0.2, 5.0])?);
+    /// assert_eq!(crossings, Crossings { front: 1, back: 1, touching: 0 });
+    /// # Ok::<(), umbrage::geom::LightError>(())
+    /// ```
     #[must_use]
     pub fn crossings(&self, p: [f32; 3], light: &Light) -> Crossings {
         let mut crossings = Crossings::default();
@@ -236,7 +254,23 @@ impl Oracle {
         crossings
     }
 
-    /// Visits every face that the open segment from `p` to `light` crosses or touches.
+    /// Calls `visit` with every face that the open segment from `p` to `light` crosses or touches, in no
+    /// particular order.
+    ///
+    /// ```
+    /// use umbrage::geom::{Facing, Light};
+    /// use umbrage::oracle::{Intersection, Oracle};
+    /// use umbrage::testing::shapes;
+    /// let cube = shapes::cube();
+    /// let oracle = Oracle::build(&cube);
+    /// let mut sides = Vec::new();
+    /// oracle.for_each_meeting([0.3, 0.1, 0.0], &Light::point([0.1, 0.2, 5.0])?, |face, meeting| {
+    ///     assert!(cube.corners(face).iter().all(|corner| corner[2] == 1.0)); // a face of the top
+    ///     sides.push(meeting);
+    /// });
+    /// assert_eq!(sides, [Intersection::Crossing(Facing::Front)]);
+    /// # Ok::<(), umbrage::geom::LightError>(())
+    /// ```
     pub fn for_each_meeting(&self, p: [f32; 3], light: &Light, mut visit: impl FnMut(FaceId, Intersection)) {
         self.meetings::<false>(p, light, &self.way(p, light), |slot, meeting| {
             visit(FaceId(self.order[slot]), meeting);
@@ -244,15 +278,15 @@ impl Oracle {
         });
     }
 
-    /// The box around all faces.
+    /// Bounding box of all faces.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.tree.bounds()
     }
 }
 
-/// The mesh that a face belongs to, and the face's number there: the last mesh that begins at or before it and is not
-/// empty.
+/// The mesh that contains a face, and the number of the face there: the last mesh that starts at or before
+/// the face and is not empty.
 #[inline]
 fn split(first_faces: &[u32], face: u32) -> (usize, u32) {
     if let [0, _] = first_faces {
@@ -262,14 +296,14 @@ fn split(first_faces: &[u32], face: u32) -> (usize, u32) {
     (mesh, face - first_faces[mesh])
 }
 
-/// The walk, with AVX2's instructions where the processor has them: a third fewer for a node.
+/// The traversal, with AVX2 instructions where the processor has them: a third fewer instructions per node.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]
 fn verdict(oracle: &Oracle, p: [f32; 3], light: &Light) -> Verdict {
     let mut none = usize::MAX;
     oracle.verdict_trying(p, light, &mut none)
 }
 
-/// Out of the way of what is certain.
+/// Kept out of line, so that the certain cases stay small.
 #[cold]
 #[inline(never)]
 fn intersect_exactly(p: [f32; 3], light: &Light, triangle: &[[f32; 3]; 3]) -> Intersection {

@@ -1,4 +1,4 @@
-//! What an eye sees along a ray, and the point that stands for it.
+//! Primary hits: the first face along a ray from the eye, and the visible point to shade.
 
 use multiversion::multiversion;
 
@@ -9,44 +9,65 @@ use crate::geom::bvh::Step;
 use crate::geom::predicate::{Homogeneous, Sign, height, side_of_point};
 use crate::mesh::FaceId;
 
-/// The first face along a ray, and a point just before it.
+/// First visible face along a ray, and a point just in front of the face; see [`Oracle::first_visible`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrimaryHit {
-    /// Which face.
+    /// The face.
     pub face: FaceId,
-    /// Its corners.
+    /// Corners of the face.
     pub corners: [[f32; 3]; 3],
-    /// Which side of it the eye is on: positive in front, negative behind, never zero.
+    /// Side of the face that the eye is on: positive in front, negative behind, never zero.
     pub side: Sign,
-    /// How far, in lengths of the ray's direction. Rounded: for drawing, not for deciding.
+    /// Distance, in lengths of the ray's direction. Rounded: for drawing, not for deciding.
     pub t: f64,
-    /// The visible point: strictly on the eye's side of the face, so that the face itself never shadows it.
+    /// The visible point, strictly on the eye's side of the face, so that the face itself never shadows the
+    /// point.
     pub point: [f32; 3],
 }
 
 impl Oracle {
-    /// The first face that the ray from `origin` along `direction` passes through, be it at an edge or a corner;
-    /// faces that the ray lies in are edge-on and not seen. Which faces it passes is decided exactly, the order
-    /// of two at nearly the same distance by the rounded distance, and at the same distance by the face's id.
+    /// First face that the ray from `origin` along `direction` passes through, at an edge or a corner
+    /// included. A face that contains the ray is edge-on and not seen. The set of faces passed is decided
+    /// exactly. Their order is decided by the rounded distance, and at equal distances by the face id.
     ///
-    /// `None` also for a direction that is zero or not finite.
+    /// `None` if there is no such face, or if the direction is zero or not finite.
+    ///
+    /// ```
+    /// use umbrage::oracle::Oracle;
+    /// use umbrage::testing::shapes;
+    /// let cube = shapes::cube();
+    /// let hit = Oracle::build(&cube).first_hit([0.3, 0.1, 5.0], [0.0, 0.0, -1.0]).unwrap();
+    /// assert_eq!(hit.t, 4.0);
+    /// assert!(cube.corners(hit.face).iter().all(|corner| corner[2] == 1.0)); // a face of the top
+    /// ```
     #[must_use]
     pub fn first_hit(&self, origin: [f32; 3], direction: [f32; 3]) -> Option<Hit> {
         first_slot(self, origin, direction, 0.0).map(|(slot, t)| Hit { face: FaceId(self.order[slot]), t })
     }
 
-    /// What the eye at `origin` sees along `direction`: [`Oracle::first_hit`] with its visible point.
+    /// First visible face from `origin` along `direction`, as [`Oracle::first_hit`], with its visible point.
     ///
-    /// Rounding alone would put half of all hit points behind their own face. The visible point is the hit if
-    /// that lies strictly on the eye's side of its face, else the first such point going back towards the eye
-    /// in steps of the hit's last place.
+    /// Rounding alone would put half of all hit points behind their own face. The visible point is the
+    /// rounded hit point if this point lies strictly on the eye's side of the face. Otherwise it is the first
+    /// such point back towards the eye, in steps of the hit point's last place.
+    ///
+    /// ```
+    /// use umbrage::geom::predicate::{Sign, side_of_point};
+    /// use umbrage::oracle::Oracle;
+    /// use umbrage::testing::shapes;
+    /// let oracle = Oracle::build(&shapes::cube());
+    /// let hit = oracle.first_visible([0.3, 0.1, 5.0], [0.0, 0.0, -1.0]).unwrap();
+    /// assert_eq!(side_of_point(hit.corners, hit.point), Sign::Positive); // in front of the face
+    /// assert_eq!(hit.side, Sign::Positive);
+    /// assert_eq!(oracle.first_visible([0.3, 0.1, 5.0], [0.0, 0.0, 1.0]), None);
+    /// ```
     #[must_use]
     pub fn first_visible(&self, origin: [f32; 3], direction: [f32; 3]) -> Option<PrimaryHit> {
         self.first_visible_beyond(origin, direction, 0.0)
     }
 
-    /// As [`Oracle::first_visible`], past whatever is nearer than `nearest` lengths of the direction: what a camera
-    /// with a near plane sees. The order of a face and that plane is decided by the rounded distance.
+    /// As [`Oracle::first_visible`], but ignoring faces nearer than `nearest` lengths of the direction, as a
+    /// camera with a near plane does. A face near that plane is kept or ignored by its rounded distance.
     #[must_use]
     pub fn first_visible_beyond(
         &self,
@@ -62,7 +83,8 @@ impl Oracle {
     }
 }
 
-/// The place in `triangles` of the first face, and its distance. The walk has AVX2's instructions where the processor has them.
+/// Slot in `triangles` of the first face, and the distance of the face. The traversal uses AVX2 instructions
+/// where the processor has them.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]
 fn first_slot(oracle: &Oracle, origin: [f32; 3], direction: [f32; 3], nearest: f64) -> Option<(usize, f64)> {
     let towards = Light::directional(direction.map(|x| -x)).ok()?;
@@ -73,7 +95,7 @@ fn first_slot(oracle: &Oracle, origin: [f32; 3], direction: [f32; 3], nearest: f
             return Step::On;
         }
         let (t, face) = (distance(origin, &towards, triangle), oracle.order[slot]);
-        // Of equal distances the lowest face, whatever the order of the tree.
+        // Among equal distances the face with the lowest id, whatever the order of the BVH.
         if t >= nearest && first.is_none_or(|(least, id, _)| (t, face) < (least, id)) {
             first = Some((t, face, slot));
             return Step::NoFarther(t * NEARLY);
@@ -83,8 +105,9 @@ fn first_slot(oracle: &Oracle, origin: [f32; 3], direction: [f32; 3], nearest: f
     first.map(|(t, _, slot)| (slot, t))
 }
 
-/// The first `f32` point, going from the hit at `t` back to the eye, on its `side` of the face: steps of one unit
-/// in the last place of the hit's largest coordinate, found by doubling and halving. At worst the eye itself.
+/// The first `f32` point on `side` of the face, going from the hit at `t` back to the eye. Steps are one unit
+/// in the last place of the hit's largest coordinate; their number is found by doubling and bisection. In the
+/// worst case the point is the eye.
 fn before(corners: [[f32; 3]; 3], side: Sign, eye: [f32; 3], direction: [f32; 3], t: f64) -> [f32; 3] {
     let at = |t: f64| eye_point(eye, direction, t);
     let seen = |p: [f32; 3]| p.iter().all(|x| x.is_finite()) && side_of_point(corners, p) == side;
@@ -94,7 +117,7 @@ fn before(corners: [[f32; 3]; 3], side: Sign, eye: [f32; 3], direction: [f32; 3]
     }
     let largest = hit.iter().fold(0.0_f32, |most, x| most.max(x.abs())).min(f32::MAX);
     let ulp = f64::from(largest) - f64::from(largest.next_down());
-    // Nor can a step be told from nothing that is below the spacing of t itself.
+    // A step below the spacing of t itself would have no effect.
     let (mut behind, mut step) = (0.0, ulp.max(0.5 * f64::EPSILON * t));
     while !seen(at(t - step)) {
         if step >= t {
@@ -105,7 +128,7 @@ fn before(corners: [[f32; 3]; 3], side: Sign, eye: [f32; 3], direction: [f32; 3]
     while step - behind > ulp {
         let middle = 0.5 * (behind + step);
         if middle <= behind || middle >= step {
-            break; // nothing lies between
+            break; // no number lies between
         }
         if seen(at(t - middle)) {
             step = middle;
@@ -120,16 +143,17 @@ fn eye_point(eye: [f32; 3], direction: [f32; 3], t: f64) -> [f32; 3] {
     std::array::from_fn(|i| (f64::from(eye[i]) + t.max(0.0) * f64::from(direction[i])) as f32)
 }
 
-/// Where the ray from `origin` to `towards` meets the plane of a triangle that it passes through: to 2⁻³⁸ of
-/// itself, slivers included.
+/// Parameter at which the ray from `origin` to `towards` meets the plane of a triangle that the ray passes
+/// through: with a relative error of at most 2⁻³⁸, slivers included.
 fn distance(origin: [f32; 3], towards: &Light, triangle: [[f32; 3]; 3]) -> f64 {
     let above = height(triangle, Homogeneous::point(origin));
     let climb = height(triangle, Homogeneous::light(towards));
-    // Neither is zero: the ray would lie in the plane.
+    // Neither is zero, since otherwise the ray would lie in the plane.
     (-above / climb).max(0.0)
 }
 
-/// A little more than the error of two distances, so that a face at nearly the same one is still met.
+/// Slightly more than the relative error of two distances, so that a face at nearly the same distance is
+/// still visited.
 const NEARLY: f64 = 1.0 + 1.0 / (1_u64 << 36) as f64;
 
 #[cfg(test)]
@@ -139,7 +163,7 @@ mod tests {
     use crate::oracle::intersect;
     use crate::testing::shapes;
 
-    /// Rays from a ring of eyes into the middle of things, fanned out a little.
+    /// Rays from a ring of eyes towards the middle, fanned out slightly.
     fn rays() -> impl Iterator<Item = ([f32; 3], [f32; 3])> {
         (0..4000_u32).map(|i| {
             let noise = |k: u32| (i.wrapping_mul(k) >> 12) as f32 / (1 << 20) as f32 - 0.5;
@@ -181,7 +205,7 @@ mod tests {
 
     #[test]
     fn visible_point_is_found_for_a_hit_at_the_origin_and_for_tiny_directions() {
-        // Steps of the hit's last place are below the spacing of t here, and would never end.
+        // Steps of the hit's last place are below the spacing of t here: the search would never end.
         let flat = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
         let oracle = Oracle::build(&Mesh::new(flat, vec![[0, 1, 2]]).unwrap());
         let eye = [0.0, 0.0, 4.0];
@@ -200,7 +224,7 @@ mod tests {
         let oracle = Oracle::build(&shapes::cube());
         let bounds = oracle.bounds();
         let (high, middle) = (bounds.high, bounds.center());
-        // The middle of a side lies on its diagonal; then a corner, along the body diagonal.
+        // The middle of a side lies on its diagonal. The second ray meets a corner, along the body diagonal.
         let side = [middle[0], middle[1], high[2] + 4.0];
         assert_eq!(oracle.first_hit(side, [0.0, 0.0, -1.0]).map(|hit| hit.t), Some(4.0));
         let corner = high.map(|x| x + 4.0);
@@ -227,7 +251,7 @@ mod tests {
                 let slack = (0..3).map(|i| (hit[i] - visible.point[i]).abs()).fold(0.0, f32::max);
                 assert!(slack <= 1e-4 * (1.0 + offset), "{slack}");
             }
-            // What the step back is for.
+            // The case that the step back exists for.
             assert!(behind * 4 > seen && seen > 1000, "{behind} of {seen} hits are behind their face");
         }
     }

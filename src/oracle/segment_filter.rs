@@ -1,21 +1,23 @@
-//! A filter for all five signs of a segment and a triangle at once.
+//! Floating-point filter for all five signs of a segment and a triangle at once.
 //!
-//! Seen from the segment's start, the triangle's corners are a, b, c and the way's direction is d. With
-//! u = d·(b×c), v = d·(c×a), q = d·(a×b) and T = a·(b×c) (determinants of three rows, each entry a difference that is
-//! rounded once), the three edges pass the line on the hands −q, −u, −v, the start is on the side −T of the plane and
-//! the light on the side u + v + q − wT. They share their differences and cross products.
+//! With the segment's start as origin, let a, b, c be the triangle's corners and d the segment's direction.
+//! Let u = d·(b×c), v = d·(c×a), q = d·(a×b) and T = a·(b×c): determinants of three rows, each entry a
+//! difference that is rounded once. The signs of −q, −u, −v say on which side the line passes each edge. The
+//! signs of −T and u + v + q − wT say on which side of the triangle's plane the start and the light lie. The
+//! five values share their differences and cross products.
 //!
-//! With D the largest |dᵢ| and M no less than any coordinate of a corner, a permanent is at most 6DM² (for T 6M³). Each of
-//! its six products of at most DM² has six roundings (three differences, the inner product, the inner difference, the
-//! outer product), and the two outer sums, of at most 4DM² and 6DM², one each: u, v and q err by at most
-//! (36 + 4 + 6)·ε·DM²·(1 + 16ε) < 47ε·DM², and T by less than 47ε·M³. The light's side adds up three of the former, each
-//! at most 6DM², and T, at most 6M³, with three roundings of sums of at most 12DM², 18DM² and 18DM² + 6M³: less than
-//! (141 + 48)ε·DM² + (47 + 6)ε·M³ + O(ε²) < 190ε·(D + M)·M².
+//! Error bounds. Let D be the largest |dᵢ|, and let M be at least as large as any coordinate of a corner.
+//! Then a permanent is at most 6DM² (for T: 6M³). Each of its six products is at most DM² and has six
+//! roundings (three differences, the inner product, the inner difference, the outer product). The two outer
+//! sums are at most 4DM² and 6DM² and have one rounding each. So u, v and q err by at most
+//! (36 + 4 + 6)·ε·DM²·(1 + 16ε) < 47ε·DM², and T errs by less than 47ε·M³. The light's side adds three of the
+//! former, each at most 6DM², and T, at most 6M³, with three roundings of sums of at most 12DM², 18DM² and
+//! 18DM² + 6M³. The light's side errs by less than (141 + 48)ε·DM² + (47 + 6)ε·M³ + O(ε²) < 190ε·(D + M)·M².
 
 use crate::geom::predicate::filter::{EPSILON, Row, sign_of_det};
 use crate::geom::predicate::{Homogeneous, Sign, side_of_point};
 
-/// A way from a point to a light, ready to be compared with many triangles.
+/// A segment from a point to a light, prepared for tests against many triangles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SegmentFilter {
     from: [f32; 3],
@@ -23,28 +25,30 @@ pub(crate) struct SegmentFilter {
     start: [f64; 3],
     direction: [f64; 3],
     weight: f64,
-    /// What a hand may be off by.
+    /// Error bound of the three edge signs −q, −u, −v.
     hand: f64,
-    /// What a side may be off by.
+    /// Error bound of the two plane signs −T, u + v + q − wT.
     side: f64,
 }
 
-/// What is certain of a way and a triangle.
+/// The certain result of a segment and a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// They have no point in common.
+    /// The segment and the triangle have no point in common.
     Missed,
-    /// It properly crosses the inside, towards the side of this sign.
+    /// The segment properly crosses the triangle's interior, towards the side of this sign.
     Crossed(Sign),
-    /// Too close to call.
+    /// The filter cannot decide.
     Unsure,
 }
 
-/// In units of [`EPSILON`]: of the hands and of the sides.
+/// Error bounds in units of [`EPSILON`]: of the edge signs, and of the plane signs. Above the derived 47 and
+/// 190.
 const BOUNDS: [f64; 2] = [48.0, 192.0];
 
 impl SegmentFilter {
-    /// From `p` to `to`; no corner's coordinate will differ from that of `p` by more than `reach`.
+    /// The segment from `p` to `to`. No coordinate of a corner may differ from that of `p` by more than
+    /// `reach`.
     #[inline]
     pub(crate) fn new(p: [f32; 3], to: Homogeneous, reach: f64) -> Self {
         Self::with_bounds(p, to, reach, BOUNDS)
@@ -66,7 +70,7 @@ impl SegmentFilter {
         }
     }
 
-    /// How it passes a triangle, as far as that is certain.
+    /// Tests the segment against a triangle, as far as the result is certain.
     #[inline(always)]
     pub(crate) fn passes(&self, triangle: &[[f32; 3]; 3]) -> Outcome {
         let from = |corner: [f32; 3]| -> [f64; 3] {
@@ -82,12 +86,13 @@ impl SegmentFilter {
         let (u, v, q) = (dot(d, bc), dot(d, ca), dot(d, ab));
         let (least, most) = (smaller(smaller(u, v), q), larger(larger(u, v), q));
         if least < -self.hand && most > self.hand {
-            return Outcome::Missed; // the line passes two edges on different hands
+            return Outcome::Missed; // the line passes two edges on different sides
         }
         if !(least > self.hand || most < -self.hand) {
             return Outcome::Unsure;
         }
-        // The line runs through the inside: what is left to tell is whether its ends are on different sides.
+        // The line runs through the interior. The segment crosses if its ends lie on different sides of the
+        // plane.
         let start = dot(a, bc);
         let light = u + v + q - self.weight * start;
         if !(start.abs() > self.side && light.abs() > self.side) {
@@ -99,15 +104,15 @@ impl SegmentFilter {
         Outcome::Crossed(Sign::of(light))
     }
 
-    /// The same from the sides themselves: seen from a corner, a point just before a face, as on a surface, is far
-    /// from a tie.
+    /// Decides a line through the interior by exact signs of the two ends. Relative to a corner, a point just
+    /// in front of a face, such as a point on a surface, is far from a tie.
     #[inline(never)]
     fn passes_by_ends(&self, &triangle: &[[f32; 3]; 3]) -> Outcome {
         let [a, b, c] = triangle;
         let here = side_of_point(triangle, self.from);
         let there = sign_of_det([Row(b, a), Row(c, a), self.to.row(a)]);
         if here == there || here.is_zero() || there.is_zero() {
-            return Outcome::Missed; // the open way does not hold its ends
+            return Outcome::Missed; // the open segment does not contain its ends
         }
         Outcome::Crossed(there)
     }
@@ -123,7 +128,7 @@ fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {
     u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 }
 
-// (Not `min` and `max`, which also look for NaN.)
+// Without `min` and `max`, which also test for NaN.
 #[inline(always)]
 fn larger(x: f64, y: f64) -> f64 {
     if x > y { x } else { y }
@@ -142,8 +147,9 @@ mod tests {
     use crate::oracle::{Intersection, intersect};
     use crate::random::SplitMix64;
 
-    /// A triangle, and a point and a light on a line through its inside, an edge or a corner, or in its plane; one
-    /// coordinate of the point changed by an ulp, or not. Whole numbers of up to 24 bits, so that most are exact ties.
+    /// A triangle, and a point and a light on a line through the triangle's interior, an edge or a corner, or
+    /// in its plane. In half the cases one coordinate of the point is changed by an ulp. Coordinates are
+    /// integers of up to 24 bits, so most cases are exact ties.
     fn case(random: &mut SplitMix64) -> ([[f32; 3]; 3], [f32; 3], Light) {
         let most = [4, 1 << 10, 1 << 20][random.below(3)];
         let scale = [1.0, 0.1, 1.0 / 1024.0][random.below(3)];
@@ -174,7 +180,7 @@ mod tests {
         ([a, b, c].map(scaled), scaled(p), light)
     }
 
-    /// How many claims are wrong and how many cases are called unsure, of how many.
+    /// Numbers of wrong claims, of cases called unsure, and of all cases.
     fn wrong_claims(bounds: [f64; 2]) -> [usize; 3] {
         let mut random = SplitMix64(5);
         let mut counts = [0; 3];

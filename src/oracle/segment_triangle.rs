@@ -1,4 +1,5 @@
-//! How the open segment from a point to a light meets one triangle, by signs alone.
+//! Exact segment–triangle intersection: how the open segment from a point to a light meets a triangle,
+//! decided by signs alone.
 
 use crate::geom::Facing;
 use crate::geom::Light;
@@ -6,23 +7,35 @@ use crate::geom::predicate::{
     Homogeneous, Sign, orient3d_homogeneous, side_of_light, side_of_point, turn_homogeneous,
 };
 
-/// How a segment meets a triangle.
+/// Relation of a segment and a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Intersection {
-    /// They have no point in common.
+    /// The segment and the triangle have no point in common.
     None,
     /// The segment touches the triangle without properly crossing it.
     Touching,
-    /// The segment properly crosses the triangle's inside; the side of the triangle that the light is on.
+    /// The segment properly crosses the triangle's interior. The value is the side of the triangle that the
+    /// light is on.
     Crossing(Facing),
 }
 
-/// How the open segment from `p` to `light` meets the closed triangle.
+/// Relation of the open segment from `p` to `light` and the closed triangle.
 ///
-/// The sides of `p` and of the light first: on one side, or only one of them in the triangle's plane, is no
-/// meeting, since an open segment does not hold its ends. On opposite sides, the line passes the three edges on
-/// one hand (a crossing), on both hands (none), or through an edge (touching). In the plane both, an exact test
-/// in two dimensions tells.
+/// ```
+/// use umbrage::geom::{Facing, Light};
+/// use umbrage::oracle::{Intersection, intersect};
+/// let triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+/// let light = Light::point([1.0, 1.0, 1.0])?;
+/// assert_eq!(intersect([1.0, 1.0, -1.0], &light, triangle), Intersection::Crossing(Facing::Front));
+/// assert_eq!(intersect([1.0, 1.0, 0.0], &light, triangle), Intersection::None); // ends do not count
+/// # Ok::<(), umbrage::geom::LightError>(())
+/// ```
+///
+/// First, `p` and the light are compared with the triangle's plane. If both lie on one side, or exactly one
+/// lies in the plane, there is no intersection, since an open segment does not contain its ends. If they lie
+/// on opposite sides, the line is compared with the three edges: it passes all on the same side (a crossing),
+/// passes some on different sides (none), or meets an edge (touching). If both lie in the plane, an exact
+/// test in two dimensions decides.
 #[inline]
 #[must_use]
 pub fn intersect(p: [f32; 3], light: &Light, triangle: [[f32; 3]; 3]) -> Intersection {
@@ -53,18 +66,18 @@ pub fn intersect(p: [f32; 3], light: &Light, triangle: [[f32; 3]; 3]) -> Interse
     }
 }
 
-/// Everything in one plane, or the triangle has none.
+/// Whether the segment meets the triangle if all points lie in one plane, or if the triangle has no plane.
 #[cold]
 fn meets_in_plane(p: [f32; 3], light: &Light, [a, b, c]: [[f32; 3]; 3]) -> bool {
     if !light.is_directional() && p == light.xyz() {
-        return false; // an open segment without length
+        return false; // the open segment is empty
     }
     let Some(axis) = (0..3).find(|&axis| !turn(axis, a, b, point(c)).is_zero()) else {
         return meets_line(p, light, [a, b, c]);
     };
-    // Seen along `axis` nothing of the plane is lost. The two are apart iff a line along one of their sides
-    // parts them: the segment's own, with all corners strictly on one hand, or an edge's, with the whole open
-    // segment strictly beyond it.
+    // Projection along `axis` is one-to-one on the plane. Segment and triangle are disjoint iff a line along
+    // one of their sides separates them: the segment's own line, with all corners strictly on one side, or an
+    // edge's line, with the whole open segment strictly beyond.
     let corners = [a, b, c].map(|corner| turn(axis, p, corner, Homogeneous::light(light)));
     if corners[0] == corners[1] && corners[1] == corners[2] && !corners[0].is_zero() {
         return false;
@@ -76,7 +89,7 @@ fn meets_in_plane(p: [f32; 3], light: &Light, [a, b, c]: [[f32; 3]; 3]) -> bool 
     })
 }
 
-/// The triangle is only a closed segment from `u` to `v`, or a point.
+/// Whether the segment meets a degenerate triangle: a closed segment from `u` to `v`, or a point.
 fn meets_line(p: [f32; 3], light: &Light, mut corners: [[f32; 3]; 3]) -> bool {
     corners.sort_by(|a, b| a.partial_cmp(b).expect("coordinates are finite"));
     let [u, _, v] = corners;
@@ -91,14 +104,16 @@ fn meets_line(p: [f32; 3], light: &Light, mut corners: [[f32; 3]; 3]) -> bool {
         let [to_p, to_l] = [point(p), l].map(|end| turn(axis, u, v, end));
         let [from_u, from_v] = [u, v].map(|end| turn(axis, p, end, l));
         if [to_p, to_l, from_u, from_v].iter().any(|sign| !sign.is_zero()) {
-            // Seen along this axis nothing of their plane is lost: they meet iff each parts the other's ends.
+            // Projection along this axis is one-to-one on their plane: the segments meet iff each separates
+            // the other's ends.
             return to_p == -to_l && !to_p.is_zero() && from_u != from_v;
         }
     }
     overlaps_on_line(p, light, u, v)
 }
 
-/// All on one line: whether the open segment from `p` to the light overlaps the closed one from `u` to `v`.
+/// Whether, with all points on one line, the open segment from `p` to the light overlaps the closed segment
+/// from `u` to `v`.
 fn overlaps_on_line(p: [f32; 3], light: &Light, u: [f32; 3], v: [f32; 3]) -> bool {
     (0..3).all(|axis| {
         let (low, high) = (u[axis].min(v[axis]), u[axis].max(v[axis]));

@@ -1,10 +1,12 @@
-//! Verdicts through the tree beside a loop over all faces, where boxes are flat, huge, tiny, or met in a plane or an edge.
+//! Verdicts through the BVH against a loop over all faces, where boxes are flat, huge or tiny, or segments
+//! lie in a plane or meet an edge.
 
 use super::*;
 use crate::random::SplitMix64;
 use crate::testing::shapes;
 
-/// Triangles of corners on a coarse grid, some of them lines or points, at several scales beside each other.
+/// Triangles with corners on a coarse grid, some degenerate to lines or points, with several scales in one
+/// mesh.
 fn soup(random: &mut SplitMix64, faces: usize, scales: &[f32]) -> Mesh {
     let mut positions = Vec::new();
     for _ in 0..faces {
@@ -37,8 +39,8 @@ fn meshes() -> Vec<Mesh> {
     meshes
 }
 
-/// How many crossings, verdicts of one point and verdicts of many are not those of a loop over all faces; and how many
-/// are lit, in shadow, grazing.
+/// Number of crossings, single verdicts and batch verdicts that differ from a loop over all faces, and the
+/// numbers of lit, shadowed and grazing queries.
 fn wrong(fault: impl Fn(&mut WideBvh)) -> (usize, [usize; 3]) {
     let mut random = SplitMix64(9);
     let (mut wrong, mut kinds) = (0, [0; 3]);
@@ -60,7 +62,8 @@ fn wrong(fault: impl Fn(&mut WideBvh)) -> (usize, [usize; 3]) {
             let mut points = vec![[0.0; 3], between, light.xyz()];
             for _ in 0..40 {
                 let v = vertex();
-                // At a vertex, as far behind it as the light is before it, and beside it.
+                // Points at a vertex, with y halved, and behind the vertex as far as the light is in front of
+                // it.
                 let towards = light.xyz().map(f64::from);
                 points.extend([
                     v,

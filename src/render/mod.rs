@@ -6,6 +6,7 @@ mod color;
 mod gpu;
 mod ground;
 mod overlay;
+#[cfg(feature = "files")]
 mod png;
 mod shade;
 mod verdicts;

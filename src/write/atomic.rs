@@ -1,4 +1,5 @@
-//! Whole files or none: written beside the target, then renamed over it; also where the program is told to end.
+//! Atomic writes: a file is written under a temporary name in the same folder, then renamed over the target;
+//! also where a signal ends the program.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -8,12 +9,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::WriteError;
 
-/// Writes the file `path` with `body`, so that it is there whole or not at all.
+/// Writes the file `path` with `body`, completely or not at all.
 ///
-/// The bytes go to a temporary file in the same folder, are brought to the disk, and then take the
-/// target's name in one step. If anything fails, the temporary file is removed and an existing target is
-/// untouched. An existing file keeps its permissions; of a symbolic link, what it points at is replaced.
-/// For any file, not only meshes.
+/// The bytes go to a temporary file in the same folder, are flushed to the disk, and the file is then renamed
+/// to `path` in one step. If anything fails, the temporary file is removed and an existing target is
+/// untouched. An existing file keeps its permissions; of a symbolic link, its target is replaced. For any
+/// file, not only meshes.
 ///
 /// # Errors
 ///
@@ -51,7 +52,7 @@ fn replace<E: Into<WriteError>>(
         }
         _ => {}
     }
-    // A link is followed by hand: a rename would replace the link itself.
+    // Links are resolved first: a rename would replace the link itself.
     let target = if existing.is_some() { fs::canonicalize(path)? } else { path.to_owned() };
     if target.file_name().is_none() {
         return Err(WriteError::new("is not the name of a file", "name a file"));
@@ -78,30 +79,30 @@ fn replace<E: Into<WriteError>>(
     Ok(())
 }
 
-/// For a program that is told to end while [`write_atomic`] may be at work on other threads: removes every file that
-/// is half written, then calls `last` with how many files were written whole since the program began. Until `last`
-/// returns, no file is begun or takes its name; it may end the program. If it returns, the writes that were under way
-/// fail.
+/// Cleanup for a program that is about to exit while [`write_atomic`] may be running on other threads:
+/// removes every temporary file, then calls `last` with the number of files that were completely written
+/// since the program began. Until `last` returns, no write starts or finishes. `last` may exit the program;
+/// if it returns, the interrupted writes fail.
 pub fn abandon<T>(last: impl FnOnce(usize) -> T) -> T {
     let mut writes = writes();
     for path in writes.under_way.drain(..) {
-        let _ = fs::remove_file(path); // nothing better can be done where it fails
+        let _ = fs::remove_file(path); // nothing better can be done if it fails
     }
     last(writes.finished)
 }
 
-/// All writes of this program.
+/// The state of all writes of this program.
 struct Writes {
-    /// Temporary files that are there.
+    /// Temporary files that exist.
     under_way: Vec<PathBuf>,
     finished: usize,
-    /// How many were ever begun.
+    /// How many writes were ever started: numbers the temporary files.
     begun: u32,
 }
 
 fn writes() -> MutexGuard<'static, Writes> {
     static WRITES: Mutex<Writes> = Mutex::new(Writes { under_way: Vec::new(), finished: 0, begun: 0 });
-    // Every change of it is whole, whatever panicked.
+    // Every change of it is complete, whichever thread panicked.
     WRITES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -109,7 +110,7 @@ fn writes() -> MutexGuard<'static, Writes> {
 struct Temporary(Option<PathBuf>);
 
 impl Temporary {
-    /// Creates a new file in `folder`, under a name that nothing has.
+    /// Creates a new file in `folder`, under an unused name.
     fn create(folder: &Path) -> io::Result<(Self, File)> {
         let mut writes = writes();
         loop {
@@ -128,7 +129,7 @@ impl Temporary {
 
     fn rename(mut self, target: &Path) -> io::Result<()> {
         if let Some(path) = &self.0 {
-            // Locals go before `self`, which takes the lock again where this fails.
+            // Locals are dropped before `self`, which takes the lock again if this fails.
             let mut writes = writes();
             fs::rename(path, target)?;
             writes.under_way.retain(|other| other != path);
@@ -142,7 +143,7 @@ impl Temporary {
 impl Drop for Temporary {
     fn drop(&mut self) {
         if let Some(path) = &self.0 {
-            // Nothing better can be done where even this fails, and the first error is on its way.
+            // Nothing better can be done if this fails, and the first error is already being returned.
             let _ = fs::remove_file(path);
             writes().under_way.retain(|other| other != path);
         }
@@ -200,7 +201,7 @@ mod tests {
     #[test]
     fn atomic_write_refuses_a_directory_and_a_missing_folder() {
         let folder = tempfile::tempdir().unwrap();
-        let body = |_: &mut dyn Write| -> io::Result<()> { panic!("the place is checked first") };
+        let body = |_: &mut dyn Write| -> io::Result<()> { panic!("the path is checked first") };
         let error = write_atomic(folder.path(), body).unwrap_err();
         assert_eq!((error.problem.as_str(), error.remedy.as_str()), ("is a directory", "name a file in it"));
         let error = write_atomic(folder.path().join("no/a.txt"), body).unwrap_err();

@@ -1,4 +1,4 @@
-//! What went wrong while writing: which file, what was in the way, what to do about it.
+//! Errors of writing: file, problem and remedy.
 
 use std::fmt;
 use std::io;
@@ -7,16 +7,16 @@ use std::path::PathBuf;
 /// Why a file could not be written. Prints as one line: file, problem, remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WriteError {
-    /// Which file; empty where bytes in memory were asked for.
+    /// The file; empty for bytes in memory.
     pub file: PathBuf,
-    /// What was in the way.
+    /// What went wrong.
     pub problem: String,
     /// What to do about it.
     pub remedy: String,
 }
 
 impl WriteError {
-    /// An error of no file yet; [`WriteError::in_file`] adds its name.
+    /// An error without a file; [`WriteError::in_file`] adds its name.
     pub fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { file: PathBuf::new(), problem: problem.into(), remedy: remedy.into() }
     }
@@ -34,7 +34,7 @@ impl From<io::Error> for WriteError {
         let remedy = match error.kind() {
             io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "check the permissions",
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "free some space",
-            _ => "write to another place",
+            _ => "write to another folder",
         };
         Self::new(format!("cannot be written: {error}"), remedy)
     }

@@ -1,4 +1,4 @@
-//! glTF 2.0, binary container: a node, a mesh and a primitive a layer.
+//! glTF 2.0, binary container: one node, mesh and primitive per layer.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -16,10 +16,10 @@ use json::{Accessor, Index, Material, Root, Value};
 
 use super::{Elements, GENERATOR, Layer, Model, WriteError};
 
-/// Writes positions and `_W` as `f32`, indices as `u32`, each in a view of its own.
+/// Writes positions and `_W` as `f32`, indices as `u32`, each in its own buffer view.
 ///
-/// A color becomes an unlit, two-sided material, for readers without that extension one without metal or
-/// gloss. A layer without elements is a node without a mesh: the format has no empty accessor.
+/// A color becomes an unlit, two-sided material; readers without that extension get a rough, non-metallic
+/// one. A layer without elements is a node without a mesh: the format has no empty accessor.
 pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteError> {
     let drawn = |layer: &&Layer| !layer.elements.is_empty();
     let words: u64 = model
@@ -38,7 +38,7 @@ pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteEr
     let mut file = File { root: Root::default(), bytes: Vec::with_capacity(bytes as usize) };
     file.root.asset.generator = Some(GENERATOR.to_owned());
     let nodes: Vec<_> = model.layers.iter().map(|layer| file.node(layer)).collect();
-    // The format has no empty scene either.
+    // The format has no empty scene, either.
     if !nodes.is_empty() {
         let scene = json::Scene { extensions: None, extras: None, name: None, nodes };
         file.root.scene = Some(file.root.push(scene));
@@ -74,7 +74,7 @@ fn too_large(bytes: u64) -> WriteError {
     WriteError::new(problem, "write fewer layers to a file, or use .ply")
 }
 
-/// The two chunks while they grow.
+/// The two chunks under construction.
 struct File {
     root: Root,
     bytes: Vec<u8>,
@@ -101,7 +101,7 @@ impl File {
             layer.positions.len(),
             positions,
         );
-        // The format demands the box around the positions.
+        // The format requires the bounding box of positions.
         let bound = |pick: fn(f32, f32) -> f32| {
             let corner =
                 layer.positions.iter().copied().reduce(|p, q| std::array::from_fn(|i| pick(p[i], q[i])));

@@ -1,4 +1,5 @@
-//! Models to files: one format a file, named by the extension, written whole or not at all.
+//! Mesh file writers: one format per module, chosen by the extension, each file written completely or not at
+//! all.
 //!
 //! | carries | `.obj` | `.ply` | `.glb` |
 //! |---|---|---|---|
@@ -22,35 +23,38 @@ use std::fmt;
 use std::io::Write;
 use std::path::Path;
 
+// For the command, which is a crate of its own: it writes its tables and documents like every other file, and
+// leaves nothing half written when a signal ends it.
+#[doc(hidden)]
 pub use atomic::{abandon, write_atomic};
 pub use error::WriteError;
 
 use crate::mesh::{Mesh, Part};
 
-/// The name and version that a file carries as its maker.
+/// Name and version of this program, as files carry them.
 const GENERATOR: &str = concat!("umbrage ", env!("CARGO_PKG_VERSION"));
 
-/// What is to be written: layers over one another in the same space.
+/// Content of a file: layers in the same space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
-    /// In the order of the file.
+    /// The layers, in the order of the file.
     pub layers: Vec<Layer>,
 }
 
-/// Vertices, and triangles, lines or points on them: a mesh, a silhouette, marked places.
+/// Vertices, and triangles, lines or points on them: a mesh, a silhouette, markers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layer {
-    /// May be empty.
+    /// Name of the layer; may be empty.
     pub name: String,
     /// Linear red, green, blue and opacity, each from 0 to 1.
     pub color: Option<[f32; 4]>,
-    /// Finite, in mesh units, right-handed.
+    /// Positions: finite, in mesh units, right-handed.
     pub positions: Vec<[f32; 3]>,
-    /// The homogeneous coordinate of each vertex, where there is one: 0 for what was clamped from infinity.
+    /// Homogeneous w per vertex, if there is one: 0 for a vertex clamped from infinity.
     pub w: Option<Vec<f32>>,
-    /// What the vertices are joined to.
+    /// Triangles, lines or points between the vertices.
     pub elements: Elements,
-    /// Named runs of elements, in ascending order and without overlap; may be empty.
+    /// Named ranges of elements, in ascending order and without overlap; may be empty.
     pub parts: Vec<Part>,
 }
 
@@ -72,7 +76,7 @@ impl Default for Elements {
 }
 
 impl Elements {
-    /// How many triangles, lines or points there are.
+    /// Number of triangles, lines or points.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -88,7 +92,7 @@ impl Elements {
         self.len() == 0
     }
 
-    /// All indices in order: three, two or one an element.
+    /// All indices in order: three, two or one per element.
     #[must_use]
     pub fn indices(&self) -> &[u32] {
         match self {
@@ -140,7 +144,7 @@ impl Target {
             other => {
                 let problem = match other {
                     Some(other) => format!("the extension .{other} names no format that can be written"),
-                    None => "the format is told from the extension, and there is none".to_owned(),
+                    None => "the format is chosen by the extension, and there is none".to_owned(),
                 };
                 Err(WriteError::new(problem, "use .obj, .ply or .glb").in_file(path))
             }
@@ -158,7 +162,10 @@ impl fmt::Display for Target {
     }
 }
 
-/// Writes `model` to the file `path`, in the format of its extension, as [`write_atomic`] does.
+/// Writes `model` to the file `path`, in the format of its extension, completely or not at all.
+///
+/// The bytes go to a temporary file in the same folder, are flushed to the disk, and the file is then renamed
+/// to `path` in one step. An existing file keeps its permissions; of a symbolic link, its target is replaced.
 ///
 /// # Errors
 ///
@@ -209,7 +216,7 @@ pub fn to_bytes(model: &Model, target: Target) -> Result<Vec<u8>, WriteError> {
     Ok(bytes)
 }
 
-/// Problem and remedy, where a layer breaks its rules.
+/// Problem and remedy if a layer breaks its rules.
 fn check(layer: &Layer) -> Result<(), (String, &'static str)> {
     let vertex_count = layer.positions.len();
     let far = "clamp it to a finite distance";
@@ -220,7 +227,7 @@ fn check(layer: &Layer) -> Result<(), (String, &'static str)> {
         if w.len() != vertex_count {
             return Err((
                 format!("{} values of w for {vertex_count} vertices", w.len()),
-                "give one a vertex",
+                "give one per vertex",
             ));
         }
         if let Some(vertex) = w.iter().position(|w| !w.is_finite()) {

@@ -1,4 +1,4 @@
-//! Wavefront OBJ: an object a layer, a group a part.
+//! Wavefront OBJ: one object per layer, one group per part.
 
 use std::io::{self, Write};
 use std::ops::Range;
@@ -9,7 +9,7 @@ use super::{Elements, GENERATOR, Layer, Model};
 /// exponent; indices count from 1 through the whole file.
 pub(super) fn write(model: &Model, writer: &mut dyn Write) -> io::Result<()> {
     writeln!(writer, "# {GENERATOR}")?;
-    // A group goes on until the next one: where one layer has groups, every layer says its own.
+    // A group lasts until the next one: if any layer has groups, every layer names its own.
     let grouped = model.layers.iter().any(|layer| !layer.parts.is_empty());
     let mut first = 1_u64;
     for layer in &model.layers {
@@ -40,7 +40,7 @@ pub(super) fn write(model: &Model, writer: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// All elements in order as named runs; what is in no part is in the format's own group "default".
+/// All elements in order as named ranges; elements of no part are in the group "default" of the format.
 fn runs(layer: &Layer) -> Vec<(&str, Range<usize>)> {
     let mut runs = Vec::with_capacity(2 * layer.parts.len() + 1);
     let mut done = 0;
@@ -55,7 +55,7 @@ fn runs(layer: &Layer) -> Vec<(&str, Range<usize>)> {
     runs
 }
 
-/// A name that stays on its line: no reader takes it for a comment, a continued line or nothing.
+/// The name on one line, so that no reader takes it for a comment, a continued line or an empty name.
 fn plain(name: &str) -> String {
     let name = name.replace(|c: char| c.is_control() || c == '#' || c == '\\', "_");
     if name.trim().is_empty() { "unnamed".to_owned() } else { name }

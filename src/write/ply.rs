@@ -5,9 +5,9 @@ use std::io::Write;
 use super::{Elements, GENERATOR, Layer, Model, WriteError};
 
 /// Writes the element `vertex` with `x y z`, then `red green blue alpha` where any layer has a color (the
-/// others are opaque white), then `w` where any layer has one (the others have 1); the element `face` with a
-/// list of three indices, and the element `edge` with two, each where there are any. Points are vertices that
-/// no element names. A comment a layer tells them apart.
+/// other layers are opaque white), then `w` where any layer has one (the other layers have 1); the element
+/// `face` with a list of three indices, and the element `edge` with two, each where there are any. Points are
+/// vertices that no element names. A comment per layer says where it begins.
 pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteError> {
     let layers = &model.layers;
     let vertex_count: u64 = layers.iter().map(|layer| layer.positions.len() as u64).sum();
@@ -64,7 +64,7 @@ pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteEr
             }
         }
     }
-    // Indices count on through the layers; their sum was found to fit above.
+    // Indices run on through the layers; their sum was checked above.
     let mut first = 0;
     for layer in layers {
         for triangle in triangles(layer) {
@@ -93,7 +93,7 @@ fn lines(layer: &Layer) -> &[[u32; 2]] {
     if let Elements::Lines(lines) = &layer.elements { lines } else { &[] }
 }
 
-/// Linear color as PLY viewers take it: sRGB (IEC 61966-2-1) in eight bits, opacity linear.
+/// Color as PLY viewers expect it: sRGB (IEC 61966-2-1) in eight bits, opacity linear.
 fn bytes_of(color: [f32; 4]) -> [u8; 4] {
     let [red, green, blue, alpha] = color.map(f64::from);
     let curve = |x: f64| if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };

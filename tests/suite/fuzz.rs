@@ -204,6 +204,6 @@ fn fuzz_a_wrong_answer_fails_its_target() {
     assert!(fails(|| read::is_same(&cube, std::slice::from_ref(&turned), "cube")));
     assert!(!fails(|| read::is_one_line("a.obj, line 1: is wrong; export it again", "a.obj")));
     assert!(fails(|| read::is_one_line("a.obj, line 1: is\nwrong; export it again", "a.obj")));
-    assert!(!fails(|| command::is_one_line("unexpected argument; --help tells what is allowed")));
-    assert!(fails(|| command::is_one_line("unexpected\nargument; --help tells what is allowed")));
+    assert!(!fails(|| command::is_one_line("unexpected argument; --help lists what is allowed")));
+    assert!(fails(|| command::is_one_line("unexpected\nargument; --help lists what is allowed")));
 }

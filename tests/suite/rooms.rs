@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the library, from the ground up. `gpu` is wgpu at work and knows no mesh; `built`, `choice`, `parallel`
 /// and `random` are single files that every room may use.
-const ORDER: [&str; 23] = [
+const ORDER: [&str; 24] = [
     "random",
     "parallel",
     "choice",
@@ -29,6 +29,7 @@ const ORDER: [&str; 23] = [
     "testing",
     "accuracy",
     "render",
+    "json",
     "determinism",
 ];
 

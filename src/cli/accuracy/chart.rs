@@ -7,7 +7,7 @@ use super::{Asked, FileResult, Measured};
 
 const WIDTH: f64 = 760.0;
 
-// Where things stand, from the top of a panel.
+// Vertical positions, from the top of a panel.
 const LEFT: f64 = 92.0;
 const RIGHT: f64 = 716.0;
 const TOP: f64 = 66.0;
@@ -22,11 +22,11 @@ struct Spot<'a> {
     /// Its color and shape.
     look: usize,
     place: [f64; 2],
-    /// Where its fastest and slowest round would stand.
+    /// Positions of its fastest and slowest round.
     spread: [f64; 2],
 }
 
-/// A box of text or of a mark, which no text may run over: left, top, right, bottom.
+/// The box of a text or mark, which no other text may overlap: left, top, right, bottom.
 type Taken = [f64; 4];
 
 pub(super) fn svg(results: &[FileResult], asked: &Asked) -> String {
@@ -38,7 +38,7 @@ pub(super) fn svg(results: &[FileResult], asked: &Asked) -> String {
     }
     let below = PANEL * panels.len() as f64 + 10.0;
     let notes = [
-        "Filled: wrong answers, of queries with one right answer. Hollow: none was found; the mark stands at 3/n,",
+        "Filled: wrong answers, of queries with one right answer. Hollow: none was found; the mark is drawn at 3/n,",
         "which the rate is below with 95 % confidence, if queries are independent. Bars: the fastest and the slowest round.",
         "Thick line: the methods that no other one dominates, being as fast and as often right.",
     ];
@@ -114,11 +114,11 @@ fn draw(svg: &mut Svg, spot: &Spot<'_>) {
     ));
 }
 
-/// Two lines of text beside a mark, where nothing else stands: nearest places first.
+/// Two lines of text next to a mark, at the nearest free position.
 fn label(svg: &mut Svg, spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) {
     let dominated = if spot.method.dominated { ", dominated" } else { "" };
     let (name, said) = (format!("{}{dominated}", spot.method.name), said(spot.method));
-    // Rather too wide: which font it will be is not known here.
+    // An upper bound: the font is not known here.
     let width = 8.4 * name.chars().count().max(said.chars().count()) as f64;
     let [x, y] = spot.place;
     let at = |left: f64, middle: f64| [left, middle - 17.0, left + width, middle + 17.0];
@@ -135,7 +135,7 @@ fn label(svg: &mut Svg, spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) {
     let steps = (0..40).flat_map(|step| [1.0, -1.0].map(|sign| sign * 8.0 * f64::from(step)));
     let places = steps.flat_map(|step| sides.map(|left| at(left, y + step)));
     let fits = |area: &Taken| inside(*area) && free(area);
-    // Should nothing fit, at the left end and below what is there.
+    // If nothing fits: at the left end, below everything else.
     let area = places.into_iter().find(fits).unwrap_or_else(|| at(LEFT + 6.0, top + BOTTOM - 24.0));
     let ([left, above, ..], look) = (area, spot.look);
     let (first, second) = (above + 14.0, above + 29.0);
@@ -156,12 +156,12 @@ fn said(method: &Method) -> String {
     format!("{time} ns, {} of {} wrong", number(wrong as f64), number(judged as f64))
 }
 
-/// Wrong answers a query; where there are none, what they are below.
+/// Wrong answers per query; if there are none, the upper bound.
 fn height(row: &Row) -> f64 {
     row.bound_95().unwrap_or(row.error()).clamp(1e-12, 1.0)
 }
 
-/// What a logarithm can be taken of.
+/// Numbers that have a logarithm.
 fn above_zero(ns: f64) -> f64 {
     ns.max(1e-3)
 }

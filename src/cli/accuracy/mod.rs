@@ -26,16 +26,16 @@ use super::resources::ThreadArgs;
 use super::view::ViewArgs;
 use super::{Failure, Outcome};
 
-/// What `--threads` means where times are measured.
+/// Help of `--threads` where times are measured.
 const THREADS: &str =
-    "How many threads read and prepare, from 1 to 1024; what is asked is timed on one [default: 1]";
+    "How many threads read and prepare, from 1 to 1024; queries are timed on one thread [default: 1]";
 
-/// Error against time: how often each way to decide is wrong, beside what it costs
+/// Error against time: how often each method is wrong, and how long it takes
 ///
-/// Plain f32, filtered exact and always exact arithmetic answer the same questions in the same run, taking turns on one
-/// thread, and every answer is held against whole numbers. Questions come in strata, from scattered ones to those where
-/// rounding decides; where two answers are right (a tie), plain methods may give either, and exact ones must say so. A
-/// wrong answer of an exact method is a bug in umbrage.
+/// Plain f32, filtered exact and always exact arithmetic answer the same queries in the same run, taking
+/// turns on one thread, and every answer is compared with that of big integers. Queries come in strata, from
+/// scattered ones to those where rounding decides; where two answers are right (a tie), plain methods may
+/// give either, and exact ones must say so. A wrong answer of an exact method is a bug in umbrage.
 #[derive(Clone, Debug, clap::Args)]
 #[command(mut_arg("threads", |threads| threads.help(THREADS)))]
 pub(crate) struct Args {
@@ -43,7 +43,7 @@ pub(crate) struct Args {
     #[arg(value_enum)]
     what: What,
 
-    /// Mesh files: obj, gltf, glb, stl, ply, md2; told apart by their content, then by their extension
+    /// Mesh files: obj, gltf, glb, stl, ply, md2; recognized by their content, then by their extension
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -53,11 +53,11 @@ pub(crate) struct Args {
     #[command(flatten)]
     lights: LightArgs,
 
-    /// About how many queries for each stratum, at most 10000000; of facing no more than 4096 for each face
+    /// About how many queries per stratum, at most 10000000; for facing no more than 4096 per face
     /// [default: 1000000 for facing, 10000 for visibility]
     ///
-    /// 10000, 10_000 and 1e4 are the same. Of facing a query is a face and a light, and every light is asked about all
-    /// faces; of visibility it is a point and a light.
+    /// 10000, 10_000 and 1e4 are the same. For facing a query is a face and a light, and every light is asked
+    /// about all faces; for visibility it is a point and a light.
     #[arg(long, value_name = "N", value_parser = large, allow_negative_numbers = true)]
     queries: Option<u64>,
 
@@ -65,18 +65,18 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = rounds, allow_negative_numbers = true)]
     rounds: u32,
 
-    /// What lights and points are drawn from; the same seed gives the same answers, whatever the times
+    /// Seed of lights and points; the same seed gives the same answers, whatever the times
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
 
     #[command(flatten)]
     view: ViewArgs,
 
-    /// Width and height of the view in pixels, each at most 16384; of shadow [default: 480x270]
+    /// Width and height of the view in pixels, each at most 16384; for shadow [default: 480x270]
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     size: Option<Size>,
 
-    /// How many samples each pixel of the view has: 1, 4, 9 or 16; of shadow [default: 1]
+    /// How many samples each pixel of the view has: 1, 4, 9 or 16; for shadow [default: 1]
     #[arg(long, value_name = "N", value_parser = parse_samples, allow_negative_numbers = true)]
     samples: Option<u32>,
 
@@ -102,12 +102,12 @@ enum What {
     Facing,
     /// Whether a point is in shadow
     Visibility,
-    /// How much of each light reaches what is seen, by every technique that there is
+    /// How much of each light reaches the visible points, by every technique
     Shadow,
 }
 
 impl What {
-    /// What is asked face by face or point by point; `None` where whole views are compared.
+    /// The question per face or per point; `None` for `shadow`, which compares whole views.
     fn question(self) -> Option<Question> {
         match self {
             Self::Facing => Some(Question::Facing),
@@ -118,7 +118,7 @@ impl What {
 }
 
 impl Args {
-    /// Refuses what is about views where none is drawn.
+    /// Refuses options of the view for questions that have none.
     fn refuse_view(&self) -> Result<(), Failure> {
         let asked = [
             ("--size", self.size.is_some()),
@@ -134,7 +134,7 @@ impl Args {
         }
     }
 
-    /// Refuses what is about queries where a view is compared.
+    /// Refuses --queries for `shadow`, which has a view instead.
     fn refuse_queries(&self) -> Result<(), Failure> {
         if self.queries.is_none() {
             return Ok(());
@@ -151,7 +151,7 @@ fn rounds(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Queries and their right answers stay in memory: up to 13 bytes each, for each stratum.
+/// Queries and their right answers stay in memory: up to 13 bytes per query and stratum.
 const MOST_QUERIES: u64 = 10_000_000;
 
 /// What was measured of one file.
@@ -218,7 +218,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     Ok(outcome)
 }
 
-/// Refuses what can be told before any work is done.
+/// Refuses bad arguments before any work is done.
 fn refuse(args: &Args, question: Question) -> Result<Asked, Failure> {
     args.refuse_view()?;
     let queries = args.queries.unwrap_or(question.usual_queries());
@@ -231,7 +231,7 @@ fn refuse(args: &Args, question: Question) -> Result<Asked, Failure> {
     Ok(Asked { question, options })
 }
 
-/// Refuses outputs that cannot be written, as far as their names tell.
+/// Refuses outputs that cannot be written, judging by their names.
 fn refuse_outputs(args: &Args) -> Result<(), Failure> {
     for (option, path, extension) in [("--csv", &args.csv, "csv"), ("--svg", &args.svg, "svg")] {
         let Some(path) = path else { continue };
@@ -274,7 +274,7 @@ fn save(path: Option<&Path>, text: impl FnOnce() -> String) -> Result<(), Failur
 }
 
 impl Measured {
-    /// The first method, which the others are compared with.
+    /// The first method, with which the rest is compared.
     fn baseline(&self) -> &Method {
         &self.found.methods[0]
     }

@@ -1,4 +1,4 @@
-//! `umbrage accuracy shadow`: every technique's error beside its time, for each light and one view.
+//! `umbrage accuracy shadow`: error against time of every technique, for each light and one view.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use crate::cli::output::{self, Output, Table, counted, number, plain, significan
 use crate::cli::progress::Progress;
 use crate::cli::{Failure, Outcome, lights};
 
-/// The view for which no size is asked.
+/// The default size of the view.
 const SIZE: (u32, u32) = (480, 270);
 
 /// What was measured of one file.
@@ -95,7 +95,7 @@ fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
     Ok(Measured { file: file.to_owned(), size, samples, lights, found })
 }
 
-/// "1 in 20,000" would need a reader to divide; shares are of a hundred.
+/// A share in percent: "1 in 20,000" would make the reader divide.
 fn percent(part: u64, of: u64) -> String {
     match part {
         0 => "0".to_owned(),
@@ -213,9 +213,9 @@ impl Measured {
 
 const HEADER: &str = "file,light,technique,device,claim,judged,wrong,acne,leak,alias_dark,alias_lit,mean_error,prepare_ms,frame_ms,min_ms,max_ms,bytes,dominated_by\r\n";
 
-/// What the columns mean.
-const LEGEND: &str = "judged: samples that face the light and whose exact verdict is not grazing; wrong: on the other \
-                      side than the truth; acne: falsely dark, leak: falsely lit; prepare: what stays valid while the \
+/// Meaning of the columns.
+const LEGEND: &str = "judged: samples that face the light and whose exact verdict is not grazing; wrong: contradicts \
+                      the truth; acne: falsely dark, leak: falsely lit; prepare: work that stays valid while the \
                       camera moves; frame: from given samples to their visibility, the median of the rounds; dominated: \
                       another technique is as fast and as often right";
 

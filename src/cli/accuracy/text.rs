@@ -8,14 +8,14 @@ use super::{Asked, Measured};
 use crate::cli::lights;
 use crate::cli::output::{Table, counted, plain};
 
-/// What the columns mean.
-const LEGEND: &str = "ns: nanoseconds a query, the median of the rounds; of plain f32: the median of the ratios to it \
+/// Meaning of the columns.
+const LEGEND: &str = "ns: nanoseconds per query, the median of the rounds; of plain f32: the median of the ratios to it \
                       round by round; a tie has two right answers, of which a method that is not exact may give either; \
                       rate: wrong answers a query that is no tie, or after < what they are below with 95 % confidence \
                       if none was found and queries were independent; dominated: another method is as fast and as often \
                       right";
 
-/// The methods, their times and their wrong answers by stratum, what exactness costs, the verdict, and a legend.
+/// The methods, their times and wrong answers by stratum, the cost of exactness, the verdict, and a legend.
 pub(super) fn report(file: &Path, measured: &Measured, asked: &Asked) -> String {
     let methods = &measured.found.methods;
     let lit: Vec<String> =
@@ -23,11 +23,11 @@ pub(super) fn report(file: &Path, measured: &Measured, asked: &Asked) -> String 
     let rounds = counted(asked.options.rounds as usize, "round", "rounds");
     let truth = match measured.found.judged_by_all_faces {
         Some(all) => format!(
-            "truth: every verdict in whole numbers, {all} of {} against all faces, the others against those that the \
-             tree leaves over",
+            "truth: every verdict in big integers, {all} of {} against all faces, the rest against the faces that \
+             the tree returns",
             measured.baseline().total.queries
         ),
-        None => "truth: every side in whole numbers".to_owned(),
+        None => "truth: every side in big integers".to_owned(),
     };
     let wrong: u64 = methods.iter().filter(|method| method.exact).map(|method| method.total.wrong).sum();
     let verdict = match wrong {

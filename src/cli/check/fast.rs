@@ -12,14 +12,14 @@ use crate::cli::output::{self, Output, counted, plain, short};
 use crate::cli::progress::Progress;
 use crate::cli::{Failure, Outcome};
 
-/// What was found in one file.
+/// The report of one file.
 pub(super) struct Screened {
     file: PathBuf,
     pub(super) format: Option<Format>,
     pub(super) meshes: Vec<Mesh>,
 }
 
-/// What was found in one mesh.
+/// The report of one mesh.
 pub(super) struct Mesh {
     pub(super) name: String,
     pub(super) vertices: usize,
@@ -33,7 +33,7 @@ impl Screened {
     }
 }
 
-/// What asks for more than the screen can tell.
+/// Refuses options that need more than the balance.
 pub(super) fn refuse(args: &Args) -> Result<(), Failure> {
     let asked = match args.require {
         Some(Require::Watertight) => Some("--require watertight"),
@@ -50,7 +50,7 @@ pub(super) fn refuse(args: &Args) -> Result<(), Failure> {
     match within.or(asked).or_else(|| others.next()) {
         None => Ok(()),
         Some(option) => Err(Failure::new(
-            format_args!("--fast only tells whether a mesh is balanced, which {option} goes beyond"),
+            format_args!("--fast only decides whether a mesh is balanced, and {option} needs more"),
             "leave one of them out",
         )),
     }
@@ -125,7 +125,7 @@ impl Display for Report<'_> {
     }
 }
 
-/// The last line: over all files, and how far it can be relied on.
+/// The last line: the verdict over all files, and the probability of error.
 fn verdict(reports: &[Result<Screened, Failure>]) -> String {
     let files = counted(reports.len(), "file", "files");
     let unread = reports.iter().filter(|report| report.is_err()).count();

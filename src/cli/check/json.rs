@@ -3,18 +3,19 @@
 use std::path::PathBuf;
 
 use serde_json::{Map, Value, json};
-use umbrage::check::{Counts, CrackReport, DefectKind, ShellReport};
+use umbrage::check::{Counts, CrackReport, DefectKind};
 use umbrage::read::Format;
 use umbrage::topology::Topology;
 
 use super::fast::Screened;
 use super::{FileReport, Found, MeshReport, Place, Verdict};
 use crate::cli::error::Failure;
-use crate::cli::output::{number, number32};
+use crate::cli::json::{append, insert_after, to_value};
+use crate::cli::output::number32;
 
 /// All files, in the order they were named.
 ///
-/// Each total lists up to `limit` places of a kind of defect.
+/// Each total lists up to `limit` defects of each kind.
 pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>], limit: usize) -> Value {
     let entry = |report: &FileReport| Entry {
         format: report.format,
@@ -25,7 +26,7 @@ pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>
     of_entries(files, reports.iter().map(|report| report.as_ref().map(entry)))
 }
 
-/// The same for files of which only the balance is known.
+/// The same for `--fast`: only the balance is known.
 pub(super) fn screened(files: &[PathBuf], reports: &[Result<Screened, Failure>]) -> Value {
     let entry = |report: &Screened| Entry {
         format: report.format,
@@ -45,7 +46,7 @@ pub(super) fn screened(files: &[PathBuf], reports: &[Result<Screened, Failure>])
     of_entries(files, reports.iter().map(|report| report.as_ref().map(entry)))
 }
 
-/// What is said of a file.
+/// The entry of a file.
 struct Entry {
     format: Option<Format>,
     verdict: Verdict,
@@ -83,7 +84,7 @@ fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry,
     json!({ "files": entries, "verdict": verdict })
 }
 
-/// A mesh of which nothing else is known: the same keys, null.
+/// A mesh of which only the balance is known: the same keys, the rest null.
 fn balance(name: Option<&str>, vertices: usize, faces: usize, balanced: bool) -> Value {
     // The keys are those of any mesh; here of one without faces.
     let empty = umbrage::mesh::Mesh::default();
@@ -103,14 +104,14 @@ fn balance(name: Option<&str>, vertices: usize, faces: usize, balanced: bool) ->
 fn mesh(mesh: &MeshReport) -> Value {
     let vertices = [mesh.vertices, mesh.welded_vertices, mesh.unreferenced_vertices];
     let mut object = counts(Some(&mesh.name), vertices, &mesh.counts);
-    object.insert("shell_list".into(), mesh.shell_list.iter().map(shell).collect());
+    object.insert("shell_list".into(), to_value(&mesh.shell_list));
     object.insert("defects".into(), mesh.defects.iter().map(defect).collect());
-    completeness(&mut object, &mesh.counts, mesh.nesting_complete, mesh.t_junctions_complete);
+    completeness(&mut object, mesh.nesting_complete, mesh.t_junctions_complete);
     Value::Object(object)
 }
 
-/// The sum over the meshes. Shells are listed with the meshes, so their list is null here; a defect's place names the
-/// mesh.
+/// The sum over the meshes. Shells are listed with the meshes, so their list is null here; each defect names
+/// its mesh.
 fn total(report: &FileReport, limit: usize) -> Value {
     let Some(sum) = report.total() else { return Value::Null };
     let vertices = [
@@ -123,15 +124,12 @@ fn total(report: &FileReport, limit: usize) -> Value {
     let defects = DefectKind::ALL.into_iter().filter_map(|kind| defect_of_all(report, kind, limit));
     object.insert("defects".into(), defects.collect());
     let all = |of: fn(&MeshReport) -> bool| report.meshes.iter().all(of);
-    completeness(&mut object, &sum, all(|mesh| mesh.nesting_complete), all(|mesh| mesh.t_junctions_complete));
+    completeness(&mut object, all(|mesh| mesh.nesting_complete), all(|mesh| mesh.t_junctions_complete));
     Value::Object(object)
 }
 
-/// Which searches came to their ends; what was counted in the others is less than there may be, hence null.
-fn completeness(object: &mut Map<String, Value>, counts: &Counts, nesting: bool, t_junctions: bool) {
-    if counts.undecided_shells > 0 {
-        object["inside_out_shells"] = Value::Null;
-    }
+/// Which searches were completed. A count of T-junctions that was not completed is null.
+fn completeness(object: &mut Map<String, Value>, nesting: bool, t_junctions: bool) {
     if !t_junctions {
         object["t_junctions"] = Value::Null;
     }
@@ -139,65 +137,25 @@ fn completeness(object: &mut Map<String, Value>, counts: &Counts, nesting: bool,
     object.insert("t_junctions_complete".into(), t_junctions.into());
 }
 
+/// What comes before the numbers, and the numbers; vertices that no face uses are among them.
 fn counts(
     name: Option<&str>,
     [vertices, welded, unreferenced]: [usize; 3],
     counts: &Counts,
 ) -> Map<String, Value> {
-    let Value::Object(object) = json!({
-        "name": name,
-        "vertices": vertices,
-        "welded_vertices": welded,
-        "faces": counts.faces,
-        "edges": counts.edges,
-        "shells": counts.shells,
-        "closed_shells": counts.closed_shells,
-        "euler_characteristic": counts.euler_characteristic,
-        "boundary_edges": counts.boundary_edges,
-        "boundary_loops": counts.boundary_loops,
-        "non_manifold_edges": counts.non_manifold_edges,
-        "max_faces_per_edge": counts.max_faces_per_edge,
-        "misoriented_edges": counts.misoriented_edges,
-        "non_manifold_vertices": counts.non_manifold_vertices,
-        "collapsed_faces": counts.collapsed_faces,
-        "zero_area_faces": counts.zero_area_faces,
-        "duplicate_faces": counts.duplicate_faces,
-        "unreferenced_vertices": unreferenced,
-        "near_miss_edges": counts.near_miss_edges,
-        "t_junctions": counts.t_junctions,
-        "inside_out_shells": counts.inside_out_shells,
-        "self_intersections": counts.self_intersections,
-        "signed_volume": number(counts.signed_volume),
-        "watertight": counts.watertight,
-        "balanced": counts.balanced,
-        "even": counts.even,
-    }) else {
-        unreachable!("the macro above makes an object")
-    };
+    let mut object = Map::from_iter([
+        ("name".to_owned(), name.into()),
+        ("vertices".to_owned(), vertices.into()),
+        ("welded_vertices".to_owned(), welded.into()),
+    ]);
+    append(&mut object, counts);
+    insert_after(&mut object, "duplicate_faces", "unreferenced_vertices", unreferenced);
     object
-}
-
-fn shell(shell: &ShellReport) -> Value {
-    json!({
-        "first_face": shell.first_face.index(),
-        "faces": shell.faces,
-        "edges": shell.edges,
-        "vertices": shell.vertices,
-        "euler_characteristic": shell.euler_characteristic,
-        "genus": shell.genus,
-        "signed_volume": number(shell.signed_volume),
-        "watertight": shell.watertight,
-        "balanced": shell.balanced,
-        "inside_out": (!shell.undecided()).then_some(shell.inside_out),
-        "depth": shell.depth_known.then_some(shell.depth),
-        "parent": shell.parent,
-        "bounds": [shell.bounds.low.map(number32), shell.bounds.high.map(number32)],
-    })
 }
 
 fn defect(found: &Found) -> Value {
     json!({
-        "kind": found.kind.name(),
+        "kind": found.kind,
         "count": found.count,
         "effect": found.kind.effect(),
         "at": found.at.iter().map(place).collect::<Vec<_>>(),
@@ -217,7 +175,7 @@ fn defect_of_all(report: &FileReport, kind: DefectKind, limit: usize) -> Option<
     });
     (!with.is_empty()).then(|| {
         json!({
-            "kind": kind.name(),
+            "kind": kind,
             "count": with.iter().map(|(_, found)| found.count).sum::<usize>(),
             "effect": kind.effect(),
             "at": at.collect::<Vec<_>>(),
@@ -229,6 +187,6 @@ fn place(place: &Place) -> Value {
     json!({
         "position": place.position.map(number32),
         "name": place.name,
-        "faces": place.faces.iter().map(|face| face.index()).collect::<Vec<_>>(),
+        "faces": place.faces,
     })
 }

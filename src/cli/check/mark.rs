@@ -8,10 +8,10 @@ use umbrage::write::{Elements, Layer, Model};
 
 use crate::cli::error::Failure;
 
-/// How many pairs of faces that intersect are marked: there may be more than memory holds.
+/// How many pairs of intersecting faces are marked at most: there may be more than memory holds.
 pub(super) const PAIRS_MARKED: usize = 100_000;
 
-/// Radius of an octahedron over the diagonal of the mesh: small, and still seen with the whole mesh in view.
+/// Radius of an octahedron over the diagonal of the mesh: small, but visible with the whole mesh in view.
 const OCTAHEDRON: f64 = 0.005;
 
 /// Colored layers that grow mesh by mesh.
@@ -120,7 +120,7 @@ impl Kind {
         self.lines.extend_from_slice(&defect.segments);
         match kind {
             DefectKind::NonManifoldVertex | DefectKind::TJunction => self.octahedron(defect.position, radius),
-            // Without area there is nothing to see of the face itself.
+            // A face without area is invisible.
             DefectKind::CollapsedFace | DefectKind::ZeroAreaFace => {
                 for &face in &defect.faces {
                     let [a, b, c] = mesh.corners(face);

@@ -31,38 +31,40 @@ use picture::Sketch;
 /// shell is inside out.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Mesh files: obj, gltf, glb, stl, ply, md2; told apart by their content, then by their extension
+    /// Mesh files: obj, gltf, glb, stl, ply, md2; recognized by their content, then by their extension
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
     #[command(flatten)]
     mesh: MeshArgs,
 
-    /// Ask for this of every mesh, instead of soundness [default: watertight, and no shell inside out]
+    /// Require this of every mesh, instead of soundness [default: watertight, and no shell inside out]
     ///
     /// Name a weaker property when it is all that the next step needs.
     #[arg(long, value_enum)]
     require: Option<Require>,
 
-    /// Only tell whether each mesh is balanced, as fast as it can be read
+    /// Only decide whether each mesh is balanced, as fast as it can be read
     ///
-    /// Balanced: at every edge the two directions are used equally often. A mesh that is not is told to be with a
-    /// probability below 1e-8, as long as no more than two faces too many run along an edge in one direction.
+    /// Balanced: at every edge the two directions are used equally often. A mesh that is not balanced is
+    /// reported as balanced with a probability below 1e-8, as long as no edge has more than two surplus faces
+    /// in one direction.
     #[arg(long)]
     fast: bool,
 
-    /// Also look for faces that meet where they should not; about a microsecond a face
+    /// Also look for faces that intersect; about a microsecond per face
     #[arg(long)]
     self_intersections: bool,
 
-    /// How many meshes, shells, and places of each kind of defect are listed
+    /// How many meshes, shells, and defects of each kind are listed
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole, allow_negative_numbers = true)]
     limit: usize,
 
     /// Print one JSON document instead of text
     ///
-    /// A number that was not computed is null, and so is the verdict if a file could not be read, or it was not
-    /// decided which shell lies in which, and no other is cracked. At most 1000 shells a mesh and 64 faces a place are listed.
+    /// A number that was not computed is null. The verdict is null if no file is cracked, but one could not
+    /// be read or the nesting of its shells was not decided. At most 1000 shells per mesh and 64 faces per
+    /// defect are listed.
     #[arg(long)]
     json: bool,
 
@@ -72,21 +74,21 @@ pub(crate) struct Args {
     /// Draw the mesh with its defects over it, 960x540 pixels; for one input file
     /// [default: nothing is drawn]
     ///
-    /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow, dimmed where the mesh hides
-    /// them; standard error says what further colors mean.
+    /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow, dimmed where the mesh
+    /// hides them; standard error explains the other colors.
     #[arg(long, value_name = "OUT.png")]
     picture: Option<PathBuf>,
 
     /// Write the mesh and its defects as colored geometry, for any glTF viewer; for one input file
     /// [default: nothing is written]
     ///
-    /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow; vertices and faces too small
-    /// to see get an octahedron 0.5 % of the diagonal in size.
+    /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow; vertices and faces too
+    /// small to see are marked by an octahedron 0.5 % of the diagonal in size.
     #[arg(long, value_name = "OUT.glb")]
     mark: Option<PathBuf>,
 }
 
-/// What is asked of every mesh.
+/// The property required of every mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Require {
     /// Every edge has exactly two faces, in opposite directions
@@ -106,7 +108,7 @@ fn holds(require: Option<Require>, counts: &Counts) -> bool {
     }
 }
 
-/// What was found in one file.
+/// The report of one file.
 struct FileReport {
     file: PathBuf,
     format: Option<Format>,
@@ -116,7 +118,7 @@ struct FileReport {
     joinable: bool,
 }
 
-/// What was found in one mesh: all that is left of it once it is counted.
+/// The report of one mesh; the mesh itself is not kept.
 struct MeshReport {
     name: String,
     vertices: usize,
@@ -132,11 +134,11 @@ struct MeshReport {
     verdict: Verdict,
 }
 
-/// What is said of a mesh or of a file.
+/// The verdict on a mesh or a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Verdict {
     Sound,
-    /// Nothing is wrong, but which shell lies in which was not decided within the limit.
+    /// No defect was found, but the nesting of the shells was not decided within the limit.
     NotProven,
     Cracked,
 }
@@ -168,7 +170,7 @@ struct Found {
     at: Vec<Place>,
 }
 
-/// Where one defect lies.
+/// The location of one defect.
 struct Place {
     position: [f32; 3],
     length: Option<f64>,
@@ -179,7 +181,7 @@ struct Place {
     name: String,
 }
 
-/// Bounds on what is listed where a mesh falls apart into single faces, or a whole shell is one defect.
+/// Bounds on lists: a mesh may fall apart into single faces, and a whole shell may be one defect.
 const SHELLS_LISTED: usize = 1000;
 const FACES_LISTED: usize = 64;
 
@@ -254,7 +256,7 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
     Ok((text, json::document(&args.files, &[Ok(report)], args.limit), marks.into_model()))
 }
 
-/// What can be told before any work is done.
+/// Refuses bad arguments before any work is done.
 fn refuse(args: &Args) -> Result<(), Failure> {
     if args.fast {
         fast::refuse(args)?;
@@ -290,14 +292,8 @@ fn examine(
         let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.shared_triangles());
         let mut report = CrackReport::of(&mesh, &topology);
         for (complete, note) in [
-            (
-                report.nesting_complete,
-                "the search for which shell lies in which gave up, so many lie in one place",
-            ),
-            (
-                report.t_junctions_complete,
-                "the search for T-junctions gave up, so many edges lie in one place",
-            ),
+            (report.nesting_complete, "the nesting of shells was not decided: too many overlap"),
+            (report.t_junctions_complete, "the search for T-junctions gave up: too many edges overlap"),
         ] {
             if !complete {
                 output::say(format_args!("note: {}: {note}", file.display()));
@@ -414,7 +410,7 @@ mod tests {
             picture: None,
             mark: None,
         };
-        // As the report is where the search gave up before the cavity, and before all T-junctions were found.
+        // As if the searches had given up before the cavity and before the last T-junction.
         let mut report = examine(&file, &args, None, None).ok().unwrap();
         assert_eq!(report.verdict(), Verdict::Sound);
         let mesh = &mut report.meshes[0];

@@ -42,7 +42,7 @@ impl Sketch {
                     DefectKind::NonManifoldVertex | DefectKind::TJunction => {
                         self.overlay.spots.push(Marker { at: defect.position, color });
                     }
-                    // Without area there is nothing to see of the face itself.
+                    // A face without area is invisible.
                     DefectKind::CollapsedFace | DefectKind::ZeroAreaFace => {
                         for &face in &defect.faces {
                             let [a, b, c] = mesh.corners(face);

@@ -1,4 +1,4 @@
-//! The crack report as text: what a person needs first comes first, and 501 meshes stay readable.
+//! The crack report as text: the verdict first, and readable for hundreds of meshes.
 
 use std::fmt::{self, Display};
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::cli::error::Failure;
 use crate::cli::load::all_collapse;
 use crate::cli::output::{Table, counted, plain, short, significant};
 
-/// How many face numbers are printed at a place.
+/// How many face numbers are printed per defect.
 const FACES_PRINTED: usize = 6;
 
 /// One file's report, for printing.
@@ -34,7 +34,7 @@ impl Display for Report<'_> {
 }
 
 impl Report<'_> {
-    /// A row for each mesh that is worth one, and the total.
+    /// A row for each listed mesh, and the total.
     fn counts(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let meshes = &self.report.meshes;
         let Some(total) = self.report.total() else { return Ok(()) };
@@ -93,7 +93,7 @@ impl Report<'_> {
         Ok(())
     }
 
-    /// All meshes if they are few, else the worst, in the order of the file.
+    /// All meshes if they are few, otherwise the worst, in the order of the file.
     fn listed(&self) -> Vec<usize> {
         let meshes = &self.report.meshes;
         if meshes.len() <= self.limit.max(1) {
@@ -158,7 +158,7 @@ impl Report<'_> {
         }
     }
 
-    /// What keeps the cracked meshes from what is asked of them.
+    /// The reasons why the cracked meshes fail.
     fn reasons(&self) -> String {
         let cracked = self.report.meshes.iter().filter(|mesh| !mesh.sound());
         let Some(total) = Counts::total(cracked.map(|mesh| mesh.counts)) else { return String::new() };
@@ -184,7 +184,7 @@ impl Report<'_> {
         if reasons.is_empty() { String::new() } else { format!(": {}", reasons.join(", ")) }
     }
 
-    /// One kind of defect over all meshes: how many, what it does, where the first ones are.
+    /// One kind of defect over all meshes: number, effect, and the first locations.
     fn defects(&self, f: &mut fmt::Formatter<'_>, kind: DefectKind) -> fmt::Result {
         let found = |mesh: &MeshReport| mesh.defects.iter().position(|found| found.kind == kind);
         let with: Vec<_> = self
@@ -385,7 +385,7 @@ fn label(index: usize, mesh: &MeshReport) -> String {
     if mesh.name.is_empty() { format!("mesh {index}") } else { short(&mesh.name) }
 }
 
-/// The distance with three digits, rounded up: it is to be typed, and must reach as far.
+/// The distance with three digits, rounded up: a weld within the printed distance closes the seam.
 fn weld_distance(near: &NearMiss) -> String {
     // The option is an `f32` above 0. A small part of a diagonal is always below the largest one.
     let distance = near.distance.max(f64::from(f32::from_bits(1)));
@@ -397,7 +397,7 @@ fn weld_distance(near: &NearMiss) -> String {
     significant(text.and_then(|text| text.parse().ok()).unwrap_or(distance))
 }
 
-/// One place, in a line.
+/// One defect on a line.
 struct At<'a> {
     place: &'a Place,
     /// Where there are several.
@@ -424,7 +424,7 @@ impl Display for At<'_> {
             write!(f, ", {mesh}")?;
         }
         let name = short(&self.place.name);
-        // The name of a mesh that is a part of another ends in the part's.
+        // The name of a mesh split off by part ends in the name of the part.
         let said = self.mesh.as_ref().is_some_and(|mesh| {
             mesh.strip_suffix(&name).is_some_and(|rest| rest.is_empty() || rest.ends_with(" / "))
         });

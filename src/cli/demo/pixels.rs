@@ -1,4 +1,4 @@
-//! Both judges of every pixel: the stencil pass beside the ray cast, and where they differ.
+//! Pixels of the demo: the stencil pass next to the ray cast, and where the two differ.
 
 use umbrage::caster::Caster;
 use umbrage::geom::Aabb;
@@ -14,10 +14,10 @@ use crate::cli::output::{Table, plain};
 use crate::cli::progress::Progress;
 use crate::cli::stencil_render::Stage;
 
-/// What the stencil pass shows, and what the ray cast says of it.
+/// The picture of the stencil pass, and its comparison with the ray cast.
 pub(super) struct Judged {
     pub(super) picture: Picture,
-    /// The verdicts in false color, light beside light.
+    /// The verdicts in false color, one picture per light, side by side.
     pub(super) verdicts: Picture,
     pub(super) text: String,
     pub(super) agrees: bool,
@@ -26,7 +26,8 @@ pub(super) struct Judged {
 /// Rays along each side of a pixel, all of them counted.
 const SAMPLES: u32 = 2;
 
-/// Draws the view by a stencil pass, and judges its pixels for each of the lights, which are those of the lamps.
+/// Draws the view by a stencil pass, and compares its pixels with the ray cast for each light. `lights` are
+/// those of the lamps.
 pub(super) fn judge(
     gpu: &Gpu,
     caster: &Caster,
@@ -71,7 +72,7 @@ pub(super) fn judge(
         plain(&gpu.name()),
         view.size
     );
-    // A few small pictures fit the memory that the others were in.
+    // A few small pictures fit the memory that the previous ones were in.
     let panels: Vec<Picture> = panels.into_iter().flatten().collect();
     let verdicts = beside(&panels.iter().collect::<Vec<_>>());
     Ok(Judged { picture, verdicts, text, agrees })
@@ -81,7 +82,7 @@ const LEGEND: &str = "agree: the stencil pass counts exactly what the ray cast d
                       rasterizer's rounding; in verdicts.png light gray is lit, dark gray shadowed, yellow grazing, and what \
                       disagrees is ringed";
 
-/// Between two pictures.
+/// Columns between two pictures.
 const GAP: usize = 6;
 
 /// Pictures of one height in a row, from left to right.

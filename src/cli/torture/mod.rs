@@ -17,21 +17,21 @@ use super::{Failure, Outcome};
 
 /// Adversarial queries: generated meshes, lights and points that attack exactness from every side
 ///
-/// Small meshes, sound and damaged, tiny and huge, full of slivers and exact ties; lights on vertices, in planes, an
-/// ulp beside them; points on the surface and on the shadow's boundary. The ray cast and the winding number of the
-/// emitted volume have to agree on each, and a sample is judged in whole numbers, as are the first ties of every round. Beside them the same queries are
-/// answered in plain f32, as most programs do. A disagreement is a bug in umbrage: it is minimized and written to a
-/// file.
+/// Small meshes, sound and damaged, tiny and huge, full of slivers and exact ties; lights on vertices, in
+/// planes, or one ulp away from them; points on the surface and on the boundary of the shadow. The ray cast
+/// and the winding number of the emitted volume have to agree on each query. A sample of the queries, and the
+/// first ties of every round, are decided again with big integers. For comparison, plain f32 answers the same
+/// queries, as in most programs. A disagreement is a bug in umbrage: it is minimized and written to a file.
 ///
-/// The bound 3/n takes queries for independent draws, but the up to 256 of a round share mesh, light and volume; the
-/// bound by rounds does without that.
+/// The bound 3/n assumes independent queries, but the up to 256 queries of a round share mesh, light and
+/// volume. The bound by rounds does not assume it.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     /// How many queries, spread evenly over the strata; 1000000, 1_000_000 and 1e6 are the same
     #[arg(long, value_name = "N", default_value = "1000000", value_parser = large, allow_negative_numbers = true)]
     queries: u64,
 
-    /// What everything is drawn from; the same seed gives the same queries
+    /// Seed of the random numbers; the same seed gives the same queries
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
 
@@ -42,11 +42,12 @@ pub(crate) struct Args {
     #[arg(long)]
     json: bool,
 
-    /// Where the first disagreement goes, minimized; nothing is written without one
+    /// File for the first disagreement, minimized; nothing is written without one
     #[arg(long, value_name = "FILE.obj", default_value = "umbrage-torture-case.obj")]
     case: PathBuf,
 
-    /// Judge the query of such a file again, and say what each judge says [default: none, queries are drawn]
+    /// Decide the query of such a file again, and print what each method answers [default: none, queries are
+    /// drawn]
     #[arg(long, value_name = "FILE.obj", conflicts_with_all = ["queries", "seed", "threads", "json", "case"])]
     replay: Option<PathBuf>,
 }
@@ -54,7 +55,7 @@ pub(crate) struct Args {
 /// How many disagreements are shown.
 const SHOWN: usize = 10;
 
-/// Three years at a million queries a second: beyond that a count is a slip of the finger.
+/// Three years at a million queries per second: a larger count is a typing error.
 const MOST_QUERIES: u64 = 100_000_000_000_000;
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
@@ -75,7 +76,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     drop(progress);
 
     let case = found.case.as_ref().map(|_| args.case.as_path());
-    // The report first: a disk that is full must not swallow what was found.
+    // The report first: a full disk must not hide the findings.
     let mut output = Output::new();
     if args.json {
         output.json(&json::document(&found, args.seed, seconds, case))?;
@@ -99,7 +100,7 @@ fn replay(file: &Path) -> Result<Outcome, Failure> {
     Ok(if ruling.agrees { Outcome::Sound } else { Outcome::Unsound })
 }
 
-/// It prints as problem and remedy already.
+/// Its message already has problem and remedy.
 impl From<ReproError> for Failure {
     fn from(error: ReproError) -> Self {
         match error {

@@ -6,14 +6,14 @@ use umbrage::testing::torture::{Outcomes, Repro, Ruling, Torture};
 
 use crate::cli::output::{Table, counted, plain, significant};
 
-/// What the columns mean.
-const LEGEND: &str = "ties: grazing (the way to the light only touches a face, and either answer is right) or abstained \
-                      (the point stands on the volume, and the ray cast has no second judge); plain f32: the same \
-                      queries by an f32 triangle test without a bias (rate: of those that do not graze), and sides \
-                      of faces by an f32 cross product; 3/n takes queries for independent draws, but those of a \
-                      round share mesh and light, so the strict bound is that of rounds";
+/// Meaning of the columns.
+const LEGEND: &str = "ties: grazing (the shadow ray only touches a face, and either answer is right) or abstained (the point \
+                      lies on the volume, and nothing is left to check the ray cast); plain f32: the same queries \
+                      by an f32 triangle test without a bias (rate: of those that do not graze), and sides of \
+                      faces by an f32 cross product; 3/n assumes independent queries, but those of a round share \
+                      mesh and light, so the strict bound is that of rounds";
 
-/// The table of strata, what was checked beside the queries, each disagreement, the verdict, and a legend.
+/// The table of strata, the other checks, each disagreement, the verdict, and a legend.
 pub(super) fn report(found: &Torture, seed: u64, seconds: f64, case: Option<&Path>) -> String {
     let total = found.total();
     let mut table = Table::new(&[
@@ -43,16 +43,16 @@ pub(super) fn report(found: &Torture, seed: u64, seconds: f64, case: Option<&Pat
     if let Some(path) = case {
         places += &format!("the first one, minimized: {}\n", plain(&path.to_string_lossy()));
     }
-    let beside = format!(
-        "{} of {} sides of faces wrong; {} of {} volumes open; {} queries judged in whole numbers too",
+    let others = format!(
+        "{} of {} sides of faces wrong; {} of {} volumes open; {} queries decided with big integers too",
         total.faces_wrong, total.faces, total.open_volumes, total.volumes, total.judged_by_whole_numbers
     );
     let verdict = match (found.bound_95(), found.bound_95_rounds()) {
         (Some(queries), Some(rounds)) => format!(
-            "all judges agree: with 95 % confidence they disagree on less than {queries:.1e} of such queries, if \
+            "all methods agree: with 95 % confidence they disagree on less than {queries:.1e} of such queries, if \
              these were independent, and in less than {rounds:.1e} of such rounds"
         ),
-        _ if found.agrees() => "all judges agree; every query was a tie".to_owned(),
+        _ if found.agrees() => "all methods agree; every query was a tie".to_owned(),
         _ => format!(
             "{}, {}, {}",
             counted(total.wrong as usize, "disagreement", "disagreements"),
@@ -62,7 +62,7 @@ pub(super) fn report(found: &Torture, seed: u64, seconds: f64, case: Option<&Pat
     };
     let rate = significant((total.queries as f64 / seconds).round());
     format!(
-        "{} queries from seed {seed}, {seconds:.1} s, {rate} queries/s\n\n{table}\n\n{beside}\n{places}verdict: \
+        "{} queries from seed {seed}, {seconds:.1} s, {rate} queries/s\n\n{table}\n\n{others}\n{places}verdict: \
          {verdict}\n{LEGEND}\n",
         total.queries
     )
@@ -79,11 +79,11 @@ fn cells(row: &Outcomes) -> Vec<String> {
     [row.name.to_owned()].into_iter().chain(counts).chain([rate, faces]).collect()
 }
 
-/// What each judge says of one case.
+/// What each method answers for one case.
 pub(super) fn replay(file: &Path, case: &Repro, ruling: &Ruling) -> String {
     let [x, y, z] = case.point;
     let faces = counted(case.mesh.face_count(), "face", "faces");
-    let verdict = if ruling.agrees { "all judges agree" } else { "judges contradict each other" };
+    let verdict = if ruling.agrees { "all methods agree" } else { "methods contradict each other" };
     let said: String = ruling.said.iter().map(|line| format!("  {line}\n")).collect();
     let file = plain(&file.to_string_lossy());
     format!("{file}: {faces}, {}, point {x},{y},{z}\n{said}verdict: {verdict}\n", case.light)

@@ -1,15 +1,15 @@
 //! The document of `umbrage verify --json`.
 
-use serde_json::{Value, json};
-use umbrage::oracle::Verdict;
+use serde_json::{Map, Value, json};
 use umbrage::scene::SceneLight;
-use umbrage::verify::pixels::{Mismatch, PixelVerdict};
+use umbrage::verify::pixels::PixelCounts;
 use umbrage::verify::points::{Judge, Stratum, Verification};
 
-use super::pixels::{Counts, LightPixels, Pass, Pixels};
+use super::pixels::{Pass, Pixels};
 use super::{judges, strata, summed, total};
+use crate::cli::json::append;
 use crate::cli::lights;
-use crate::cli::output::{number, number32};
+use crate::cli::output::number32;
 
 pub(super) fn document(
     file: &str,
@@ -19,65 +19,38 @@ pub(super) fn document(
     pixels: Option<&Pixels>,
 ) -> Value {
     let judges = judges(results, pixels);
-    let each =
-        lights.iter().zip(results).zip(&judges).enumerate().map(|(index, ((light, result), judges))| {
-            let pixels = pixels.map(|pixels| &pixels.lights[index]);
-            let mut entry = json!({ "light": light.light.to_string(), "name": lights::name(&light.name) });
-            append(&mut entry, counts(&result.strata, pixels.map(|pixels| pixels.counts), judges));
-            let disagreements = result.disagreements.iter().map(|found| {
-                json!({
-                    "stratum": found.stratum,
-                    "point": found.point.map(number32),
-                    "verdict": verdict(found.verdict),
-                    "what": found.what,
-                })
-            });
-            let disagreements = disagreements.collect::<Vec<_>>();
-            append(&mut entry, json!({ "disagreements": disagreements, "passes": pixels.map(passes) }));
-            entry
-        });
-    let each: Vec<Value> = each.collect();
-    let mut document = json!({ "file": file, "format": format });
-    append(&mut document, counts(&strata(results), pixels.map(Pixels::counts), &summed(&judges)));
-    append(&mut document, json!({ "lights": each, "stencil": pixels.map(stencil) }));
-    document
-}
-
-fn counts(strata: &[Stratum], pixels: Option<Counts>, judges: &[Judge]) -> Value {
-    let mut counts = row(&total(strata));
-    let strata = strata.iter().map(|stratum| {
-        let mut entry = json!({ "name": stratum.name });
-        append(&mut entry, row(stratum));
+    let each = lights.iter().zip(results).zip(&judges).enumerate();
+    let each = each.map(|(index, ((light, result), judges))| {
+        let pixels = pixels.map(|pixels| &pixels.lights[index]);
+        let mut entry = Map::new();
+        append(&mut entry, &json!({ "light": light.light, "name": lights::name(&light.name) }));
+        entry.extend(counts(&result.strata, pixels.map(|pixels| pixels.counts), judges));
+        let passes = pixels.map(|pixels| pixels.passes.iter().map(pass).collect::<Vec<_>>());
+        append(&mut entry, &json!({ "disagreements": result.disagreements, "passes": passes }));
         entry
     });
-    let judges = judges.iter().map(|judge| {
-        json!({
-            "name": judge.name,
-            "points": judge.points,
-            "abstain": judge.abstain,
-            "disagree": judge.disagree,
-        })
-    });
-    let rest = json!({
-        "strata": strata.collect::<Vec<_>>(),
-        "pixels": pixels.map(Counts::pixels),
-        "pixel_agree": pixels.map(Counts::agree),
-        "pixel_grazing": pixels.map(Counts::grazing),
-        "pixel_disagree": pixels.map(Counts::disagree),
-        "judges": judges.collect::<Vec<_>>(),
-    });
-    append(&mut counts, rest);
-    counts
+    let each: Vec<_> = each.collect();
+    let mut document = Map::new();
+    append(&mut document, &json!({ "file": file, "format": format }));
+    document.extend(counts(&strata(results), pixels.map(Pixels::counts), &summed(&judges)));
+    append(&mut document, &json!({ "lights": each, "stencil": pixels.map(stencil) }));
+    Value::Object(document)
 }
 
-fn row(stratum: &Stratum) -> Value {
-    json!({
-        "points": stratum.points,
-        "agree": stratum.agree,
-        "grazing": stratum.grazing,
-        "disagree": stratum.disagree,
-        "bound_95": stratum.bound_95().map(number),
-    })
+fn counts(strata: &[Stratum], pixels: Option<PixelCounts>, judges: &[Judge]) -> Map<String, Value> {
+    let mut counts = Map::new();
+    append(&mut counts, &total(strata));
+    counts.shift_remove("name");
+    let rest = json!({
+        "strata": strata,
+        "pixels": pixels.map(PixelCounts::pixels),
+        "pixel_agree": pixels.map(PixelCounts::agree),
+        "pixel_grazing": pixels.map(PixelCounts::grazing),
+        "pixel_disagree": pixels.map(PixelCounts::disagree),
+        "judges": judges,
+    });
+    append(&mut counts, &rest);
+    counts
 }
 
 /// What all stencil passes share.
@@ -95,45 +68,40 @@ fn stencil(pixels: &Pixels) -> Value {
     })
 }
 
-fn passes(light: &LightPixels) -> Vec<Value> {
-    light.passes.iter().map(pass).collect()
-}
-
-fn pass(pass: &Pass) -> Value {
-    let mut entry = json!({
+fn pass(pass: &Pass) -> Map<String, Value> {
+    let mut entry = Map::new();
+    let choices = json!({
         "asked": pass.asked,
         "method": pass.method,
         "reason": pass.reason,
         "counting": pass.counting,
         "counting_reason": pass.counting_reason,
     });
-    for verdict in PixelVerdict::ALL {
-        entry[verdict.name()] = pass.counts.of(verdict).into();
-    }
-    entry["mismatches"] = pass.mismatches.iter().map(mismatch).collect();
+    append(&mut entry, &choices);
+    append(&mut entry, &pass.counts);
+    append(&mut entry, &json!({ "mismatches": pass.mismatches }));
     entry
 }
 
-fn mismatch(found: &Mismatch) -> Value {
-    json!({
-        "pixel": [found.x, found.y],
-        "point": found.point.map(|point| point.map(number32)),
-        "exact": found.exact,
-        "counted": found.counted,
-    })
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Adds the keys of one object to another, in order.
-fn append(object: &mut Value, more: Value) {
-    if let (Some(object), Value::Object(more)) = (object.as_object_mut(), more) {
-        object.extend(more);
-    }
-}
-
-fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Lit => "lit",
-        Verdict::Shadowed => "shadowed",
-        Verdict::Grazing => "grazing",
+    #[test]
+    fn verify_json_of_a_pass_has_the_agreed_keys_in_order() {
+        let pass = pass(&Pass {
+            asked: "zfail",
+            method: "zfail",
+            reason: String::new(),
+            counting: "stencil",
+            counting_reason: String::new(),
+            counts: PixelCounts::default(),
+            mismatches: Vec::new(),
+        });
+        let keys: Vec<&str> = pass.keys().map(String::as_str).collect();
+        assert_eq!(
+            keys.join(" "),
+            "asked method reason counting counting_reason sky lit shadowed grazing unsure overflow real mismatches"
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! `umbrage verify`: every judge against every other.
+//! `umbrage verify`: every method against every other.
 
 mod json;
 mod pixels;
@@ -24,22 +24,22 @@ use pixels::Pixels;
 use stencil::Graphics;
 pub(super) use text::text;
 
-/// Every judge against every other: ray cast, winding numbers of the volume, whole numbers, stencil pass
+/// Every method against every other: ray cast, winding numbers of the volume, big integers, stencil pass
 ///
-/// Points are drawn where errors hide: on and near faces, in their planes, within two ulps of the shadow's
-/// boundary. With --gpu every pixel of a stencil pass is judged too, once with z-fail for all shells and, where that
-/// is proven to be right for some, once with z-pass for those. A disagreement is a bug in umbrage, or in a graphics
-/// driver; a crack in the mesh is none.
+/// Points are drawn where errors hide: on and near faces, in their planes, within two ulps of the boundary of
+/// the shadow. With --gpu every pixel of a stencil pass is compared with the ray cast too, once with z-fail
+/// for all shells and, where z-pass is proven to be right for some shells, once with z-pass for those. A
+/// disagreement is a bug in umbrage, or in a graphics driver; a crack in the mesh is none.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
     source: SourceArgs,
 
-    /// How many points for each light, spread evenly over the strata; 1000000 and 1e6 are the same
+    /// How many points per light, spread evenly over the strata; 1000000 and 1e6 are the same
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = large, allow_negative_numbers = true)]
     points: u64,
 
-    /// What the points are drawn from; the same seed gives the same points
+    /// Seed of the points; the same seed gives the same points
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
 
@@ -53,7 +53,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     adapter: AdapterArgs,
 
-    /// Judge every pixel of a stencil pass too, for each light
+    /// Also compare every pixel of a stencil pass with the ray cast, for each light
     #[arg(long)]
     gpu: bool,
 
@@ -66,20 +66,20 @@ pub(crate) struct Args {
 
     /// Draw that picture: gray where both agree, darker in shadow; with --gpu [default: nothing is drawn]
     ///
-    /// Grazing pixels are yellow, unsure ones sky blue, overflows blue, all others that differ vermilion with a ring
-    /// around them. A second light's picture is OUT-2.png, and so on.
+    /// Grazing pixels are yellow, unsure ones sky blue, overflows blue; all other pixels that differ are
+    /// vermilion with a ring around them. The picture of a second light is OUT-2.png, and so on.
     #[arg(long, value_name = "OUT.png")]
     picture: Option<PathBuf>,
 }
 
-/// How many disagreements are shown with their places, for each light.
+/// How many disagreements are listed with their positions, per light.
 const SHOWN: usize = 10;
 
 /// The points of one run stay in memory: 16 bytes each.
 const MOST_POINTS: u64 = 100_000_000;
 
 impl Args {
-    /// Refuses what is about the stencil pass if none was asked for.
+    /// Refuses options of the stencil pass if none was asked for.
     fn require_gpu(&self) -> Result<(), Failure> {
         let asked = [
             ("--size", self.size.is_some()),
@@ -96,7 +96,7 @@ impl Args {
         }
     }
 
-    /// Refuses what cannot be drawn, as far as the command line tells.
+    /// Refuses a picture or camera that is bad, as far as the command line shows.
     fn require_view(&self) -> Result<(), Failure> {
         if let Some(path) = &self.picture {
             require_png(path)?;
@@ -123,7 +123,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     drop(progress);
     let points = args.points as usize; // at most MOST_POINTS
     let options = Options { points, seed: args.seed, keep: SHOWN };
-    let progress = Progress::bar("judging points", lights.len() as u64 * args.points);
+    let progress = Progress::bar("verifying points", lights.len() as u64 * args.points);
     let results: Vec<Verification> = lights
         .iter()
         .map(|light| verifier.verify(&light.light, &options, &|points| progress.done(points)))
@@ -147,7 +147,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     Ok(if agreed { Outcome::Sound } else { Outcome::Unsound })
 }
 
-/// There is no such thing in this build.
+/// This build has no graphics.
 #[cfg(not(feature = "gpu"))]
 enum Graphics {}
 
@@ -169,7 +169,7 @@ fn strata(results: &[Verification]) -> Vec<Stratum> {
     rest.iter().fold(first.strata.clone(), sum)
 }
 
-/// The judges of each light, the stencil passes last.
+/// The methods checked for each light, the stencil passes last.
 fn judges(results: &[Verification], pixels: Option<&Pixels>) -> Vec<Vec<Judge>> {
     let stencil = |light: usize| pixels.map(|pixels| pixels.lights[light].judges());
     let each = results.iter().enumerate();

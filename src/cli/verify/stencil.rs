@@ -1,4 +1,4 @@
-//! Runs the stencil passes and judges their pixels.
+//! Runs the stencil passes and compares their pixels with the ray cast.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
 use umbrage::view::Projection;
 use umbrage::view::{Camera, Size};
 
-use super::pixels::{Counts, LightPixels, PASSES, Pass, Pixels};
+use super::pixels::{LightPixels, PASSES, Pass, Pixels};
 use super::{Args, SHOWN};
 use crate::cli::Failure;
 use crate::cli::input::Source;
@@ -26,7 +26,7 @@ use crate::cli::resources::AdapterArgs;
 /// The pixels of a picture for which no size is asked, in a row and in a column.
 const SIDE: u32 = 512;
 
-/// The graphics adapter, opened before any work, so that a missing one is found out at once.
+/// The graphics adapter, opened before any work, so that a missing one is reported at once.
 pub(super) struct Graphics(Gpu);
 
 impl Graphics {
@@ -56,7 +56,7 @@ fn camera(args: &Args, source: &Source, size: Size) -> Result<Camera, Failure> {
     Ok(asked.or_else(of_file).unwrap_or_else(fitted))
 }
 
-/// Where the pictures go, one a light.
+/// The names of the pictures, one per light.
 fn pictures(args: &Args, lights: usize) -> Result<Vec<PathBuf>, Failure> {
     let Some(path) = &args.picture else { return Ok(Vec::new()) };
     require_folder(path)?;
@@ -76,18 +76,17 @@ fn numbered(path: &Path, number: usize) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// What is to be judged.
+/// What is to be compared.
 struct Job<'a> {
     caster: &'a Caster,
     lights: &'a [SceneLight],
     projection: Projection,
     size: Size,
-    /// Where a picture goes, one a light; empty for none.
+    /// The names of the pictures, one per light; empty for none.
     pictures: &'a [PathBuf],
 }
 
-/// Bytes that a pixel takes in memory at the most: depth and counts as they come back, two masks, two comparisons, a
-/// picture.
+/// Bytes per pixel in memory, at most: depth and counts as read back, two masks, two comparisons, a picture.
 const PIXEL_BYTES: usize = 24;
 
 /// Refuses a picture that memory could not hold, before any work.
@@ -148,7 +147,7 @@ impl Bench<'_> {
                 }
             }
         }
-        Ok((LightPixels { passes, counts: counts(&worst) }, worst))
+        Ok((LightPixels { passes, counts: worst.counts() }, worst))
     }
 
     fn cast(&self, light: &Light, method: Option<StencilMethod>) -> StencilVolumes {
@@ -169,7 +168,7 @@ impl Bench<'_> {
         mask: &ShadowMask,
     ) -> Comparison {
         let Job { caster, lights, projection, size, .. } = self.job;
-        let what = format!("judging pixels, light {} of {}", index + 1, lights.len());
+        let what = format!("comparing pixels, light {} of {}", index + 1, lights.len());
         let progress = Progress::bar(what, size.height().into());
         // The volumes come from exact signs: no face is unsure.
         let rendered = Rendered { caster, signs: &casting.signs, light, projection, mask, unsure: &[] };
@@ -177,7 +176,7 @@ impl Bench<'_> {
     }
 }
 
-/// Whether no pixel tells two masks apart: then their verdicts are the same.
+/// Whether two masks are equal in every pixel: then their verdicts are the same.
 fn counts_the_same(a: &ShadowMask, b: &ShadowMask) -> bool {
     let mut pixels = (0..a.size().height()).flat_map(|y| (0..a.size().width()).map(move |x| (x, y)));
     a.counting() == b.counting() && pixels.all(|(x, y)| a.count(x, y) == b.count(x, y))
@@ -193,7 +192,7 @@ fn describe(asked: &'static str, casting: &StencilVolumes, comparison: &Comparis
             Counting::Integer => "integer",
         },
         counting_reason: casting.layers.to_string(),
-        counts: counts(comparison),
+        counts: comparison.counts(),
         mismatches: comparison.mismatches.clone(),
     }
 }
@@ -205,10 +204,6 @@ fn method(plan: &ShellMethods) -> &'static str {
         (_, 0) => StencilMethod::ZPass.name(),
         _ => "mixed",
     }
-}
-
-fn counts(comparison: &Comparison) -> Counts {
-    Counts(PixelVerdict::ALL.map(|verdict| comparison.count(verdict)))
 }
 
 /// Draws a comparison, and says what its colors mean.

@@ -11,17 +11,17 @@ use super::{judges, strata, summed, total};
 use crate::cli::lights;
 use crate::cli::output::{Table, counted, plain};
 
-/// What two columns mean.
-const LEGEND: &str = "grazing: the ray to the light only touches a face, and either answer is right; rate below: \
-                      with 95 % confidence, judges disagree on at most this part of such points, if the points \
+/// Meaning of two columns.
+const LEGEND: &str = "grazing: the shadow ray only touches a face, and either answer is right; rate below: \
+                      with 95 % confidence, methods disagree on at most this part of such points, if the points \
                       were independent";
 
-/// What the columns of pixels mean.
+/// Meaning of the columns of pixels.
 const PIXEL_LEGEND: &str = "grazing pixel: the counts differ, and the exact one changes within the step that a \
                             rasterizer may be off; unsure: a side was left to f32; overflow: eight bits have \
                             wrapped; real: nothing explains it";
 
-/// The tables of strata and judges, each disagreement, the verdict, and a legend.
+/// The tables of strata and methods, each disagreement, the verdict, and a legend.
 pub(in crate::cli) fn text(file: &Path, lights: &[SceneLight], results: &[Verification]) -> String {
     report(file, lights, results, None)
 }
@@ -41,7 +41,7 @@ pub(super) fn report(
         let counts = [row.points, row.agree, row.grazing, row.disagree].map(|count| count.to_string());
         points.row([row.name.to_owned()].into_iter().chain(counts).chain([bound]).collect());
     }
-    let mut asked = Table::new(&["judge", "asked", "abstained", "contradicts the ray cast"]);
+    let mut asked = Table::new(&["method", "asked", "abstained", "contradicts the ray cast"]);
     for judge in &summed(&judges(results, pixels)) {
         let counts = [judge.points, judge.abstain, judge.disagree].map(|count| count.to_string());
         asked.row([judge.name.to_owned()].into_iter().chain(counts).collect());
@@ -55,7 +55,7 @@ pub(super) fn report(
     }
     let wrong_pixels = pixels.map_or(0, |pixels| pixels.counts().disagree());
     let verdict = match (total(&strata).disagree as usize, wrong_pixels) {
-        (0, 0) => "all judges agree".to_owned(),
+        (0, 0) => "all methods agree".to_owned(),
         (points, 0) => counted(points, "disagreement", "disagreements"),
         (0, pixels) => counted(pixels, "wrong pixel", "wrong pixels"),
         (points, pixels) => format!(

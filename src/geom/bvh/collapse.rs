@@ -1,25 +1,28 @@
-//! Which nodes of a binary tree become children of a wider one.
+//! Collapse of the binary BVH to a wide one: which nodes become children of a wide node.
 //!
-//! The choice of least cost, from the bottom up (Ylitie, Karras and Laine, *Efficient Incoherent Ray Traversal on GPUs Through
-//! Compressed Wide BVHs*, 2017, section 3.1). The cheapest way to stand for a subtree by at most j children of one node is to
-//! divide them among its two halves, or to use fewer; by one child, either as a node of its own or as a leaf.
+//! The collapse of least cost (Ylitie, Karras and Laine, *Efficient Incoherent Ray Traversal on GPUs Through
+//! Compressed Wide BVHs*, 2017, section 3.1). Dynamic programming from the leaves up: a subtree gets at most
+//! j slots of a wide node. The cheapest use is to split the slots between its two children, or to use fewer;
+//! with one slot it becomes a wide node of its own, or a leaf.
 
 use super::Bvh;
 use super::node::WIDTH;
 use super::split::{LEAF, half_area};
 
-/// What reading a node costs against a primitive of a leaf, each times the chance that a line that meets the root meets its box.
-/// (Measured: at 0.3 and at 1 verdicts take a few percent longer.)
+/// Cost of reading a node, weighted by the probability that a line which meets the root meets the node's box.
 const NODE_COST: f32 = 1.0;
+/// Cost of testing a primitive of a leaf, weighted likewise by the leaf's box. (Measured: at 0.3 and at 1
+/// verdicts take a few percent longer.)
 const SLOT_COST: f32 = 0.5;
-/// What a node costs that is never read: so that, all else being equal, there are few of them.
+/// Cost of a node that is never read: with all other costs equal, the plan has few nodes.
 const SPACE: f32 = 1.0 / (1 << 24) as f32;
 
-/// How each node of a binary tree is best represented.
+/// The best representation of every node of a binary tree.
 pub(super) struct Plan(Vec<Choice>);
 
-/// Of one node of the binary tree: four bits for each number of children j from 2 to [`WIDTH`], how many of them the first half
-/// gets, 0 where fewer than j are as good; below them [`AS_LEAF`].
+/// The decision for one node of the binary tree. For each number of children j from 2 to [`WIDTH`], four bits
+/// hold how many of them represent the first half, or 0 where fewer than j children are as good. The lowest
+/// bit is [`AS_LEAF`].
 #[derive(Clone, Copy)]
 struct Choice(u32);
 
@@ -31,7 +34,7 @@ impl Choice {
     }
 }
 
-/// A child of a wide node: a place in the binary tree.
+/// A child of a wide node, given by a node of the binary tree.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Child {
     pub(super) at: usize,
@@ -42,7 +45,8 @@ impl Plan {
     pub(super) fn of(tree: &Bvh) -> Self {
         let mut choices = vec![Choice(AS_LEAF); tree.nodes.len() - 1];
         let share = 1.0 / half_area(&tree.nodes[0].aabb).max(f64::MIN_POSITIVE);
-        // Costs of subtrees whose parents are still to come, by the number of children less one: a node's two are on top.
+        // Costs of subtrees whose parents are still to come, indexed by the number of children minus one. The
+        // two halves of the current node are on top.
         let mut costs: Vec<[f32; WIDTH - 1]> = Vec::new();
         for at in (0..choices.len()).rev() {
             let area = (half_area(&tree.nodes[at].aabb) * share) as f32 + SPACE;
@@ -78,10 +82,10 @@ impl Plan {
         Self(choices)
     }
 
-    /// The children of the wide node that stands for `at`, and how many they are.
+    /// The children of the wide node that represents `at`, and their number.
     pub(super) fn children(&self, tree: &Bvh, at: usize) -> ([Child; WIDTH], usize) {
         let (mut children, mut count) = ([Child::default(); WIDTH], 0);
-        // Subtrees, and by how many children each is represented.
+        // Subtrees, each with the number of children that represent it.
         let (mut open, mut waiting) = ([(at, WIDTH); WIDTH], 1);
         while waiting > 0 {
             waiting -= 1;
@@ -134,7 +138,7 @@ mod tests {
         }
     }
 
-    /// The least cost of a subtree as a node: all ways are tried.
+    /// Reference: the least cost of a subtree, by trying all splits.
     fn least(tree: &Bvh, at: usize, children: usize) -> f64 {
         if tree.is_leaf(at) {
             return leaf(tree, at);
@@ -149,7 +153,7 @@ mod tests {
         (2..=children).map(divided).fold(as_one, f64::min)
     }
 
-    /// What the plan costs.
+    /// Cost of the plan.
     fn planned(tree: &Bvh, plan: &Plan, at: usize) -> f64 {
         let (children, count) = plan.children(tree, at);
         let below = children[..count].iter().map(|child| match child.is_leaf {
@@ -171,7 +175,7 @@ mod tests {
             };
             let (least, planned_cost) = (wide(&tree), planned(&tree, &plan, 0));
             assert!((planned_cost - least).abs() < 1e-5 * least, "{planned_cost} {least}");
-            // The sabotage: two children, however many would do.
+            // Fault injected: two children, however many are allowed.
             plan.0[0] = Choice(1 << (4 * (WIDTH - 1)) | 1 << 4);
             let right = tree.nodes[1].skip as usize;
             plan.0[right] = Choice(plan.0[right].0 & (15 << (4 * (WIDTH - 1)) | AS_LEAF));

@@ -1,41 +1,44 @@
-//! A node with eight children in 80 bytes.
+//! A BVH node with eight children in 80 bytes.
 //!
-//! Boxes are rounded outwards to a grid of 256 planes an axis (Ylitie, Karras and Laine, *Efficient Incoherent Ray Traversal on
-//! GPUs Through Compressed Wide BVHs*, 2017, section 3). Here all planes are multiples of the grid's step, a power of two, and
-//! at most 2²⁴ times it: so each is a number that `f32` holds, decoding rounds nothing, and a decoded box is tested like any
-//! other. (There the origin is any number, and a plane's distance has an error that grows with the node's.)
+//! Boxes are rounded outwards to a grid of 256 planes per axis (Ylitie, Karras and Laine, *Efficient
+//! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, 2017, section 3). Here the grid step is a
+//! power of two, and all planes are multiples of the step, at most 2²⁴ times the step. So every plane is an
+//! `f32`, decoding rounds nothing, and a decoded box is tested like any other box. (In the paper the origin
+//! is arbitrary, and the distance to a plane has an error that grows with the node's error.)
 
 use glam::Vec4;
 
 use super::super::Aabb;
 
-/// Children of a node.
+/// Number of children per node.
 pub(super) const WIDTH: usize = 8;
 
-/// The boxes of the children, axis by axis, and what is in them: nodes first, then leaves, then nothing.
+/// Boxes of the children, axis by axis, and their contents: inner nodes first, then leaves, then unused
+/// slots.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
 pub(super) struct Node {
-    /// Low x, high x, low y, high y, low z, high z in steps of the grid.
+    /// Low x, high x, low y, high y, low z, high z in grid steps.
     pub(super) bounds: [[u8; WIDTH]; 6],
-    /// Where the grid starts: a multiple of its step.
+    /// Origin of the grid, a multiple of its step.
     pub(super) origin: [f32; 3],
-    /// Its step: the exponent of a power of two, plus 127.
+    /// Step of the grid: the exponent of a power of two, plus 127.
     pub(super) steps: [u8; 3],
-    /// How many children there are, and how many of them are nodes, times 16.
+    /// Number of children, plus 16 times the number of children that are inner nodes.
     pub(super) children: u8,
-    /// Place of the first child that is a node; the others follow.
+    /// Index of the first child that is an inner node; the others follow.
     pub(super) first_node: u32,
-    /// First slot of all leaves.
+    /// First slot of the first leaf.
     pub(super) first_slot: u32,
-    /// Of a leaf: where its slots start behind that one, times 8, and how many they are. 0 for a node or nothing.
+    /// For a leaf: offset of its slots from `first_slot` times 8, plus their number. 0 for an inner node or
+    /// an unused slot.
     pub(super) leaves: [u8; WIDTH],
 }
 
 const _: () = assert!(size_of::<Node>() == 80);
 
 impl Node {
-    /// Without children.
+    /// A node without children.
     pub(super) const EMPTY: Self = Self {
         bounds: [[0; WIDTH]; 6],
         origin: [0.0; 3],
@@ -57,29 +60,29 @@ impl Node {
         [origin + four(0) * step, origin + four(4) * step]
     }
 
-    /// A child's box as it is stored.
+    /// The stored box of a child.
     pub(super) fn aabb(&self, lane: usize) -> Aabb {
         let grid = |axis: usize| Grid { origin: self.origin[axis], step: self.steps[axis] };
         let at = |plane: usize| {
             let at = grid(plane / 2).plane(self.bounds[plane][lane]);
-            at.clamp(-f64::from(f32::MAX), f64::from(f32::MAX)) as f32 // where the boxes end, too
+            at.clamp(-f64::from(f32::MAX), f64::from(f32::MAX)) as f32 // boxes end there, too
         };
         Aabb { low: [at(0), at(2), at(4)], high: [at(1), at(3), at(5)] }
     }
 
-    /// A bit for each child.
+    /// One bit per child.
     #[inline(always)]
     pub(super) fn children(&self) -> u32 {
         (1 << (self.children & 15)) - 1
     }
 
-    /// A bit for each child that is a node.
+    /// One bit per child that is an inner node.
     #[inline(always)]
     pub(super) fn inner(&self) -> u32 {
         (1 << (self.children >> 4)) - 1
     }
 
-    /// Stores the boxes of children, rounded outwards.
+    /// Stores the boxes of the children, rounded outwards.
     pub(super) fn store(&mut self, boxes: impl Iterator<Item = Aabb> + Clone) {
         let around = boxes.clone().fold(Aabb::EMPTY, |around, next| around.join(&next));
         for axis in 0..3 {
@@ -94,20 +97,21 @@ impl Node {
     }
 }
 
-/// 256 planes across an axis, all of them multiples of the step, at most 2²⁴ times it: numbers of 24 bits.
+/// Grid of 256 planes across an axis. All planes are multiples of the step, at most 2²⁴ times the step:
+/// numbers of 24 bits.
 #[derive(Clone, Copy, Debug)]
 struct Grid {
     origin: f32,
-    /// As in [`Node`].
+    /// As [`Node::steps`].
     step: u8,
 }
 
 impl Grid {
-    /// The finest one from `low` to `high`.
+    /// The finest grid that covers `low` to `high`.
     fn over(low: f32, high: f32) -> Self {
-        let exponent = |x: f32| (x.to_bits() >> 23 & 0xff) as i32; // plus 127
+        let exponent = |x: f32| (x.to_bits() >> 23 & 0xff) as i32; // biased by 127
         let largest = exponent(low).max(exponent(high));
-        // At least 128 steps, less than 256: 255 are enough, or those twice as long are.
+        // At least 128 steps and less than 256. If 255 steps do not suffice, the doubled step does.
         let extent = f64::from(high) - f64::from(low);
         let across = (extent.to_bits() >> 52) as i32 - 1023 + 127 - 7;
         let mut step = across.max(largest - 23).clamp(1, 254);
@@ -121,7 +125,7 @@ impl Grid {
         }
     }
 
-    /// −2¹²⁸ is stored as −∞.
+    /// The origin in `f64`; −2¹²⁸ is stored as −∞.
     fn origin(self) -> f64 {
         f64::from(self.origin).max(-power(127 + 128))
     }
@@ -130,25 +134,25 @@ impl Grid {
         self.origin() + f64::from(steps) * power(i32::from(self.step))
     }
 
-    /// The last plane that is not above `x`.
+    /// Last plane that is not above `x`.
     fn below(self, x: f32) -> u8 {
         let steps = self.steps_to(x).floor() as u8;
         steps - u8::from(self.plane(steps) > f64::from(x))
     }
 
-    /// The first plane that is not below `x`.
+    /// First plane that is not below `x`.
     fn above(self, x: f32) -> u8 {
         let steps = self.steps_to(x).ceil() as u8;
         steps + u8::from(self.plane(steps) < f64::from(x))
     }
 
-    /// Rounded: what `f64` cannot hold is lost.
+    /// Distance from the origin to `x` in steps, rounded to `f64`.
     fn steps_to(self, x: f32) -> f64 {
         (f64::from(x) - self.origin()) / power(i32::from(self.step))
     }
 }
 
-/// 2 to the exponent that is stored plus 127.
+/// 2 to the power of `biased` − 127.
 #[inline]
 fn power(biased: i32) -> f64 {
     f64::from_bits(((biased - 127 + 1023) as u64) << 52)
@@ -159,7 +163,7 @@ mod tests {
     use super::*;
     use crate::random::SplitMix64;
 
-    /// Boxes of eight children: ordinary ones, flat ones, points, far from the origin, at the ends of the range.
+    /// Boxes of eight children: ordinary, flat, points, far from the origin, at the ends of the range.
     fn cases() -> Vec<[Aabb; WIDTH]> {
         let mut random = SplitMix64(6);
         let mut cases = Vec::new();
@@ -174,7 +178,7 @@ mod tests {
                 }
             }
         }
-        // Anything beside anything.
+        // Arbitrary finite coordinates.
         let mut number = || loop {
             let number = f32::from_bits(random.next() as u32);
             if number.is_finite() {
@@ -195,7 +199,7 @@ mod tests {
 
     const MOST: f64 = f32::MAX as f64;
 
-    /// In how many cases some box is not within the one that is stored for it.
+    /// Number of cases in which some box is not within the box stored for it.
     fn lost(fault: impl Fn(&mut Node)) -> usize {
         let loses = |boxes: &[Aabb; WIDTH]| {
             let mut node = Node::EMPTY;

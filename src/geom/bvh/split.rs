@@ -1,14 +1,15 @@
-//! Where a range of boxes is divided in two.
+//! The split of a range of boxes in two, by the surface area heuristic.
 
 use super::super::Aabb;
 
-/// Most primitives in a leaf, and what a box test costs against a primitive's.
+/// Largest number of primitives per leaf.
 pub(super) const LEAF: usize = 4;
+/// Cost of a box test, in units of the cost of a primitive.
 const BOX_COST: f64 = 1.0;
-/// More levels than scattered boxes need.
+/// Number of levels that the surface area heuristic may split: more than scattered boxes need.
 const DEEPEST_BY_AREA: u32 = 64;
 
-/// A box as two vectors; their last elements mean nothing to it.
+/// A box as two vectors of four; the last elements do not belong to the box.
 #[derive(Clone, Copy)]
 #[repr(align(16))]
 pub(super) struct Bounds {
@@ -21,7 +22,7 @@ impl Bounds {
 
     #[inline(always)]
     fn add(&mut self, other: &Self) {
-        // (Not `min` and `max`, which also look for NaN.)
+        // Without `min` and `max`, which also test for NaN.
         for i in 0..4 {
             self.low[i] = if other.low[i] < self.low[i] { other.low[i] } else { self.low[i] };
             self.high[i] = if other.high[i] > self.high[i] { other.high[i] } else { self.high[i] };
@@ -33,7 +34,7 @@ impl Bounds {
         Aabb { low: three(self.low), high: three(self.high) }
     }
 
-    /// Half the surface; in `f64`, where it cannot overflow.
+    /// Half the surface area, in `f64`, where it cannot overflow.
     #[inline(always)]
     fn half_area(&self) -> f64 {
         let x = f64::from(self.high[0]) - f64::from(self.low[0]);
@@ -43,13 +44,13 @@ impl Bounds {
     }
 }
 
-/// Half the surface of a box that is not empty.
+/// Half the surface area of a box that is not empty.
 pub(super) fn half_area(aabb: &Aabb) -> f64 {
     Item::new(aabb, 0).0.half_area()
 }
 
-/// A box on its way into the tree. Its index stands in the last element of `low`, one bit turned so that it is not
-/// mistaken for a subnormal number, which some processors are slow with.
+/// A box while the tree is built. Its index is stored in the last element of `low`, with one bit inverted so
+/// that the element is never a subnormal number, which some processors handle slowly.
 #[derive(Clone, Copy)]
 pub(super) struct Item(Bounds);
 
@@ -68,7 +69,8 @@ impl Item {
         self.0.low[3].to_bits() ^ TURNED
     }
 
-    /// Half the middle of the box, rounded: a difference of two of them cannot overflow. It only makes trees better.
+    /// Half the center of the box, rounded: the difference of two keys cannot overflow. Rounding affects only
+    /// the quality of the tree.
     #[inline(always)]
     fn key(&self, axis: usize) -> f32 {
         0.25 * self.0.low[axis] + 0.25 * self.0.high[axis]
@@ -84,7 +86,7 @@ impl Item {
     }
 }
 
-/// What a range of boxes spans.
+/// Bounds of a range of items: of their boxes, and of their keys.
 #[derive(Clone, Copy)]
 pub(super) struct Hull {
     pub(super) boxes: Bounds,
@@ -108,7 +110,7 @@ impl Hull {
     }
 }
 
-/// Puts the items of one side before those of the other; tells how many those are, and what either side spans.
+/// Partitions the items of a node, and returns the number of items on the left and the bounds of both sides.
 /// `None` for a leaf.
 pub(super) fn split(items: &mut [Item], hull: &Hull, depth: u32) -> Option<(usize, [Hull; 2])> {
     if items.len() == 1 {
@@ -116,7 +118,7 @@ pub(super) fn split(items: &mut [Item], hull: &Hull, depth: u32) -> Option<(usiz
     }
     let extent = |axis: usize| hull.keys.high[axis] - hull.keys.low[axis];
     let axis = (1..3).fold(0, |best, axis| if extent(axis) > extent(best) { axis } else { best });
-    // Normal: neither 0 nor so small that its inverse is infinite.
+    // A normal number: neither 0 nor so small that its inverse is infinite.
     let apart = extent(axis) > 16.0 * f32::MIN_POSITIVE;
     if apart && depth < DEEPEST_BY_AREA {
         return if items.len() <= FEW { by_order(items, hull, axis) } else { by_area(items, hull, axis) };
@@ -134,10 +136,10 @@ pub(super) fn split(items: &mut [Item], hull: &Hull, depth: u32) -> Option<(usiz
     Some((half, [Hull::of(left), Hull::of(right)]))
 }
 
-/// So many are sorted instead of being put into bins.
+/// Largest number of items that are sorted instead of binned.
 const FEW: usize = 8;
 
-/// The best of all planes between two neighbors along `axis`.
+/// The best of all splits between two neighbors along `axis`.
 fn by_order(items: &mut [Item], hull: &Hull, axis: usize) -> Option<(usize, [Hull; 2])> {
     for at in 1..items.len() {
         let item = items[at];
@@ -171,11 +173,11 @@ fn by_order(items: &mut [Item], hull: &Hull, axis: usize) -> Option<(usize, [Hul
     Some((left, [Hull::of(&items[..left]), Hull::of(&items[left..])]))
 }
 
-/// The best of 15 planes across `axis`.
+/// The best of 15 bin boundaries along `axis`.
 fn by_area(items: &mut [Item], hull: &Hull, axis: usize) -> Option<(usize, [Hull; 2])> {
     const BINS: usize = 16;
     let low = hull.keys.low[axis];
-    // A little less than what would put the highest key into a bin of its own.
+    // Slightly less than the scale that would put the highest key into bin `BINS`.
     let scale = BINS as f32 * (1.0 - 4.0 * f32::EPSILON) / (hull.keys.high[axis] - low);
     let bin = |item: &Item| ((item.key(axis) - low) * scale) as usize & (BINS - 1);
     let mut bins = [(Bounds::EMPTY, 0_usize); BINS];
@@ -184,7 +186,7 @@ fn by_area(items: &mut [Item], hull: &Hull, axis: usize) -> Option<(usize, [Hull
         bounds.add(&item.0);
         *count += 1;
     }
-    // What the items on the right of each plane cost, from the right; then those on the left, from the left.
+    // Cost of the items on the right of each plane, from the right; then of those on the left, from the left.
     let mut right = [(f64::INFINITY, 0); BINS];
     let (mut bounds, mut count) = (Bounds::EMPTY, 0);
     for plane in (1..BINS).rev() {

@@ -1,5 +1,5 @@
-//! The same tree with several children a node: fewer, wider steps, each of them a few vector tests, and less than a quarter of
-//! the memory, which is what large meshes wait for.
+//! The binary BVH collapsed to eight children per node: fewer steps, each a few SIMD tests, and under a
+//! quarter of the memory traffic, which is the bottleneck on large meshes.
 
 use super::Bvh;
 use super::collapse::{Child, Plan};
@@ -8,19 +8,20 @@ use super::split::half_area;
 use crate::geom::segment::Narrow;
 use crate::geom::{Aabb, Light, Segment};
 
-/// A tree over the slots of a [`Bvh`] for queries along a segment.
+/// A wide BVH over the slots of a [`Bvh`], for queries along a segment.
 #[derive(Clone, Debug)]
 pub(crate) struct WideBvh {
     nodes: Vec<Node>,
     bounds: Aabb,
-    /// How many groups of children a walk puts off at most.
+    /// Largest number of groups of children on the traversal stack.
     most_put_off: usize,
-    /// Whether its numbers are in the range of [`Narrow`].
+    /// Whether the coordinates are in the range of [`Narrow`].
     narrow: bool,
 }
 
 impl WideBvh {
-    /// Of a binary tree, in one pass; also its boxes' indices in the order of the leaves.
+    /// The wide form of a binary tree, built in one pass, and the indices of the boxes in the order of the
+    /// leaves.
     pub(crate) fn of(tree: &Bvh) -> (Self, Vec<u32>) {
         let bounds = tree.bounds();
         let mut wide = Self { nodes: Vec::new(), bounds, most_put_off: 0, narrow: Narrow::fits(&bounds) };
@@ -30,7 +31,7 @@ impl WideBvh {
         }
         let plan = Plan::of(tree);
         wide.nodes.push(Node::EMPTY);
-        // A node of the binary tree that is still to be taken over, its place, and its depth.
+        // Nodes of the binary tree still to be converted, each with its index in the wide tree and its depth.
         let mut open = vec![(0, 0, 1)];
         while let Some((at, place, depth)) = open.pop() {
             let (mut children, count) = plan.children(tree, at);
@@ -51,7 +52,7 @@ impl WideBvh {
             node.store(children.iter().map(boxed));
             for (leaf, child) in node.leaves.iter_mut().zip(&*children).skip(inner) {
                 let slots = tree.slots_below(child.at);
-                *leaf = ((order.len() - first_slot) << 3 | slots.len()) as u8; // at most LEAF a leaf
+                *leaf = ((order.len() - first_slot) << 3 | slots.len()) as u8; // at most LEAF per leaf
                 order.extend_from_slice(&tree.primitives[slots]);
             }
             wide.nodes[place] = node;
@@ -65,15 +66,16 @@ impl WideBvh {
         (wide, order)
     }
 
-    /// The box around everything; empty for an empty tree.
+    /// Bounding box of all boxes; empty for an empty tree.
     pub(crate) fn bounds(&self) -> Aabb {
         self.bounds
     }
 
-    /// Visits every slot whose leaf box the way to a light may meet, as far as `visit` wants to go.
+    /// Visits every slot whose leaf box the segment from `p` to the light may meet, until `visit` stops the
+    /// traversal.
     ///
-    /// `NEAREST`: of a node's children the one first that is entered first. It pays only where the first face is wanted:
-    /// to find any face, the largest child first takes as many steps, and they are shorter.
+    /// With `NEAREST`, the child that is entered first is visited first. This order pays only for the nearest
+    /// face. For any face, visiting the largest child first takes as many steps, and each step is cheaper.
     #[inline(always)]
     pub(crate) fn walk<const NEAREST: bool>(
         &self,
@@ -90,7 +92,8 @@ impl WideBvh {
         }
     }
 
-    /// Where the way to a light enters the box around everything, roughly; `None` only if it does not meet it.
+    /// Approximate point where the segment from `p` to the light enters the bounding box; `None` only if the
+    /// segment misses the box.
     #[inline]
     pub(crate) fn entry(&self, p: [f32; 3], light: &Light) -> Option<[f32; 3]> {
         match Narrow::to_light(p, light) {
@@ -159,24 +162,25 @@ impl WideBvh {
     }
 }
 
-/// Room for so many groups of children costs nothing to make; most trees need no more.
+/// Stack entries that are allocated at no cost; most trees need no more.
 const SHORT: usize = 32;
 
-/// How a walk goes on.
+/// Next step of a traversal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Step {
     On,
-    /// As far as this parameter of the way.
+    /// Continue, but only up to this parameter of the segment.
     NoFarther(f64),
     Stop,
 }
 
-/// What a walk asks of the way.
+/// Interface of a segment to the traversal.
 trait Enter {
-    /// Where the children's boxes are entered, rounded, and a bit for each child that may be met.
+    /// Rounded parameters at which the children's boxes are entered, and one bit per child that the segment
+    /// may meet.
     fn entries(&self, node: &Node) -> ([f32; WIDTH], u32);
 
-    /// Ends at `t`.
+    /// Ends the segment at `t`.
     fn shorten(&mut self, t: f64);
 }
 
@@ -194,7 +198,7 @@ impl Enter for Narrow {
     }
 }
 
-/// Where numbers leave the range of [`Narrow`].
+/// For coordinates outside the range of [`Narrow`].
 impl Enter for Segment {
     fn entries(&self, node: &Node) -> ([f32; WIDTH], u32) {
         let (mut at, mut hits) = ([0.0; WIDTH], 0);
@@ -218,7 +222,7 @@ mod tests {
     use crate::random::SplitMix64;
 
     impl WideBvh {
-        /// A fault for those who use the tree.
+        /// Fault for the tests of other modules: boxes rounded inwards.
         pub(crate) fn round_inwards(&mut self) {
             for node in &mut self.nodes {
                 node.bounds[0] = node.bounds[0].map(|steps| steps.saturating_add(1));
@@ -239,7 +243,8 @@ mod tests {
             .collect()
     }
 
-    /// How many boxes that a way meets are not visited, over many ways; none may be visited twice.
+    /// Number of boxes that a segment meets but a traversal does not visit, over many segments. No box may be
+    /// visited twice.
     fn lost(boxes: &[Aabb], scale: f32, fault: impl Fn(&mut WideBvh)) -> usize {
         let (mut wide, order) = Bvh::build(boxes).into_wide();
         fault(&mut wide);
@@ -286,7 +291,7 @@ mod tests {
             .map(|i| Aabb { low: [0.0; 3], high: [2.0_f32.powi(i % 80 - 40) * (1.0 + i as f32 / 4000.0); 3] })
             .collect();
         assert_eq!(lost(&nested, 1.0, |_| {}), 0);
-        // So deep that what is put off does not fit where it mostly does.
+        // The same with the stack on the heap, as for very deep trees.
         assert_eq!(lost(&nested, 1.0, |wide| wide.most_put_off = SHORT), 0);
     }
 
@@ -311,10 +316,10 @@ mod tests {
     fn bvh_wide_faults_would_be_seen() {
         let boxes = boxes(3000, 1.0);
         let all = |fault: fn(&mut Node)| lost(&boxes, 1.0, |wide| wide.nodes.iter_mut().for_each(fault));
-        // A box that is rounded inwards, on each of its sides.
+        // Boxes rounded inwards, on either side.
         assert!(all(|node| node.bounds[0] = node.bounds[0].map(|steps| steps.saturating_add(1))) > 0);
         assert!(all(|node| node.bounds[3] = node.bounds[3].map(|steps| steps.saturating_sub(1))) > 0);
-        // A child or a slot that is forgotten.
+        // A child or a slot dropped.
         assert!(all(|node| node.children -= u8::from(node.children & 15 == WIDTH as u8)) > 0);
         assert!(all(|node| node.leaves[7] &= !2) > 0);
     }

@@ -1,35 +1,37 @@
-//! Step 3: the six products as whole numbers of 2⁻⁴⁴⁷, added up without rounding.
+//! Step 3: the six products as integer multiples of 2⁻⁴⁴⁷, summed without rounding.
 //!
-//! A fixed-point register as long as the range of the products (Ulrich Kulisch, *Computer Arithmetic and Validity*,
-//! 2013, section 8). An entry `u − v` is one factor of at most 42 bits, or two of 24; so a product is below 2¹²⁶ and
-//! is placed by a shift. At most 6 · 8 products are added.
+//! A fixed-point accumulator as long as the range of the products (Ulrich Kulisch, *Computer Arithmetic and
+//! Validity*, 2013, section 8). An entry `u − v` is one factor of at most 42 bits, or two factors of 24. So a
+//! product is below 2¹²⁶, and a shift aligns it with the accumulator. At most 6 · 8 products are summed.
 
 use super::Sign;
 use super::filter::Row;
 
-/// 64-bit digits of a pile. A product is below 2³⁸⁷ and a pile of 48 below 2³⁹³, in units of 2⁻⁴⁴⁷ below 2⁸⁴⁰; the
-/// shift of a product is at most 3 · 253 = 759, so that its three digits start at the twelfth or before.
+/// Number of 64-bit digits of a partial sum. A product is below 2³⁸⁷, and a sum of 48 products is below 2³⁹³:
+/// in units of 2⁻⁴⁴⁷, below 2⁸⁴⁰. The shift of a product is at most 3 · 253 = 759, so its three digits start
+/// at the twelfth digit or before.
 const DIGITS: usize = 14;
 
-/// A factor: `mantissa · 2^(shift − 149)`, the mantissa below 2⁴².
+/// A factor `mantissa · 2^(shift − 149)`, with a mantissa below 2⁴².
 #[derive(Clone, Copy, Default)]
 pub(super) struct Part {
     mantissa: i64,
     shift: u32,
 }
 
-/// An exact sum: what was added and what was taken away, each a whole number of 2⁻⁴⁴⁷.
+/// An exact sum, kept as the magnitudes of its positive and of its negative terms, each an integer multiple
+/// of 2⁻⁴⁴⁷.
 pub(super) struct Accumulator {
     piles: [[u64; DIGITS]; 2],
 }
 
 impl Accumulator {
-    /// The determinant.
+    /// The exact determinant.
     pub(super) fn of_det(rows: &[Row; 3]) -> Self {
         Self::of_det_of(rows, parts)
     }
 
-    /// With entries taken apart by `parts`.
+    /// As [`Accumulator::of_det`], with entries split into factors by `parts`.
     pub(super) fn of_det_of(rows: &[Row; 3], parts: impl Fn(f32, f32) -> [Part; 2]) -> Self {
         let entries = rows.map(|Row(u, v)| [0, 1, 2].map(|i| parts(u[i], v[i])));
         let mut sum = Self { piles: [[0; DIGITS]; 2] };
@@ -54,7 +56,7 @@ impl Accumulator {
 
     #[inline]
     fn add(&mut self, x: &Part, y: &Part, z: &Part, odd: bool) {
-        // The first two make at most 84 bits, all three 126.
+        // The product of the first two has at most 84 bits, that of all three at most 126.
         let product = i128::from(x.mantissa) * i128::from(y.mantissa) * i128::from(z.mantissa);
         let shift = x.shift + y.shift + z.shift;
         let (digit, bit) = ((shift / 64) as usize, shift % 64);
@@ -74,7 +76,7 @@ impl Accumulator {
         }
     }
 
-    /// Which pile is the larger one.
+    /// The sign of the sum: the comparison of the two partial sums.
     pub(super) fn sign(&self) -> Sign {
         let [added, taken] = &self.piles;
         for i in (0..DIGITS).rev() {
@@ -85,7 +87,7 @@ impl Accumulator {
         Sign::Zero
     }
 
-    /// The sum, to 2⁻⁵⁰ of itself.
+    /// The sum in `f64`, with a relative error of at most 2⁻⁵⁰.
     pub(super) fn value(&self) -> f64 {
         let [added, taken] = &self.piles;
         let (sign, large, small) = match self.sign() {
@@ -100,20 +102,21 @@ impl Accumulator {
             let (digit, first) = large.overflowing_sub(small);
             let (digit, second) = digit.overflowing_sub(u64::from(borrow));
             borrow = first | second;
-            value += digit as f64 * unit; // from the smallest upwards
+            value += digit as f64 * unit; // from the lowest digit up
             unit *= 2.0_f64.powi(64);
         }
         sign * value
     }
 }
 
-/// The parts that are not zero.
+/// The nonzero factors.
 #[inline]
 fn present(parts: &[Part; 2]) -> impl Iterator<Item = &Part> {
     parts.iter().filter(|part| part.mantissa != 0)
 }
 
-/// `u − v` as at most two parts: one where they lie so near each other that a mantissa holds the difference.
+/// `u − v` as at most two factors: one if `u` and `v` are so close in exponent that a mantissa holds the
+/// difference.
 pub(super) fn parts(u: f32, v: f32) -> [Part; 2] {
     let (u, v) = (part(u), part(-v));
     if u.mantissa == 0 {
@@ -130,7 +133,7 @@ pub(super) fn parts(u: f32, v: f32) -> [Part; 2] {
     [Part { mantissa: at(u) + at(v), shift }, Part::default()]
 }
 
-/// A number as its 24 bits.
+/// A number as its 24-bit mantissa and its shift.
 fn part(x: f32) -> Part {
     let bits = x.to_bits();
     let (exponent, fraction) = ((bits >> 23) & 0xff, i64::from(bits & 0x7f_ffff));

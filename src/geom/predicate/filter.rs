@@ -1,13 +1,14 @@
-//! Step 1: the determinant in `f64`, with a bound of its error.
+//! Step 1: the determinant in `f64`, with an error bound.
 
 use super::{Sign, exact_sign_of_det};
 
-/// A row of a determinant: the exact difference of two vectors.
+/// A row of a determinant: the exact difference of two vectors, not yet rounded.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row(pub(crate) [f32; 3], pub(crate) [f32; 3]);
 
 impl Row {
-    /// The difference in `f64`: one rounding an entry. (Spelt out: `map` is not always inlined.)
+    /// The difference in `f64`, with one rounding per entry. Written without `map`: closures on arrays are
+    /// not always inlined.
     #[inline]
     pub(crate) fn rounded(self) -> [f64; 3] {
         let Self(u, v) = self;
@@ -22,12 +23,12 @@ impl Row {
 /// Half an ulp of 1 in `f64`: the largest relative error of one rounding.
 pub(crate) const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// Bound A of Shewchuk 1997, section 4.3: with entries that are single rounded differences, the evaluation
-/// below errs by at most this times the sum of the products' magnitudes. (A quarter of it is caught on near ties, 0.3 of
-/// it was not.)
+/// Relative error bound of the filter: bound A of Shewchuk 1997, section 4.3. With entries that are
+/// differences rounded once, [`rounded_det`] errs by at most this factor times the sum of the products'
+/// magnitudes. (Tests on near ties fail with a quarter of the bound; they did not fail with 0.3 of it.)
 pub(crate) const FILTER: f64 = (7.0 + 56.0 * EPSILON) * EPSILON;
 
-/// The determinant in `f64`, and the sum of its products' magnitudes.
+/// The determinant in `f64`, and the sum of the magnitudes of its products.
 #[inline(always)]
 pub(crate) fn rounded_det(rows: &[Row; 3]) -> (f64, f64) {
     let [a, b, c] = [rows[0].rounded(), rows[1].rounded(), rows[2].rounded()];
@@ -41,8 +42,8 @@ pub(crate) fn rounded_det(rows: &[Row; 3]) -> (f64, f64) {
     (det, permanent)
 }
 
-/// The sign, where the filter knows it. `None` only while the determinant is at most `2 · FILTER · permanent`, which
-/// is what the next step stands on.
+/// The sign, if the filter is certain. `None` only if the determinant is at most `2 · FILTER · permanent`,
+/// which is what the next step relies on.
 #[inline(always)]
 pub(crate) fn certain_sign(rows: &[Row; 3], filter: f64) -> Option<Sign> {
     let (det, permanent) = rounded_det(rows);
@@ -52,13 +53,13 @@ pub(crate) fn certain_sign(rows: &[Row; 3], filter: f64) -> Option<Sign> {
     } else if det < -bound {
         Some(Sign::Negative)
     } else if permanent == 0.0 {
-        Some(Sign::Zero) // no product can underflow, so every one of them is exactly zero
+        Some(Sign::Zero) // no product can underflow, so every product is exactly zero
     } else {
         None
     }
 }
 
-/// The filter. Everything else is rare and lives behind one call.
+/// The sign of a determinant. All uncertain cases are rare and take one call out of line.
 #[inline(always)]
 pub(crate) fn sign_of_det(rows: [Row; 3]) -> Sign {
     match certain_sign(&rows, FILTER) {

@@ -1,10 +1,11 @@
-//! Step 2: whole numbers, modulo a power of two.
+//! Step 2: integer arithmetic modulo a power of two.
 //!
-//! The filter leaves a determinant of at most `2 · FILTER · permanent`: some 49 bits are known to cancel. So it need
-//! not be computed, only its remainder modulo a power of two that is larger than twice its size (the idea of Hervé
-//! Brönnimann, Ioannis Emiris, Victor Pan and Sylvain Pion, *Sign determination in residue number systems*, 1999, with
-//! one modulus that the machine has). Entries of `b` bits make a permanent of at most `6 · 2³ᵇ`, hence, with
-//! `FILTER < 7.01 · 2⁻⁵³`, a determinant below `2 · 7.01 · 6 · 2^(3b − 53) < 2^(3b − 46)`:
+//! The filter leaves a determinant of at most `2 · FILTER · permanent`: about 49 leading bits are known to
+//! cancel. So only the remainder of the determinant is needed, modulo a power of two that is larger than
+//! twice its magnitude (the idea of Hervé Brönnimann, Ioannis Emiris, Victor Pan and Sylvain Pion, *Sign
+//! determination in residue number systems*, 1999, with one modulus that the machine has). Entries of `b`
+//! bits give a permanent of at most `6 · 2³ᵇ`. With `FILTER < 7.01 · 2⁻⁵³`, the determinant is below
+//! `2 · 7.01 · 6 · 2^(3b − 53) < 2^(3b − 46)`:
 //!
 //! - 36 bits: below 2⁶², which `i64` holds, wrapping;
 //! - 51 bits: below 2¹⁰⁷, which `i128` holds, wrapping.
@@ -12,14 +13,14 @@
 use super::Sign;
 use super::filter::Row;
 
-/// How many bits the entries may span: a sum with [`whole`]'s constant leaves so many.
+/// Number of bits that the entries may span: the sum with the constant of [`whole`] keeps this many.
 const BITS: u32 = 51;
-/// How many they may span for `i64`.
+/// Number of bits that the entries may span for `i64`.
 const FEW: u32 = 36;
-/// How many of the lowest bits are then 0.
+/// Number of lowest bits that are 0 if the entries fit `i64`.
 pub(super) const SPARE: u32 = BITS - FEW;
 
-/// Differences that are exact in `f64`, and whether all of them are.
+/// The entries as differences in `f64`, and whether all of them are exact.
 #[inline(always)]
 fn entries(rows: [Row; 3]) -> ([f64; 9], bool) {
     let mut entries = [0.0; 9];
@@ -28,8 +29,8 @@ fn entries(rows: [Row; 3]) -> ([f64; 9], bool) {
         for j in 0..3 {
             let (u, v) = (f64::from(rows[i].0[j]), f64::from(rows[i].1[j]));
             let difference = u - v;
-            // Of the two checks the one that takes the larger number from the sum is exact (Dekker's fast two-sum),
-            // so both find nothing if and only if nothing was lost.
+            // Of the two checks, the one that subtracts the larger operand from the sum is exact (Dekker's
+            // fast two-sum). So both find zero if and only if nothing was lost.
             lost |= ((u - difference) - v).to_bits() | ((difference + v) - u).to_bits();
             entries[3 * i + j] = difference;
         }
@@ -37,22 +38,22 @@ fn entries(rows: [Row; 3]) -> ([f64; 9], bool) {
     (entries, is_zero(lost))
 }
 
-/// Whether nothing but signs of zeros was gathered.
+/// Whether `bits` holds nothing but signs of zeros.
 #[inline(always)]
 fn is_zero(bits: u64) -> bool {
     bits << 1 == 0
 }
 
-/// The sign of a determinant that the filter could not tell; `None` where a difference is not exact in `f64` or
-/// the entries span more than 51 bits.
+/// The sign of a determinant that the filter could not decide. `None` if a difference is not exact in `f64`,
+/// or if the entries span more than 51 bits.
 #[inline(always)]
 pub(super) fn sign_of_det(rows: [Row; 3]) -> Option<Sign> {
     let (entries, exact) = entries(rows);
     if exact { sign_of_entries(&entries, SPARE) } else { None }
 }
 
-/// As [`sign_of_det`], for rows and columns of different size: every row, then every column, is scaled by a power of
-/// two of its own, which leaves the sign alone and the permanent's bits as they are.
+/// As [`sign_of_det`], for rows and columns of different magnitudes. Every row, then every column, is scaled
+/// by a power of two of its own. Scaling keeps the sign and the bits of the permanent.
 pub(super) fn sign_of_scaled_det(rows: [Row; 3]) -> Option<Sign> {
     let (mut entries, exact) = entries(rows);
     if !exact {
@@ -62,13 +63,15 @@ pub(super) fn sign_of_scaled_det(rows: [Row; 3]) -> Option<Sign> {
     sign_of_entries(&entries, SPARE)
 }
 
-/// Has `apply` scale every row, then every column, by the power of two that brings its largest entry to 1 ..< 2.
+/// Calls `apply` to scale every row, then every column, by the power of two that brings its largest entry
+/// into 1 ..< 2.
 #[inline(always)]
 fn scale_lines(entries: &mut [f64; 9], apply: impl Fn([usize; 3], f64, &mut [f64; 9])) {
     for (start, step) in [(0, 1), (3, 1), (6, 1), (0, 3), (1, 3), (2, 3)] {
         let line = [start, start + step, start + 2 * step];
-        // 0 (where there would be no tie to settle), or of a row in 2^-149 ..= 2^129, and of a column, whose rows are
-        // scaled by then, in 2^-278 ..< 2: the scale and the products are normal numbers, so nothing is rounded.
+        // The largest entry is 0 (a case that the filter decides), or in 2^-149 ..= 2^129 for a row, or in
+        // 2^-278 ..< 2 for a column, whose rows are already scaled. The scale and the products are normal
+        // numbers, so nothing is rounded.
         let largest = line.iter().map(|&i| entries[i].abs()).fold(0.0, f64::max);
         let exponent = largest.to_bits() >> 52;
         let scale = f64::from_bits((2 * 1023 - exponent.max(1)) << 52);
@@ -76,7 +79,7 @@ fn scale_lines(entries: &mut [f64; 9], apply: impl Fn([usize; 3], f64, &mut [f64
     }
 }
 
-/// The sign of a determinant of exact differences; `spare` of their 51 bits must be 0 for `i64`.
+/// The sign of a determinant of exact differences. The `spare` lowest of their 51 bits must be 0 for `i64`.
 #[inline(always)]
 fn sign_of_entries(entries: &[f64; 9], spare: u32) -> Option<Sign> {
     let (mut whole, bits) = whole(entries)?;
@@ -88,15 +91,15 @@ fn sign_of_entries(entries: &[f64; 9], spare: u32) -> Option<Sign> {
     }
 }
 
-/// Entries as whole numbers below 2⁵¹ of one unit, and all their bits together.
+/// The entries as integers below 2⁵¹ in a common unit, and the bitwise or of all of them.
 #[inline(always)]
 fn whole(entries: &[f64; 9]) -> Option<([i64; 9], i64)> {
-    // (Not `max`, which also looks for NaN; and spelt out, as `map` is not always inlined.)
+    // Without `max`, which also tests for NaN, and without `map`: closures on arrays are not always inlined.
     let larger = |x: f64, y: f64| if x.abs() > y.abs() { x.abs() } else { y.abs() };
     let [a, b, c, d, e, f, g, h, i] = *entries;
     let largest = larger(larger(larger(a, b), larger(c, d)), larger(larger(larger(e, f), larger(g, h)), i));
-    // Below 2^(e+1). The sum with 1.5 · 2^(e+2) lies in 2^(e+2) ..= 2^(e+3), where numbers are multiples of 2^(e-50);
-    // their bits count those multiples.
+    // The largest entry is below 2^(e+1). The sum of an entry and 1.5 · 2^(e+2) lies in 2^(e+2) ..= 2^(e+3),
+    // where numbers are multiples of 2^(e-50). The bits of the sum count those multiples.
     let exponent = largest.to_bits() >> 52;
     let unit = f64::from_bits(((exponent + 2) << 52) | (1 << 51));
     let mut whole = [0_i64; 9];
@@ -110,7 +113,7 @@ fn whole(entries: &[f64; 9]) -> Option<([i64; 9], i64)> {
     is_zero(lost).then_some((whole, bits))
 }
 
-/// Modulo 2⁶⁴.
+/// The determinant modulo 2⁶⁴.
 #[inline(always)]
 fn det_64([ax, ay, az, bx, by, bz, cx, cy, cz]: [i64; 9]) -> i64 {
     let minor = |p: i64, q: i64, r: i64, s: i64| p.wrapping_mul(s).wrapping_sub(q.wrapping_mul(r));
@@ -118,7 +121,7 @@ fn det_64([ax, ay, az, bx, by, bz, cx, cy, cz]: [i64; 9]) -> i64 {
     az.wrapping_mul(x).wrapping_add(bz.wrapping_mul(y)).wrapping_add(cz.wrapping_mul(z))
 }
 
-/// Modulo 2¹²⁸. Minors of entries below 2⁵¹ are below 2¹⁰³.
+/// The determinant modulo 2¹²⁸. Minors of entries below 2⁵¹ are below 2¹⁰³.
 #[inline(always)]
 fn det_128([ax, ay, az, bx, by, bz, cx, cy, cz]: [i64; 9]) -> i128 {
     let minor =
@@ -134,13 +137,14 @@ pub(super) fn is_small(rows: [Row; 3]) -> bool {
     whole(&entries(rows).0).is_some_and(|(_, bits)| bits & ((1 << SPARE) - 1) == 0)
 }
 
-/// As [`sign_of_det`] with another number of spare bits, differences being exact or not: what a test must notice.
+/// As [`sign_of_det`] with another number of spare bits, whether or not the differences are exact: a fault
+/// that a test must catch.
 #[cfg(test)]
 pub(super) fn sign_without_checks(rows: [Row; 3], spare: u32) -> Option<Sign> {
     sign_of_entries(&entries(rows).0, spare)
 }
 
-/// As [`sign_of_scaled_det`] with a fault in how one line is scaled: what a test must notice.
+/// As [`sign_of_scaled_det`] with a fault in the scaling of a row or column: a fault that a test must catch.
 #[cfg(test)]
 pub(super) fn sign_of_scaled_badly(
     rows: [Row; 3],

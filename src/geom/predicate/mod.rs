@@ -1,16 +1,16 @@
-//! The one place that decides a sign.
+//! Exact geometric predicates: the only module that decides a sign.
 //!
-//! Every sidedness question of the crate is the sign of one 3×3 determinant whose entries are differences of
-//! two `f32` numbers. It is answered in three steps, each only when the one before cannot tell:
+//! Every orientation test of the crate is the sign of one 3×3 determinant whose entries are differences of
+//! two `f32` numbers. The sign is found in three steps, each used only if the previous step is not certain:
 //!
 //! 1. an `f64` evaluation with a static error bound (Jonathan R. Shewchuk, *Adaptive Precision Floating-Point
 //!    Arithmetic and Fast Robust Geometric Predicates*, 1997, section 4.3, bound A);
-//! 2. whole numbers modulo a power of two, when the entries are exact in `f64` and span at most 51 bits, if need be
-//!    after each row and column was scaled: exact ties on CAD parts end here;
-//! 3. a register as long as the range of the products: always exact.
+//! 2. integer arithmetic modulo a power of two, for entries that are exact in `f64` and span at most 51 bits,
+//!    if need be after each row and column was scaled: exact ties on CAD parts are decided here;
+//! 3. a fixed-point accumulator as long as the range of the products: always exact.
 //!
-//! Entries are multiples of 2⁻¹⁴⁹ below 2¹²⁹, so products of three lie in 2⁻⁴⁴⁷ … 2³⁸⁷ and the six-term sums
-//! below 2³⁹³: no step can overflow or underflow, for any finite input.
+//! Entries are multiples of 2⁻¹⁴⁹ below 2¹²⁹. So products of three entries lie in 2⁻⁴⁴⁷ … 2³⁸⁷, and sums of
+//! six products are below 2³⁹³: no step can overflow or underflow, for any finite input.
 //!
 //! ```
 //! use umbrage::geom::predicate::{Sign, orient3d};
@@ -29,15 +29,15 @@ mod accumulator;
 pub(crate) mod filter;
 mod integer;
 
-/// The sign of a real number, known exactly.
+/// The exact sign of a real number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(i8)]
 pub enum Sign {
-    /// Below zero.
+    /// The number is below zero.
     Negative = -1,
-    /// Exactly zero: a tie.
+    /// The number is exactly zero: a tie.
     Zero = 0,
-    /// Above zero.
+    /// The number is above zero.
     Positive = 1,
 }
 
@@ -82,9 +82,9 @@ impl Neg for Sign {
     }
 }
 
-/// A point in homogeneous coordinates, kept symbolically: `(plus − minus, w)` with `w` 1 or 0.
+/// A point in homogeneous coordinates, stored symbolically as `(plus − minus, w)` with `w` 1 or 0.
 ///
-/// The difference is never rounded, so that an extruded vertex `v − L` is exact.
+/// The difference is never rounded, so an extruded vertex `v − L` is exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Homogeneous {
     plus: [f32; 3],
@@ -93,21 +93,21 @@ pub struct Homogeneous {
 }
 
 impl Homogeneous {
-    /// A point at a place, `w = 1`.
+    /// A finite point, `w = 1`.
     #[inline]
     #[must_use]
     pub fn point(position: [f32; 3]) -> Self {
         Self { plus: position, minus: [0.0; 3], finite: true }
     }
 
-    /// A light, as it is.
+    /// The position of a point light, `w = 1`, or the direction towards a directional light, `w = 0`.
     #[inline]
     #[must_use]
     pub fn light(light: &Light) -> Self {
         Self { plus: light.xyz(), minus: [0.0; 3], finite: !light.is_directional() }
     }
 
-    /// The vertex at `position` pushed away from `light` to infinity: `(v·w − L, 0)`.
+    /// The vertex at `position`, extruded away from `light` to infinity: `(v·w − L, 0)`.
     #[inline]
     #[must_use]
     pub fn extruded(position: [f32; 3], light: &Light) -> Self {
@@ -115,45 +115,47 @@ impl Homogeneous {
         Self { plus, minus: light.xyz(), finite: false }
     }
 
-    /// Whether `w = 1`.
+    /// Whether the point is finite, `w = 1`.
     #[inline]
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.finite
     }
 
-    /// The coordinates rounded to `f64`: `(x, y, z, w)`.
+    /// The coordinates `(x, y, z, w)`, rounded to `f64`.
     #[must_use]
     pub fn to_f64(self) -> [f64; 4] {
         let [x, y, z] = std::array::from_fn(|i| f64::from(self.plus[i]) - f64::from(self.minus[i]));
         [x, y, z, if self.finite { 1.0 } else { 0.0 }]
     }
 
-    /// As a row of a determinant whose pivot is the finite point `pivot`.
+    /// The point as a row of a determinant whose pivot is the finite point `pivot`.
     #[inline]
     pub(crate) fn row(&self, pivot: [f32; 3]) -> Row {
         Row(self.plus, if self.finite { pivot } else { self.minus })
     }
 }
 
-/// The sign of `det [a−d; b−d; c−d]`: positive when `d` lies below the plane of `a`, `b`, `c`, that is, on the
-/// side from which they run clockwise (Shewchuk 1997, section 2's sign, and the `robust` crate's).
+/// The orientation of four points: the sign of `det [a−d; b−d; c−d]`. Positive if `d` lies below the plane of
+/// `a`, `b`, `c`, that is, on the side from which they run clockwise (the sign convention of Shewchuk 1997,
+/// section 2, and of the `robust` crate).
 #[inline]
 #[must_use]
 pub fn orient3d(a: [f32; 3], b: [f32; 3], c: [f32; 3], d: [f32; 3]) -> Sign {
     sign_of_det([Row(a, d), Row(b, d), Row(c, d)])
 }
 
-/// The sign of the determinant of four homogeneous rows `(x, y, z, w)`; for finite points that of [`orient3d`].
+/// The orientation of four homogeneous points: the sign of the determinant of their rows `(x, y, z, w)`. For
+/// finite points the result equals that of [`orient3d`].
 ///
-/// Zero when all four lie at infinity.
+/// Zero if all four points lie at infinity.
 #[inline]
 #[must_use]
 pub fn orient3d_homogeneous(points: [Homogeneous; 4]) -> Sign {
     let Some(k) = points.iter().rposition(Homogeneous::is_finite) else { return Sign::Zero };
     let pivot = points[k].plus;
-    // Subtracting the pivot from the finite rows leaves its own w as the only one in the last column, so the
-    // determinant is (−1)^(k+3) times that of the other three rows.
+    // Subtracting the pivot from the finite rows leaves only the pivot's own w in the last column. So the
+    // determinant is (−1)^(k+3) times the determinant of the other three rows.
     let others = match k {
         0 => [1, 2, 3],
         1 => [0, 2, 3],
@@ -165,23 +167,23 @@ pub fn orient3d_homogeneous(points: [Homogeneous; 4]) -> Sign {
     if k % 2 == 1 { sign } else { -sign }
 }
 
-/// The sign of the determinant of three homogeneous points taken as directions, `w` left out: for points at
-/// infinity, that of [`orient3d_homogeneous`] with any finite fourth point.
+/// The sign of the determinant of three homogeneous points taken as directions, without `w`. For points at
+/// infinity, the result equals that of [`orient3d_homogeneous`] with any finite fourth point.
 #[inline]
 #[must_use]
 pub(crate) fn directions_turn(points: [Homogeneous; 3]) -> Sign {
     sign_of_det(points.map(|point| Row(point.plus, point.minus)))
 }
 
-/// Which side of a face the light is on: positive in front (where the corners run counter-clockwise), negative
-/// behind, zero exactly edge-on. The sign of `(b−a)×(c−a) · (L − a·w)`.
+/// The side of a face that the light is on: positive in front (where the corners run counter-clockwise),
+/// negative behind, zero exactly edge-on. The sign of `(b−a)×(c−a) · (L − a·w)`.
 #[inline]
 #[must_use]
 pub fn side_of_light([a, b, c]: [[f32; 3]; 3], light: &Light) -> Sign {
     sign_of_det([Row(b, a), Row(c, a), Homogeneous::light(light).row(a)])
 }
 
-/// As [`side_of_light`], every sign by the last step: what exactness costs where no filter spares it.
+/// As [`side_of_light`], with every sign computed by the last step: the cost of exactness without a filter.
 #[cfg(feature = "verify")]
 #[inline]
 #[must_use]
@@ -189,23 +191,25 @@ pub(crate) fn side_of_light_unfiltered([a, b, c]: [[f32; 3]; 3], light: &Light) 
     Accumulator::of_det(&[Row(b, a), Row(c, a), Homogeneous::light(light).row(a)]).sign()
 }
 
-/// Which side of a face a point is on: positive in front. The opposite of [`orient3d`].
+/// The side of a face that a point is on: positive in front. The opposite of [`orient3d`].
 #[inline]
 #[must_use]
 pub fn side_of_point([a, b, c]: [[f32; 3]; 3], p: [f32; 3]) -> Sign {
     sign_of_det([Row(b, a), Row(c, a), Row(p, a)])
 }
 
-/// The determinant whose sign [`side_of_point`] and [`side_of_light`] tell, to 2⁻³⁹ of itself: the height over the
-/// face's plane times twice its area. Exact where rounding would show.
+/// The determinant whose sign [`side_of_point`] and [`side_of_light`] return, with a relative error of at
+/// most 2⁻³⁹: the height over the face's plane times twice the area of the face. Computed exactly where
+/// rounding would exceed this error.
 #[inline]
 #[must_use]
 pub(crate) fn height([a, b, c]: [[f32; 3]; 3], of: Homogeneous) -> f64 {
     value_of_det([Row(b, a), Row(c, a), of.row(a)], SHARE)
 }
 
-/// The filter's error is at most 2⁻⁵⁰ of the permanent, so 2⁻⁴⁰ of a determinant that is more than this share of it.
-/// (Measured: 2⁻⁴². A share of 2⁻¹⁶ errs by more than 2⁻³⁹ and is caught.)
+/// Smallest ratio of the determinant to the permanent for which `f64` is accurate enough. The filter's error
+/// is at most 2⁻⁵⁰ of the permanent, hence 2⁻⁴⁰ of a determinant above this ratio. (Measured: 2⁻⁴². With a
+/// ratio of 2⁻¹⁶ the error exceeds 2⁻³⁹, which a test catches.)
 const SHARE: f64 = 1.0 / 1024.0;
 
 #[inline(always)]
@@ -214,8 +218,8 @@ fn value_of_det(rows: [Row; 3], share: f64) -> f64 {
     if det.abs() > permanent * share { det } else { Accumulator::of_det(&rows).value() }
 }
 
-/// Which way the triangle `a`, `b`, `c` turns when looked at along `axis` (0, 1, 2 for x, y, z): positive when
-/// its normal's component on that axis is.
+/// The orientation of the triangle `a`, `b`, `c` projected along `axis` (0, 1, 2 for x, y, z): the sign of
+/// that component of the triangle's normal.
 #[inline]
 #[must_use]
 pub fn turn(a: [f32; 3], b: [f32; 3], c: [f32; 3], axis: usize) -> Sign {
@@ -231,18 +235,19 @@ pub fn turn_homogeneous(a: [f32; 3], b: [f32; 3], c: Homogeneous, axis: usize) -
     sign_of_det([Row(b, a), c.row(a), Row(unit, [0.0; 3])])
 }
 
-/// Whether three points lie on one line (or fewer).
+/// Whether three points lie on one line, coinciding points included.
 #[inline]
 #[must_use]
 pub fn collinear(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> bool {
     !surely_not_collinear(a, b, c, MINOR_FILTER) && (0..3).all(|axis| turn(a, b, c, axis).is_zero())
 }
 
-/// A minor of two products of single rounded differences errs by at most this times the sum of their magnitudes
-/// (Shewchuk 1997, section 4.3, bound A of two dimensions). Half of it is caught.
+/// Relative error bound of a 2×2 minor. A minor of differences that are rounded once errs by at most this
+/// factor times the sum of the magnitudes of its two products (Shewchuk 1997, section 4.3, bound A in two
+/// dimensions). Tests fail with half of the bound.
 const MINOR_FILTER: f64 = (3.0 + 16.0 * EPSILON) * EPSILON;
 
-/// Whether one of the minors is surely not zero.
+/// Whether one of the minors is certainly nonzero.
 #[inline(always)]
 fn surely_not_collinear(a: [f32; 3], b: [f32; 3], c: [f32; 3], filter: f64) -> bool {
     let (u, v) = (Row(b, a).rounded(), Row(c, a).rounded());
@@ -255,8 +260,8 @@ fn surely_not_collinear(a: [f32; 3], b: [f32; 3], c: [f32; 3], filter: f64) -> b
     false
 }
 
-/// Whether some plane through `apex` surely parts two pairs of points: one strictly on one side, the other on the other.
-/// One plane is tried, halfway between them.
+/// Whether a plane through `apex` certainly separates two pairs of points: one pair strictly on one side, the
+/// other pair strictly on the other side. Only one plane is tried, halfway between the pairs.
 #[inline]
 pub(crate) fn surely_parted(apex: [f32; 3], first: [[f32; 3]; 2], second: [[f32; 3]; 2]) -> bool {
     surely_parted_by(apex, first, second, ALONG_FILTER)
@@ -274,22 +279,25 @@ fn surely_parted_by(apex: [f32; 3], first: [[f32; 3]; 2], second: [[f32; 3]; 2],
         && surely_along(d, normal.map(Neg::neg), filter)
 }
 
-/// The dot product of any vector with one of single rounded differences errs by at most four roundings (the difference,
-/// the product, two sums) of its products' magnitudes, whose sum errs by as many: (4 + 32 ε) ε is enough. (An eighth of
-/// it is caught.) Nothing underflows as long as the vector's entries are 0 or multiples of 2⁻¹⁴⁹.
+/// Relative error bound of a dot product of any vector with a vector of differences that are rounded once.
+///
+/// The dot product errs by at most four roundings (the difference, the product, two sums) of the sum of its
+/// products' magnitudes. The computed sum of magnitudes errs by as many roundings, so (4 + 32 ε) ε is enough.
+/// (Tests fail with an eighth of the bound.) Nothing underflows as long as the vector's entries are 0 or
+/// multiples of 2⁻¹⁴⁹.
 const ALONG_FILTER: f64 = (4.0 + 32.0 * EPSILON) * EPSILON;
 
-/// Whether the dot product of a row, rounded, with `normal` is surely positive.
+/// Whether the dot product of a rounded row with `normal` is certainly positive.
 #[inline(always)]
 fn surely_along(v: [f64; 3], normal: [f64; 3], filter: f64) -> bool {
     let [x, y, z] = [v[0] * normal[0], v[1] * normal[1], v[2] * normal[2]];
     x + y + z > filter * (x.abs() + y.abs() + z.abs())
 }
 
-/// What the filter could not tell: `[a − x; b − y; c − z]`.
+/// The sign of the determinant `[a − x; b − y; c − z]` that the filter could not decide.
 ///
-/// Scalars, since what a caller stores as four bytes and this loads as sixteen cannot be forwarded by a processor's
-/// store buffer: it cost 12 ns, a third of the whole.
+/// The arguments are scalars: a value that the caller stores as four bytes and this function loads as sixteen
+/// cannot be forwarded by the processor's store buffer. Arrays cost 12 ns more, a third of the total.
 #[inline(never)]
 #[expect(clippy::too_many_arguments, reason = "numbers stay in registers, arrays do not")]
 #[rustfmt::skip]

@@ -1,4 +1,4 @@
-//! Every step against whole numbers.
+//! Every step of the predicates against big integers.
 
 use proptest::prelude::*;
 
@@ -6,7 +6,8 @@ use super::filter::{FILTER, certain_sign};
 use super::*;
 use crate::random::SplitMix64;
 
-/// Sign of the same determinant in whole numbers of 2⁻¹⁴⁹, by cofactors of the first row.
+/// Reference: the sign of the same determinant in big integers, as multiples of 2⁻¹⁴⁹, by cofactors of the
+/// first row.
 fn reference(rows: [Row; 3]) -> i32 {
     use num_bigint::{BigInt, Sign as BigSign};
     let whole = |x: f32| {
@@ -65,8 +66,8 @@ proptest! {
     }
 }
 
-/// Determinants that are zero or as near to it as their entries let them: the third row is a sum or difference of
-/// the others, or one of them again, an ulp of one entry changed or not.
+/// Determinants that are zero, or as close to zero as their entries allow: the third row is a sum or
+/// difference of the others, or one of them again. In half the cases one entry is changed by an ulp.
 fn near_tie(random: &mut SplitMix64) -> [Row; 3] {
     let kind = random.below(6);
     let number = |random: &mut SplitMix64| {
@@ -89,14 +90,14 @@ fn near_tie(random: &mut SplitMix64) -> [Row; 3] {
         (c[i], z[i]) = match relation {
             0 => (a[i], x[i]),
             1 => (y[i], b[i]),
-            // Exact where numbers are whole and few.
+            // Exact where numbers are small integers.
             2 => (a[i] + b[i], x[i] + y[i]),
             4 => (3.0 * a[i], 3.0 * x[i]),
             _ => (a[i] - y[i], x[i] - b[i]),
         };
     }
     if kind < 4 && random.below(3) == 0 {
-        // Rows of different sizes: an exact multiple of one keeps the tie.
+        // Rows of different magnitudes: an exact multiple of one row keeps the tie.
         let scale = 2.0_f64.powi(random.below(70) as i32 - 35) as f32;
         let Row(u, v) = &mut rows[random.below(3)];
         u.iter_mut().chain(v).for_each(|x| *x *= scale);
@@ -108,8 +109,8 @@ fn near_tie(random: &mut SplitMix64) -> [Row; 3] {
     rows
 }
 
-/// A matrix of whole numbers of determinant −1, 0 or 1 (rows added to rows, columns to columns, from a diagonal),
-/// rows and columns scaled by powers of two.
+/// An integer matrix of determinant −1, 0 or 1 (rows added to rows and columns to columns, starting from a
+/// diagonal), with rows and columns scaled by powers of two.
 fn unimodular(random: &mut SplitMix64) -> [Row; 3] {
     let mut m = [[1_i64, 0, 0], [0, 1, 0], [0, 0, random.below(3) as i64 - 1]];
     let most = 1 << (8 + random.below(17));
@@ -138,7 +139,7 @@ fn near_zero(random: &mut SplitMix64) -> [Row; 3] {
     if random.below(2) == 0 { near_tie(random) } else { unimodular(random) }
 }
 
-/// Which step answers, and what.
+/// The step that decides, and its sign.
 fn answered(rows: [Row; 3]) -> (usize, Sign) {
     if let Some(sign) = certain_sign(&rows, FILTER) {
         (0, sign)
@@ -154,7 +155,7 @@ fn answered(rows: [Row; 3]) -> (usize, Sign) {
 #[test]
 fn predicate_every_step_is_reached_and_right_near_ties() {
     let mut random = SplitMix64(1);
-    // Of each step: ties, and signs.
+    // For each step: the number of ties, and of nonzero signs.
     let mut reached = [[0; 2]; 5];
     for _ in 0..60_000 {
         let rows = near_zero(&mut random);
@@ -174,11 +175,11 @@ fn predicate_steps_that_forget_something_are_caught() {
     for _ in 0..60_000 {
         let rows = near_zero(&mut random);
         let expected = reference(rows);
-        // A filter with a tenth of its bound.
+        // Fault injected: a filter with a tenth of its bound.
         wrong[0] +=
             usize::from(certain_sign(&rows, 0.1 * FILTER).is_some_and(|sign| sign.value() != expected));
         if certain_sign(&rows, FILTER).is_none() {
-            // Whole numbers of 51 bits in `i64`; differences that were rounded.
+            // Faults injected: integers of 51 bits in `i64`; differences that were rounded.
             let unchecked =
                 |spare| integer::sign_without_checks(rows, spare).is_some_and(|s| s.value() != expected);
             wrong[1] += usize::from(integer::sign_of_det(rows).is_some() && unchecked(0));
@@ -187,7 +188,8 @@ fn predicate_steps_that_forget_something_are_caught() {
                 let scaled = |apply: fn([usize; 3], f64, &mut [f64; 9])| {
                     integer::sign_of_scaled_badly(rows, apply).is_some_and(|s| s.value() != expected)
                 };
-                // One entry of each line left as it was; the entry in the middle scaled by 1.25 times too much.
+                // Faults injected: one entry of each row and column left unscaled; the entry in the middle
+                // scaled by 1.25 times too much.
                 wrong[4] += usize::from(scaled(|[_, i, j], scale, entries| {
                     entries[i] *= scale;
                     entries[j] *= scale;
@@ -197,7 +199,7 @@ fn predicate_steps_that_forget_something_are_caught() {
                 }));
             }
         }
-        // A register that is not given the second half of an entry.
+        // Fault injected: an accumulator that misses the second factor of an entry.
         let half = Accumulator::of_det_of(&rows, |u, v| {
             let [first, _] = accumulator::parts(u, v);
             [first, accumulator::Part::default()]
@@ -211,7 +213,7 @@ fn predicate_steps_that_forget_something_are_caught() {
 fn predicate_agrees_with_the_robust_crate_one_ulp_off_a_plane() {
     let coord = |p: [f32; 3]| robust::Coord3D { x: p[0], y: p[1], z: p[2] };
     let [a, b, c] = [[0.1, 0.2, 0.3], [1.7, 0.3, 0.9], [0.4, 1.9, 1.1]];
-    // Around where the plane lies over (0.55, 0.7).
+    // Around the height of the plane over (0.55, 0.7).
     let wide = |p: [f32; 3]| glam::DVec3::from(p.map(f64::from));
     let normal = (wide(b) - wide(a)).cross(wide(c) - wide(a));
     let (x, y) = (0.55_f32, 0.7_f32);
@@ -229,7 +231,8 @@ fn predicate_agrees_with_the_robust_crate_one_ulp_off_a_plane() {
 
 #[test]
 fn height_of_a_sliver_is_right_where_f64_is_wrong() {
-    // A plane through the origin but for seven units of 10^19; f64 alone gets its offset wrong by its size.
+    // A plane that misses the origin by seven units in 10^19. `f64` alone gets the offset wrong by as much as
+    // its size.
     let triangle = [
         [-3_067_175.0, 580_525.0, 2_914_486.0],
         [2_535_584.0, 2_212_702.0, -3_664_925.0],
@@ -258,8 +261,8 @@ fn predicate_homogeneous_cofactors_agree_wherever_the_pivot_stands() {
     let [a, b, c, d] = [[0.0, 0.1, 0.2], [1.0, 0.3, 0.1], [0.2, 1.0, 0.4], [0.5, 0.6, 2.0]];
     let points = [a, b, c, d].map(Homogeneous::point);
     assert_eq!(orient3d_homogeneous(points), orient3d(a, b, c, d));
-    // An even permutation of the rows keeps the sign, an odd one turns it, with a point at infinity in
-    // every place.
+    // An even permutation of the rows keeps the sign and an odd one negates it, with the point at infinity in
+    // every row.
     let far = Homogeneous::extruded(d, &light);
     let [a, b, c, _] = points;
     let sign = orient3d_homogeneous([a, b, c, far]);
@@ -271,7 +274,7 @@ fn predicate_homogeneous_cofactors_agree_wherever_the_pivot_stands() {
     assert_eq!(orient3d_homogeneous([far; 4]), Sign::Zero);
 }
 
-/// Points of one line, exactly, that lie so far apart that their differences are rounded.
+/// Three points exactly on one line, so far apart that their differences are rounded.
 fn on_one_line(random: &mut SplitMix64) -> [[f32; 3]; 3] {
     let direction = [(); 3].map(|()| random.below(255) as f32 - 127.0);
     [(); 3].map(|()| {
@@ -307,7 +310,7 @@ fn height_is_as_near_as_it_says_and_a_larger_share_of_f64_is_caught() {
     for _ in 0..200_000 {
         let mut vector = || [(); 3].map(|()| (2.0 * random.unit() - 1.0) as f32);
         let (a, b, c) = (vector(), vector(), vector());
-        // Near the plane, by a random power of two.
+        // Close to the plane, by a random power of two.
         let (s, t) = (f64::from(vector()[0]), f64::from(vector()[1]));
         let off = 0.5_f64.powi((vector()[0].abs() * 24.0) as i32);
         let p = [0, 1, 2].map(|i| {
@@ -335,7 +338,7 @@ fn parting_is_sure_only_where_whole_numbers_say_so() {
     let mut wrong = [0; 2];
     let mut sure = 0;
     for _ in 0..400_000 {
-        // Differences of whole numbers that need more than 53 bits, and a vector nearly at right angles to them.
+        // Differences of integers that need more than 53 bits, and a vector nearly perpendicular to them.
         let mut whole = |bits: u32, shift: usize| {
             let number = (random.next() >> (64 - bits)) as i128 - (1 << (bits - 1));
             number << random.below(shift)

@@ -1,9 +1,9 @@
-//! Vertices of a place lie anywhere in the list, or alone: they are first brought together by hash, in buckets so
-//! small that looking one up in its bucket stays in the cache.
+//! Exact welding where equal vertices are far apart in the list, or few: the vertices are first sorted by
+//! hash into buckets small enough that a look-up within a bucket stays in the cache.
 //!
-//! Within its bucket each place gets a number. Then the vertices are gone through once more in their order, and each
-//! bucket with it: a place that is met for the first time gets the next id. What is read and written lies in a row,
-//! in memory or in its bucket, but for the ids of the places.
+//! Within its bucket each distinct position gets a number. Then the vertices are visited once more in their
+//! order, with one cursor per bucket. The first vertex of each position gets the next id. Every access is
+//! sequential, in memory or within a bucket, except for the ids by position number.
 
 use std::hint::select_unpredictable;
 
@@ -13,10 +13,11 @@ use super::exact::{BLOCK, Points, Record};
 use super::id_table::Table;
 use super::{Kept, Used};
 
-/// About so many vertices have a bucket: 12 bytes each, and for one in six of them a place and slots of a table.
+/// Vertices per bucket, about: 12 bytes each, plus a position and table slots for one in six.
 const BUCKET: usize = 1 << 14;
 
-/// More buckets than 2 to the power of this are more than the processor can write to at once.
+/// Binary logarithm of the largest number of buckets: with more, the processor cannot keep a write position
+/// open in each.
 const MOST_BITS: u32 = 12;
 
 pub(super) fn merge(points: &Points<'_, false>, used: &Used, vertex_of: &mut [u32]) -> Kept {
@@ -24,7 +25,7 @@ pub(super) fn merge(points: &Points<'_, false>, used: &Used, vertex_of: &mut [u3
     merge_by(points, used, vertex_of, bits)
 }
 
-/// With 2^`bits` buckets.
+/// As [`merge`], with 2^`bits` buckets.
 pub(super) fn merge_by(points: &Points<'_, false>, used: &Used, vertex_of: &mut [u32], bits: u32) -> Kept {
     let mut ends = vec![0; 1 << bits];
     count(points, used, &mut ends);
@@ -38,7 +39,7 @@ pub(super) fn merge_by(points: &Points<'_, false>, used: &Used, vertex_of: &mut 
     let mut start = 0;
     for end in &mut ends {
         number(points, &mut buckets[start as usize..*end as usize], places, &mut kept, &mut table);
-        places += kept.len() as u32; // no more than vertices
+        places += kept.len() as u32; // at most the vertex count
         start = std::mem::replace(end, start);
     }
     drop((kept, table));
@@ -46,13 +47,13 @@ pub(super) fn merge_by(points: &Points<'_, false>, used: &Used, vertex_of: &mut 
     Kept { positions, origins: Vec::new() }
 }
 
-/// The bits of the hash that choose the bucket are not those that choose the place in a table of a bucket.
+/// The bucket of a hash. Its bits differ from those that choose the slot in a bucket's table.
 #[inline(always)]
 fn bucket(hash: u64, buckets: usize) -> usize {
     (hash >> 40) as usize & (buckets - 1)
 }
 
-/// How many vertices each bucket has.
+/// Counts the vertices of each bucket.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
 fn count(points: &Points<'_, false>, used: &Used, counts: &mut [u32]) {
     points.for_each_block(used, |block| {
@@ -62,7 +63,7 @@ fn count(points: &Points<'_, false>, used: &Used, counts: &mut [u32]) {
     });
 }
 
-/// Brings positions into their buckets, each in the order of the vertices.
+/// Sorts the positions into their buckets, each bucket in the order of the vertices.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
 fn scatter(points: &Points<'_, false>, used: &Used, ends: &mut [u32], buckets: &mut [[u32; 3]]) {
     points.for_each_block(used, |block| {
@@ -75,8 +76,8 @@ fn scatter(points: &Points<'_, false>, used: &Used, ends: &mut [u32], buckets: &
     });
 }
 
-/// Numbers the places of a bucket, which are then `kept`, from `first` on. The numbers of its vertices take the first
-/// third of the bucket.
+/// Numbers the distinct positions of a bucket from `first` on, and collects them in `kept`. The numbers of
+/// the bucket's vertices overwrite the first third of the bucket.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
 fn number(
     points: &Points<'_, false>,
@@ -85,7 +86,7 @@ fn number(
     kept: &mut Vec<[f32; 3]>,
     table: &mut Table,
 ) {
-    table.reset(bucket.len() / 6); // a closed soup has six corners a vertex
+    table.reset(bucket.len() / 6); // a closed soup has six corners per vertex
     kept.clear();
     for i in 0..bucket.len() {
         let [x, y, z] = bucket[i];
@@ -103,7 +104,7 @@ fn number(
     }
 }
 
-/// Gives out ids in the order of the vertices; `starts` are those of the buckets.
+/// Assigns ids in the order of the vertices; `starts` holds the starts of the buckets.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
 fn in_order(
     points: &Points<'_, false>,
@@ -115,7 +116,7 @@ fn in_order(
 ) -> Vec<[f32; 3]> {
     let mut nexts: Vec<usize> = starts.iter().map(|&start| 3 * start as usize).collect();
     let numbers = buckets.as_flattened();
-    // Turned over, so that memory which comes zeroed tells of no id.
+    // Stored inverted, so that zeroed memory means "no id yet".
     let mut ids = vec![0_u32; places as usize];
     let mut kept = vec![[0.0; 3]; places as usize + 1];
     let mut new = 0;
@@ -131,7 +132,7 @@ fn in_order(
             let first = *id == 0;
             *id = select_unpredictable(first, !new, *id);
             vertex_of[record.vertex() as usize] = !*id;
-            kept[new as usize] = record.position(); // stays if it is counted
+            kept[new as usize] = record.position(); // overwritten by the next one unless counted
             new += u32::from(first);
         }
     });

@@ -1,4 +1,4 @@
-//! Vertices with bit-equal positions become one, by hashing.
+//! Exact welding: vertices with bit-equal positions become one, by hashing.
 
 use hashbrown::DefaultHashBuilder;
 use std::hash::BuildHasher;
@@ -6,7 +6,7 @@ use std::hash::BuildHasher;
 use super::{Kept, Used, bucketed, streaming};
 use crate::mesh::Mesh;
 
-/// Writes each used vertex's welded id to its place in `vertex_of`. The others keep what is there.
+/// Writes the welded id of each used vertex to its slot in `vertex_of`. The other slots are not changed.
 pub(super) fn merge(mesh: &Mesh, used: &Used, vertex_of: &mut [u32]) -> Kept {
     if !mesh.frames.is_empty() {
         streaming::merge(&Points::<true>::of(mesh), used, vertex_of)
@@ -17,13 +17,14 @@ pub(super) fn merge(mesh: &Mesh, used: &Used, vertex_of: &mut [u32]) -> Kept {
     }
 }
 
-/// Whether the vertices of a place mostly come soon after each other, by a sample.
+/// Whether vertices with equal positions are mostly close together in the list, estimated from a sample of
+/// windows.
 fn repeats_nearby(mesh: &Mesh) -> bool {
     const WINDOW: usize = 64;
     const SAMPLE: usize = 64;
     let windows = mesh.positions.len() / WINDOW;
     if windows < 4 * SAMPLE {
-        return true; // all of it is near
+        return true; // the whole list is short
     }
     let repeated = |window: usize| {
         let at = window * (windows / SAMPLE) * WINDOW;
@@ -34,15 +35,15 @@ fn repeats_nearby(mesh: &Mesh) -> bool {
     4 * (0..SAMPLE).map(repeated).sum::<usize>() > SAMPLE * WINDOW
 }
 
-/// So many vertices are read at a time: what is noted of them stays in the first-level cache.
+/// Vertices per block: the data noted per block fits the first-level cache.
 pub(super) const BLOCK: usize = 256;
 
-/// A vertex behind the bits of its position: x below y, z below the vertex.
+/// A vertex with the bits of its position: x below y in the first word, z below the vertex in the second.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Record(pub(super) [u64; 2]);
 
 impl Record {
-    /// At no place: coordinates are finite.
+    /// A record that equals no vertex, since coordinates are finite.
     pub(super) const NOWHERE: Self = Self([u64::MAX, u32::MAX as u64]);
 
     #[inline(always)]
@@ -58,7 +59,7 @@ impl Record {
 
     #[inline(always)]
     pub(super) fn position(self) -> [f32; 3] {
-        // (Spelt out: `map` of an array is not always inlined.)
+        // Without `map`: closures on arrays are not always inlined.
         let [x, y, z] = [self.0[0] as u32, (self.0[0] >> 32) as u32, self.0[1] as u32];
         [f32::from_bits(x), f32::from_bits(y), f32::from_bits(z)]
     }
@@ -69,7 +70,7 @@ impl Record {
     }
 }
 
-/// The vertices by the bits of their positions, in several frames if `MOVING`.
+/// The vertices, compared by the bits of their positions, in several frames if `MOVING`.
 pub(super) struct Points<'a, const MOVING: bool> {
     positions: &'a [[f32; 3]],
     frames: &'a [Vec<[f32; 3]>],
@@ -79,12 +80,12 @@ pub(super) struct Points<'a, const MOVING: bool> {
 impl<'a, const MOVING: bool> Points<'a, MOVING> {
     pub(super) fn of(mesh: &'a Mesh) -> Self {
         debug_assert_eq!(MOVING, !mesh.frames.is_empty());
-        // Seeded by chance, so that no file can be made to collide; ids do not depend on it.
+        // Random seeds, so that no file can be crafted to collide. The ids do not depend on the seeds.
         let seeds = [0, 1].map(|i| DefaultHashBuilder::default().hash_one(i));
         Self { positions: &mesh.positions, frames: &mesh.frames, seeds }
     }
 
-    /// Hands out all used vertices in their order, a block of them at a time.
+    /// Calls `each` with all used vertices in order, one block at a time.
     #[inline(always)]
     pub(super) fn for_each_block(&self, used: &Used, mut each: impl FnMut(&[Record])) {
         let (mut block, mut next) = ([Record::NOWHERE; BLOCK], 0);
@@ -96,7 +97,7 @@ impl<'a, const MOVING: bool> Points<'a, MOVING> {
         }
     }
 
-    /// The used vertices from `next` on, as many as fit; `next` is then the one behind them.
+    /// Reads used vertices from `next` on into `block`, as many as fit, and advances `next` past them.
     #[inline(always)]
     fn read<'b>(&self, used: &Used, next: &mut u32, block: &'b mut [Record; BLOCK]) -> &'b [Record] {
         let mut count = 0;
@@ -124,7 +125,7 @@ impl<'a, const MOVING: bool> Points<'a, MOVING> {
         &block[..count]
     }
 
-    /// Of a vertex in all frames.
+    /// Hash of a vertex's position in all frames.
     #[inline(always)]
     pub(super) fn hash(&self, record: Record) -> u64 {
         let hash = self.mix(self.seeds[1], record);
@@ -138,12 +139,12 @@ impl<'a, const MOVING: bool> Points<'a, MOVING> {
 
     #[inline(always)]
     fn mix(&self, hash: u64, Record([left, right]): Record) -> u64 {
-        // Both halves of a product with seeded factors, as foldhash and wyhash do.
+        // Both halves of a product with seeded factors, as in foldhash and wyhash.
         let product = u128::from(left ^ self.seeds[0]) * u128::from(u64::from(right as u32) ^ hash);
         (product >> 64) as u64 ^ product as u64
     }
 
-    /// Whether two vertices with equal bits in the first frame have so in the others.
+    /// Whether two vertices with equal bits in the first frame have equal bits in the other frames.
     #[inline(always)]
     pub(super) fn same_frames(&self, a: u32, b: u32) -> bool {
         let same = |frame: &Vec<[f32; 3]>| {

@@ -1,22 +1,22 @@
-//! Ids by hash, for those who keep the keys.
+//! Hash table of ids; the caller stores the keys.
 
-/// Ids by hash: open addressing with linear probing, a power of two of slots, at most half of them taken. So an id
-/// needs fewer bits than a slot has; the others hold bits of the hash, so that hardly any other vertex is looked at
-/// in vain.
+/// Hash table of ids: open addressing with linear probing, a power of two of slots, at most half of them
+/// filled. An id therefore needs fewer bits than a slot has. The remaining bits hold part of the hash, so
+/// that few keys are compared in vain.
 pub(super) struct Table {
     slots: Vec<u32>,
-    /// Ones where a slot holds the id.
+    /// Mask of the bits of a slot that hold the id.
     id_bits: u32,
 }
 
-/// No id.
+/// The result for "no id".
 pub(super) const NO_ID: u32 = u32::MAX;
 
-/// A slot without an id; in the others all bits are turned over, and no id has ones only, as that many do not fit.
-/// (Memory for zeros comes zeroed and is not touched before its time.)
+/// An empty slot. A filled slot is stored inverted and is never 0: no id consists of ones only, because that
+/// many ids do not fit. (Zeroed allocations cost nothing until touched.)
 const EMPTY: u32 = 0;
 
-/// The fewest slots, far more than a block of vertices can fill.
+/// Smallest number of slots, far more than a block of vertices can fill.
 const LEAST: usize = 1024;
 
 impl Table {
@@ -28,7 +28,7 @@ impl Table {
         Self { slots: vec![EMPTY; slots], id_bits: (slots / 2 - 1) as u32 } // ids fit 32 bits
     }
 
-    /// Forgets all ids, and has room for about so many others.
+    /// Removes all ids, and sizes the table for about `ids` new ones.
     pub(super) fn reset(&mut self, ids: usize) {
         let slots = (2 * ids).next_power_of_two().max(LEAST);
         self.slots.clear();
@@ -36,12 +36,12 @@ impl Table {
         self.id_bits = (slots / 2 - 1) as u32;
     }
 
-    /// Whether another id would be one too many, or nearly.
+    /// Whether a table with `ids` ids has reached its load limit of one half.
     pub(super) fn is_full(&self, ids: usize) -> bool {
         2 * ids >= self.slots.len()
     }
 
-    /// The id in the first place where `hash` may be, if it belongs there, or one that there cannot be.
+    /// The id in the home slot of `hash` if the hash bits match, otherwise a value that is no id.
     #[inline(always)]
     pub(super) fn first(&self, hash: u64) -> u32 {
         let slot = !self.slots[hash as usize & (self.slots.len() - 1)];
@@ -53,7 +53,7 @@ impl Table {
         (slot ^ (hash >> 32) as u32) & !self.id_bits == 0
     }
 
-    /// The id for which `same` holds, if it is there; otherwise `new`, which is put in its place.
+    /// The id with this hash for which `same` holds. If there is none, `new` is inserted and returned.
     #[inline(always)]
     pub(super) fn find_or_insert(&mut self, hash: u64, new: u32, same: impl Fn(u32) -> bool) -> u32 {
         let mask = self.slots.len() - 1;
@@ -71,7 +71,7 @@ impl Table {
         }
     }
 
-    /// Twice as many slots, filled anew with the hashes of the ids 0, 1, 2, …
+    /// Doubles the number of slots, and reinserts the ids 0, 1, 2, … with the given hashes.
     pub(super) fn grow(&mut self, hashes: impl Iterator<Item = u64>) {
         *self = Self::with_slots(2 * self.slots.len());
         for (id, hash) in (0..).zip(hashes) {

@@ -1,4 +1,5 @@
-//! Vertices at one place become one vertex, so that faces which touch in space are neighbors in topology.
+//! Welding: vertices with the same position become one vertex, so that faces which touch in space become
+//! neighbors in the topology.
 
 mod bucketed;
 mod exact;
@@ -12,22 +13,33 @@ use std::sync::Arc;
 
 use super::{Mesh, VertexId};
 
-/// Which vertices are the same.
+/// Rule for which vertices are merged.
+///
+/// ```
+/// use umbrage::mesh::{Mesh, Weld, weld};
+/// // Two triangles of a unit square: one shared corner is equal, the other is off by 0.001.
+/// let low = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let high = [[1.0, 0.001, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new([low, high].concat(), vec![[0, 1, 2], [3, 4, 5]])?;
+/// let vertices = |how| weld(&mesh, how).mesh.vertex_count();
+/// assert_eq!([Weld::None, Weld::Exact, Weld::Within(0.01)].map(vertices), [6, 5, 4]);
+/// # Ok::<(), umbrage::mesh::MeshError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Weld {
-    /// Bit-equal positions, in every frame.
+    /// Merges vertices whose positions are bit-equal in every frame.
     #[default]
     Exact,
-    /// Only equal indices: the file's own topology.
+    /// Merges nothing: only equal indices are the same vertex, as in the file.
     None,
-    /// Positions at most this far apart (mesh units, in every frame). Going through the vertices in order,
-    /// each joins the lowest-numbered kept vertex within reach, or is kept itself: nothing moves farther than
-    /// the distance, and there are no chains.
+    /// Merges vertices at most this far apart in every frame (mesh units). The vertices are visited in order.
+    /// Each vertex joins the lowest-numbered kept vertex within the distance, or is kept itself. No vertex
+    /// moves farther than the distance, and merges do not chain.
     Within(f32),
 }
 
 impl Weld {
-    /// The distance, if there is one.
+    /// The weld distance, if positive.
     fn distance(self) -> Option<f32> {
         match self {
             Self::Within(distance) if distance > 0.0 => Some(distance),
@@ -41,30 +53,40 @@ impl Weld {
 }
 
 /// A welded mesh: no two vertices are the same, and every vertex belongs to a face.
+///
+/// ```
+/// use umbrage::mesh::{VertexId, Weld, weld};
+/// use umbrage::testing::shapes;
+/// let welded = weld(&shapes::soup(&shapes::cube()), Weld::Exact);
+/// // The second triangle of a side starts at the same corner as the first.
+/// assert_eq!(welded.vertex_of(VertexId(3)), Some(VertexId(0)));
+/// assert_eq!((welded.mesh.vertex_count(), welded.unreferenced()), (8, 0));
+/// ```
 #[derive(Clone, Debug)]
 pub struct Welded {
-    /// Positions of the kept vertices, faces in the order of the original with welded indices. What is asked about
-    /// the original may be answered from it, so ask before it is taken away.
+    /// The welded mesh: positions of the kept vertices, and the original faces in order with welded indices.
+    /// [`Welded::vertex_of`] and [`Welded::unreferenced`] may read these faces, so call both before moving
+    /// the mesh out.
     pub mesh: Mesh,
-    /// For each vertex of the original the vertex it became, or [`UNUSED`]. `None` if the original was a soup whose
-    /// corners were its vertices in order, as then the faces tell.
+    /// The welded id of each original vertex, or [`UNUSED`]. `None` if the corners of the original faces were
+    /// its vertices in order, because the welded faces then hold the same list.
     vertex_of: Option<Vec<u32>>,
 }
 
 impl Welded {
-    /// What a vertex of the original became; `None` if no face uses it.
+    /// Welded id of a vertex of the original mesh; `None` if no face uses the vertex.
     ///
     /// # Panics
     ///
-    /// Panics if the original has no such vertex, or if another mesh was put in the place of [`Welded::mesh`] and has
-    /// fewer faces.
+    /// Panics if the original has no such vertex, or if [`Welded::mesh`] was replaced by a mesh with fewer
+    /// faces.
     #[must_use]
     pub fn vertex_of(&self, original: VertexId) -> Option<VertexId> {
         let vertex = self.vertices()[original.index()];
         (vertex != UNUSED).then_some(VertexId(vertex))
     }
 
-    /// How many vertices of the original no face uses.
+    /// Number of vertices of the original that no face uses.
     #[must_use]
     pub fn unreferenced(&self) -> usize {
         self.vertices().iter().filter(|&&vertex| vertex == UNUSED).count()
@@ -75,12 +97,12 @@ impl Welded {
     }
 }
 
-/// Merges vertices. Expected linear time; kept vertices stay in their order.
+/// Merges vertices by the rule `how`. Expected linear time. Kept vertices stay in their order.
 ///
-/// Vertices that no face references are left out.
+/// Vertices that no face references are dropped.
 ///
-/// Memory: at its peak 24 bytes a face of a closed mesh, the result included, 60 of its soup, and at most 150 where no
-/// vertex is shared; 400 with a distance.
+/// Peak memory per face, result included: 24 bytes for a closed mesh, 60 for its soup, and at most 150 if no
+/// vertex is shared; 400 with [`Weld::Within`].
 ///
 /// ```
 /// use umbrage::mesh::{Weld, weld};
@@ -97,7 +119,7 @@ pub fn weld(mesh: &Mesh, how: Weld) -> Welded {
         (exact::merge(mesh, &used, triangles.as_flattened_mut()), None)
     } else {
         let (kept, vertex_of) = merged(mesh, &used, how);
-        // (Spelt out: `map` of an array is not always inlined.)
+        // Without `map`: closures on arrays are not always inlined.
         let welded_of = |vertex: u32| vertex_of[vertex as usize];
         let corners = mesh.triangles().iter();
         triangles.extend(corners.map(|&[a, b, c]| [welded_of(a), welded_of(b), welded_of(c)]));
@@ -113,10 +135,10 @@ pub fn weld(mesh: &Mesh, how: Weld) -> Welded {
     Welded { mesh: welded, vertex_of }
 }
 
-/// The same in the memory of the mesh itself, for those who do not need the original any more.
+/// Merges vertices like [`weld`], reusing the memory of `mesh`, for callers that no longer need the original.
 ///
-/// Memory: at its peak 20 bytes a face of a closed mesh beside the mesh, 48 of its soup, and at most 140 where no
-/// vertex is shared; 400 with a distance.
+/// Peak memory per face, beyond the mesh itself: 20 bytes for a closed mesh, 48 for its soup, and at most 140
+/// if no vertex is shared; 400 with [`Weld::Within`].
 ///
 /// ```
 /// use umbrage::mesh::{Weld, weld_in_place};
@@ -139,7 +161,7 @@ pub fn weld_in_place(mut mesh: Mesh, how: Weld) -> Welded {
         }
         (kept, Some(vertex_of))
     };
-    // Otherwise every vertex has kept its number.
+    // If none was merged or dropped, every vertex has kept its number.
     if kept.positions.len() < vertices {
         mesh.positions = kept.positions;
         for frame in &mut mesh.frames {
@@ -153,23 +175,23 @@ fn pick(from: &[[f32; 3]], origins: &[u32]) -> Vec<[f32; 3]> {
     origins.iter().map(|&vertex| from[vertex as usize]).collect()
 }
 
-/// For each point the number of the kept point that it joins, by the scheme of [`Weld::Within`].
+/// For each point, the number of the kept point that the point joins, by the rule of [`Weld::Within`].
 pub(crate) fn weld_points(points: &[[f32; 3]], distance: f64) -> Vec<u32> {
     within::merged(&[points], &Used::all(points.len()), distance).vertex_of
 }
 
-/// A mark that no vertex id reaches, see [`Mesh::new`].
+/// Marker for an unreferenced vertex; no vertex id reaches this value, see [`Mesh::new`].
 const UNUSED: u32 = u32::MAX;
 
-/// Which vertex becomes which.
+/// Mapping between original and welded vertices.
 struct Merged {
-    /// Each vertex's welded id, or [`UNUSED`].
+    /// Welded id of each vertex, or [`UNUSED`].
     vertex_of: Vec<u32>,
-    /// Each welded vertex's origin, the first of those that became it; ascending.
+    /// Original vertex of each welded vertex, the first of those merged into it; ascending.
     kept: Vec<u32>,
 }
 
-/// What is left, and each vertex's welded id, or [`UNUSED`].
+/// The kept vertices, and the welded id of each vertex or [`UNUSED`].
 fn merged(mesh: &Mesh, used: &Used, how: Weld) -> (Kept, Vec<u32>) {
     if how.is_exact() {
         let mut vertex_of = vec![UNUSED; used.len];
@@ -186,19 +208,19 @@ fn merged(mesh: &Mesh, used: &Used, how: Weld) -> (Kept, Vec<u32>) {
     (Kept { positions: pick(mesh.positions(), &origins), origins }, vertex_of)
 }
 
-/// What is left of the vertices, in their order.
+/// The kept vertices, in their original order.
 #[derive(Default)]
 #[cfg_attr(test, derive(Clone, Debug, PartialEq))]
 struct Kept {
     positions: Vec<[f32; 3]>,
-    /// Where each comes from, the first of those that became it; an exact weld needs to know only if there are further
-    /// frames to be picked.
+    /// Original vertex of each kept vertex: the first of those merged into it. An exact weld fills this list
+    /// only if there are further frames to pick from.
     origins: Vec<u32>,
 }
 
 impl Merged {
-    /// Goes through the used vertices in order. `find(vertex, new)` tells the welded vertex that `vertex` joins, or
-    /// `None` if it is kept as `new`.
+    /// Visits the used vertices in order. `find(vertex, new)` returns the welded vertex that `vertex` joins,
+    /// or `None` if `vertex` is kept with the id `new`.
     fn by(used: &Used, mut find: impl FnMut(u32, u32) -> Option<u32>) -> Self {
         let mut vertex_of = vec![UNUSED; used.len];
         let mut kept = Vec::new();
@@ -213,9 +235,9 @@ impl Merged {
     }
 }
 
-/// Whether corners are 0, 1, 2, …
+/// Whether the corners are 0, 1, 2, …
 fn ascend(corners: &[u32]) -> bool {
-    // A block at a time, without leaving it early, so that it becomes vector instructions.
+    // Whole blocks, with no early exit within a block, so that the loop is vectorized.
     const BLOCK: usize = 1024;
     let mut first = 0;
     corners.chunks(BLOCK).all(|block| {
@@ -225,12 +247,13 @@ fn ascend(corners: &[u32]) -> bool {
     })
 }
 
-/// Which vertices a face references.
+/// The set of vertices that faces reference.
 struct Used {
     len: usize,
-    /// `None` for all.
+    /// One flag per vertex; `None` if every vertex is referenced.
     referenced: Option<Vec<bool>>,
-    /// Whether the vertices are the corners of the faces one by one, as readers of triangles without indices make them.
+    /// Whether corner `i` of the triangle list is vertex `i`, as readers of formats without indices make
+    /// meshes.
     are_corners: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Vertices of a place come soon after each other, as in a soup whose faces follow the surface: one table, and in
-//! front of it a small one of those met last.
+//! Exact welding where equal vertices are close together in the list, as in a soup whose faces follow the
+//! surface: one hash table, behind a small direct-mapped cache of recent vertices.
 
 use std::hint::select_unpredictable;
 
@@ -9,7 +9,7 @@ use super::exact::{BLOCK, Points, Record};
 use super::id_table::Table;
 use super::{Kept, Used};
 
-/// How many places the vertices met last have: 16 kB, in the first-level cache.
+/// Binary logarithm of the number of slots for recent vertices: 16 kB, which fits the first-level cache.
 const LATEST_BITS: u32 = 10;
 
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
@@ -18,7 +18,7 @@ pub(super) fn merge<const MOVING: bool>(
     used: &Used,
     vertex_of: &mut [u32],
 ) -> Kept {
-    let mut places = Places::for_about(used.count() / 6); // a closed soup has six corners a vertex
+    let mut places = Places::for_about(used.count() / 6); // a closed soup has six corners per vertex
     let mut latest = Box::new([Record::NOWHERE; 1 << LATEST_BITS]);
     let (mut unknown, mut earlier) = ([Record::NOWHERE; BLOCK], [0_u32; BLOCK]);
     points.for_each_block(used, |block| {
@@ -32,10 +32,10 @@ pub(super) fn merge<const MOVING: bool>(
     places.kept
 }
 
-/// Looks a block of vertices up among those met last: for each the one met `earlier` at its place, or itself if that
-/// is `unknown`. How many are.
+/// Looks a block of vertices up in the cache of recent vertices. `earlier` gets the equal recent vertex, or
+/// the vertex itself. Vertices without a match are appended to `unknown`; their number is returned.
 ///
-/// Without a branch: which of them are found is hard to foresee, and a wrong guess costs as much as two look-ups.
+/// Branch-free: cache hits are hard to predict, and a misprediction costs as much as two look-ups.
 #[inline(always)]
 fn sift<const MOVING: bool>(
     points: &Points<'_, MOVING>,
@@ -50,13 +50,13 @@ fn sift<const MOVING: bool>(
         let found = latest.is_at(own) & points.same_frames(latest.vertex(), own.vertex());
         *latest = Record([own.0[0], select_unpredictable(found, latest.0[1], own.0[1])]);
         *earlier = latest.vertex();
-        unknown[count % BLOCK] = own; // stays if it is counted
+        unknown[count % BLOCK] = own; // overwritten by the next one unless counted
         count += usize::from(!found);
     }
     count
 }
 
-/// The kept vertices, to be found by their places.
+/// The kept vertices, indexed by position.
 struct Places {
     kept: Kept,
     table: Table,
@@ -64,16 +64,17 @@ struct Places {
 
 impl Places {
     fn for_about(expected: usize) -> Self {
-        // A closed mesh has a few more than half its faces.
+        // A closed mesh has slightly more vertices than half its faces.
         let kept = Kept { positions: Vec::with_capacity(expected + BLOCK), origins: Vec::new() };
         Self { kept, table: Table::for_about(expected) }
     }
 
-    /// Finds or keeps each of a block.
+    /// Finds or keeps each vertex of a block.
     ///
-    /// A look-up waits for memory twice: for the table, and for the kept vertex that it names. So all are looked up
-    /// ahead, waiting at once, and then settled in order; one that came into the table in between is found by
-    /// looking again.
+    /// A look-up waits for memory twice: for the table, and for the kept vertex that the table names. So all
+    /// look-ups of a block are started before the first result is used, and their cache misses overlap. Then
+    /// the vertices are settled in order. A vertex that entered the table during the block is found by a
+    /// second look-up.
     #[inline(always)]
     fn settle<const MOVING: bool>(
         &mut self,
@@ -90,7 +91,8 @@ impl Places {
         }
         if let Some(last) = self.kept.positions.len().checked_sub(1) {
             for i in 0..block.len() {
-                // No id is beyond the last one, and then another's place is found, or the last one's own.
+                // Limited to the last id: a value that is no id is compared with the last kept vertex, and a
+                // match there is right too.
                 guesses[i] = guesses[i].min(last as u32);
                 right[i] = is(&self.kept, points, guesses[i], block[i]);
             }
@@ -131,7 +133,7 @@ impl Places {
     }
 }
 
-/// Whether a vertex is the same as the kept one `id`.
+/// Whether a vertex equals the kept vertex `id`.
 #[inline(always)]
 fn is<const MOVING: bool>(kept: &Kept, points: &Points<'_, MOVING>, id: u32, other: Record) -> bool {
     Record::new(kept.positions[id as usize], 0).is_at(other)

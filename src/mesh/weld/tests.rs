@@ -1,10 +1,10 @@
-//! Each weld against looking at all kept vertices.
+//! Each weld against a comparison with all kept vertices.
 
 use super::*;
 use crate::testing::shapes;
 use proptest::prelude::*;
 
-/// The welded id of every vertex, by looking at all kept ones: `same` decides.
+/// Reference: the welded id of every vertex by comparison with all kept vertices; `same` decides.
 fn naive(mesh: &Mesh, same: impl Fn(usize, usize) -> bool) -> Vec<Option<VertexId>> {
     let used = |v: usize| mesh.triangles().iter().flatten().any(|&corner| corner as usize == v);
     let mut kept: Vec<usize> = Vec::new();
@@ -32,7 +32,7 @@ fn found(mesh: &Mesh, how: Weld) -> Vec<Option<VertexId>> {
     (0..mesh.vertex_count()).map(|v| welded.vertex_of(VertexId::new(v))).collect()
 }
 
-/// Positions on a small grid, so that many coincide; enough of them to fill blocks and to grow the table.
+/// Positions on a small grid, so that many coincide: enough to fill blocks and to grow the table.
 fn mesh() -> impl Strategy<Value = Mesh> {
     let place = || [0_u8..9, 0_u8..9, 0_u8..9].prop_map(|p| p.map(f32::from));
     let corner = || any::<u32>();
@@ -75,7 +75,8 @@ proptest! {
 
 #[test]
 fn weld_within_where_the_positions_all_coincide_is_not_quadratic() {
-    // One vertex a cell in the second frame; looking at all kept ones would take minutes for the larger.
+    // One vertex per cell in the second frame. Comparing with all kept vertices would take minutes for the
+    // larger mesh.
     for (count, compared) in [(900_u32, true), (600_000, false)] {
         let apart = |v: u32| [(v / 3 % 1000) as f32, (v / 3000) as f32, (v % 3) as f32 * 0.4];
         let triangles = (0..count / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
@@ -105,7 +106,7 @@ fn weld_that_forgets_a_frame_is_seen() {
     assert_ne!(found(&moving, Weld::Exact), found(&still, Weld::Exact));
 }
 
-/// The exact weld by each of its ways: what is left, and the welded ids.
+/// The exact weld by each of its methods: the kept vertices and the welded ids.
 fn by_all_ways(mesh: &Mesh) -> Vec<(Kept, Vec<u32>)> {
     let used = Used::by(mesh);
     let by = |merge: &dyn Fn(&mut [u32]) -> Kept| {
@@ -152,13 +153,13 @@ fn weld_by_buckets_takes_many_vertices_of_one_place_and_of_all_different_ones() 
     for (mesh, kept) in [
         (soup(&|_| [1.0; 3], n), 1),
         (soup(&|v| [v as f32, 0.0, 0.0], n), n),
-        // Each place again after all others.
+        // Each position again after all others.
         (soup(&|v| [(v % (n / 6)) as f32, 0.0, 1.0], n), n / 6),
     ] {
         let ways = by_all_ways(&mesh);
         assert!(ways.iter().all(|way| *way == ways[0] && way.0.positions.len() == kept as usize));
         assert_eq!(merged(&mesh, &Used::by(&mesh), Weld::Exact), ways[0]);
-        // The sabotage: a vertex moved by one unit in the last place.
+        // Fault injected: a vertex moved by one unit in the last place.
         let (mut positions, triangles, ..) = mesh.into_parts();
         let last = n as usize - 1;
         positions[last][0] = positions[last][0].next_down();
@@ -178,18 +179,19 @@ fn weld_of_a_soup_in_any_order_gives_ids_in_order_of_first_use() {
         })
         .collect()
     };
-    // So many corners that those of the shuffled ones go by buckets, and that blocks and table fill several times.
+    // Enough corners that the shuffled meshes take the bucketed method, and that blocks and table fill
+    // several times.
     let [sphere, torus] = [shapes::icosphere(5), shapes::torus(90, 90, 2.0, 0.75)];
     for mesh in [shapes::shuffled(&sphere, 1), shapes::shuffled(&torus, 2), sphere, torus] {
         let soup = shapes::soup(&mesh);
         let expected = by_map(&soup);
         assert_eq!(found(&soup, Weld::Exact), expected);
         assert_eq!(weld(&soup, Weld::Exact).unreferenced(), 0);
-        // The same vertices by an index list that is not theirs in order, as no soup has it.
+        // The same vertices with an index list that does not list them in order, as no soup has.
         let turned = soup.triangles().iter().map(|&[a, b, c]| [b, c, a]).collect();
         let turned = Mesh::new(soup.positions().to_vec(), turned).unwrap();
         assert_eq!(found(&turned, Weld::Exact), expected);
-        // The sabotage: a vertex moved by one unit in the last place.
+        // Fault injected: a vertex moved by one unit in the last place.
         let (mut positions, triangles, ..) = soup.into_parts();
         let last = positions.len() - 1;
         positions[last][0] = positions[last][0].next_up();

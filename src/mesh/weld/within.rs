@@ -1,11 +1,12 @@
-//! Vertices that lie within a distance of each other become one.
+//! Welding within a distance, by a hash grid.
 
 use hashbrown::{HashMap, HashSet};
 
 use super::{Merged, Used};
 
-/// Kept vertices lie more than `distance` apart (in some frame), so a cell of that size holds few of them and
-/// those in reach lie in the 27 cells around.
+/// Merges vertices by the rule of [`Weld::Within`](super::Weld::Within). Kept vertices are more than
+/// `distance` apart in some frame. A grid cell of that size therefore holds few of them, and all candidates
+/// lie in the 27 cells around a vertex.
 pub(super) fn merged(frames: &[&[[f32; 3]]], used: &Used, distance: f64) -> Merged {
     let near = |a: u32, b: u32| {
         frames.iter().all(|frame| {
@@ -14,11 +15,12 @@ pub(super) fn merged(frames: &[&[[f32; 3]]], used: &Used, distance: f64) -> Merg
             square(0) + square(1) + square(2) <= distance * distance
         })
     };
-    // Cell numbers stay f64: where they pass 2^53 the f32 grid itself is coarser than the cells.
+    // Cell numbers stay f64: beyond 2^53 the f32 grid itself is coarser than the cells.
     let cell_in =
         |frame: &[[f32; 3]], vertex: usize| frame[vertex].map(|x| (f64::from(x) / distance).floor());
-    // By any one frame, as those in reach are so in all; where vertices lie in one place in some frame, another
-    // parts them. The first of those that part them best.
+    // The grid uses one frame, since vertices within the distance in all frames are so in any of them.
+    // Vertices that coincide in one frame may be far apart in another, so the first frame with the most
+    // occupied cells is taken.
     let spread = |frame: &[[f32; 3]]| {
         used.iter().map(|vertex| cell_in(frame, vertex as usize).map(cell_bits)).collect::<HashSet<_>>().len()
     };
@@ -51,7 +53,7 @@ fn cell_bits(cell: f64) -> u64 {
 }
 
 fn for_each_neighbor(home: [f64; 3], mut visit: impl FnMut([u64; 3])) {
-    // Beyond 2^53 adding one changes nothing, and a cell must not be visited twice.
+    // Beyond 2^53 adding one changes nothing, and no cell may be visited twice.
     let axis = |x: f64| [Some(x), Some(x - 1.0).filter(|y| *y != x), Some(x + 1.0).filter(|y| *y != x)];
     for x in axis(home[0]).into_iter().flatten() {
         for y in axis(home[1]).into_iter().flatten() {

@@ -27,7 +27,9 @@ mod stratum;
 #[cfg(test)]
 mod tests;
 
-pub use repro::{Repro, ReproError, Ruling};
+#[cfg(feature = "files")]
+pub use repro::ReproError;
+pub use repro::{Repro, Ruling};
 
 use crate::geom::Aabb;
 use crate::parallel;

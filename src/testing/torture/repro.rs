@@ -1,14 +1,22 @@
 //! One query on its own, and a file that holds it: a plain OBJ whose comments hold light and point.
 
+#[cfg(feature = "files")]
 use std::io::Write;
+#[cfg(feature = "files")]
 use std::path::Path;
 
 use super::round::{Found, Prepared, Seam};
+#[cfg(feature = "files")]
 use super::stratum::RECIPES;
+#[cfg(feature = "files")]
 use super::{Contradiction, Torture};
-use crate::geom::{Aabb, Light, LightError};
+#[cfg(feature = "files")]
+use crate::geom::LightError;
+use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
+#[cfg(feature = "files")]
 use crate::read::{self, Format, ReadError};
+#[cfg(feature = "files")]
 use crate::write::{Layer, Model, Target, WriteError, write_atomic, write_to};
 
 /// One query, complete: enough to repeat it.
@@ -48,6 +56,7 @@ pub struct Ruling {
 }
 
 /// Why a file holds no query.
+#[cfg(feature = "files")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReproError {
@@ -124,6 +133,7 @@ impl Repro {
     /// # Errors
     ///
     /// [`ReproError`], in one line that names the file.
+    #[cfg(feature = "files")]
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ReproError> {
         let path = path.as_ref();
         let file = path.to_string_lossy().replace(char::is_control, "\u{fffd}");
@@ -164,12 +174,14 @@ impl Repro {
     }
 }
 
+#[cfg(feature = "files")]
 /// The comments of a file.
 struct Comments<'a> {
     file: String,
     text: &'a str,
 }
 
+#[cfg(feature = "files")]
 impl Comments<'_> {
     /// The number of the first line that starts with `# word `, and what follows there.
     fn line(&self, word: &str) -> Option<(usize, &str)> {
@@ -198,6 +210,7 @@ impl Comments<'_> {
     }
 }
 
+#[cfg(feature = "files")]
 fn point(text: &str) -> Result<[f32; 3], String> {
     let numbers: Option<Vec<f32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
     let point = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
@@ -205,6 +218,7 @@ fn point(text: &str) -> Result<[f32; 3], String> {
     point.map(|point| point.map(|x| x + 0.0)).ok_or_else(|| format!("`{text}` is no point"))
 }
 
+#[cfg(feature = "files")]
 impl Torture {
     /// Writes the minimized first contradiction, if there is one, to a plain OBJ. Its comments hold where it
     /// was found, light and point as decimals that read back bit for bit, and what each method answered. The
@@ -219,6 +233,7 @@ impl Torture {
     }
 }
 
+#[cfg(feature = "files")]
 fn write_case(
     case: &Repro,
     Contradiction { stratum, round, query, said, .. }: &Contradiction,

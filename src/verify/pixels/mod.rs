@@ -4,11 +4,13 @@
 //! casting faces between it and the light are counted exactly. A stencil count that differs is then explained, or
 //! real.
 
+mod counts;
 mod footprint;
 mod recenter;
 
 use glam::{DVec2, DVec3};
 
+pub use counts::PixelCounts;
 use footprint::step;
 use recenter::Recentered;
 

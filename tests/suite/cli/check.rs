@@ -3,8 +3,10 @@
 use std::fs;
 
 use serde_json::Value;
+use umbrage::check::CrackReport;
 use umbrage::mesh::Mesh;
 use umbrage::testing::shapes;
+use umbrage::topology::Topology;
 use umbrage::write::{Layer, Model, write};
 
 use super::{Folder, assert_shape, keys, real};
@@ -306,4 +308,27 @@ fn check_fast_takes_scopes_as_they_are() {
     let file = file.display();
     assert_eq!(folder.code(&format!("check --fast {file} --scope mesh")), 1);
     assert_eq!(folder.code(&format!("check --fast {file} --scope scene")), 0);
+}
+
+#[test]
+fn check_json_of_a_mesh_is_that_of_the_library() {
+    let folder = Folder::new();
+    let solid = Mesh::concat(&[shapes::nested_cubes(3), shapes::t_junction()]).unwrap();
+    folder.mesh("a.obj", &solid);
+    let document = folder.json("check a.obj");
+    let mesh = umbrage::mesh::weld(&solid, umbrage::mesh::Weld::Exact).mesh;
+    let topology = Topology::of(&mesh);
+    let mut report = CrackReport::of(&mesh, &topology);
+    let said = &document["files"][0]["meshes"][0];
+    let same = |report: &CrackReport| {
+        // Through text as well, since reading decimals may round.
+        let text = serde_json::to_string(report).unwrap();
+        let Value::Object(report) = serde_json::from_str(&text).unwrap() else { panic!("an object") };
+        assert!(report.len() > 24, "all numbers, the shells, and which searches are complete");
+        report.iter().all(|(key, value)| said[key] == *value)
+    };
+    assert!(same(&report), "{said:#}");
+    // The sabotage: one number of one shell.
+    report.shell_list[1].faces += 1;
+    assert!(!same(&report));
 }

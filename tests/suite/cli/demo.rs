@@ -31,7 +31,7 @@ fn demo_does_all_of_it_and_its_files_can_be_read() {
     let folder = Folder::new();
     let run = folder.run("demo --out here/and/there");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    for verdict in ["verdict: all judges agree", "verdict: every pixel agrees or grazes"] {
+    for verdict in ["verdict: all methods agree", "verdict: every pixel agrees or grazes"] {
         assert!(run.stdout.contains(verdict), "{}", run.stdout);
     }
     let there = folder.path("here/and/there");
@@ -57,7 +57,7 @@ fn demo_without_an_adapter_says_so_and_does_everything_else() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("note: no stencil pass, the picture comes from the ray cast: "));
     assert!(run.stderr.contains("apt-get install mesa-vulkan-drivers"), "{}", run.stderr);
-    assert!(run.stdout.contains("verdict: all judges agree") && !run.stdout.contains("Pixels: "));
+    assert!(run.stdout.contains("verdict: all methods agree") && !run.stdout.contains("Pixels: "));
     let wanted: Vec<&str> = FILES.into_iter().filter(|&name| name != "verdicts.png").collect();
     assert_eq!(names(&folder.path("there")), wanted);
 }

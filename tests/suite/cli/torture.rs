@@ -47,7 +47,7 @@ fn torture_prints_a_table_and_exits_with_zero() {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }
     assert!(
-        run.stdout.contains("\nverdict: all judges agree: with 95 % confidence they disagree on less than ")
+        run.stdout.contains("\nverdict: all methods agree: with 95 % confidence they disagree on less than ")
     );
     assert!(run.stdout.lines().last().is_some_and(|line| line.starts_with("ties: ")), "{}", run.stdout);
 }
@@ -70,7 +70,7 @@ fn torture_replays_a_case_that_was_written_by_hand() {
         assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{comments}");
         assert!(run.stdout.starts_with("case.obj: 4 faces, "), "{}", run.stdout);
         assert!(run.stdout.contains(said), "{said}: {}", run.stdout);
-        assert!(run.stdout.ends_with("verdict: all judges agree\n"), "{}", run.stdout);
+        assert!(run.stdout.ends_with("verdict: all methods agree\n"), "{}", run.stdout);
     }
     fs::write(folder.path("case.obj"), "# light point:1,2,3\n# point 1,2,3\nv 0 0 0\n").unwrap();
     assert_eq!(folder.run("torture --replay case.obj").code, 0, "a mesh without faces");

@@ -1,6 +1,10 @@
 //! `umbrage verify`.
 
+use serde_json::Value;
+use umbrage::caster::Caster;
+use umbrage::scene::Scope;
 use umbrage::testing::shapes;
+use umbrage::verify::points::{Options, Verification, Verifier};
 
 use super::{Folder, assert_shape, keys};
 
@@ -40,12 +44,34 @@ fn verify_exit_code_is_zero_where_judges_agree_even_on_a_cracked_mesh() {
     let folder = Folder::with_cubes();
     let run = folder.run("verify open.obj --light point:0.2,0.3,9 --points 1000");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(run.stdout.contains("\nverdict: all judges agree\n"), "{}", run.stdout);
+    assert!(run.stdout.contains("\nverdict: all methods agree\n"), "{}", run.stdout);
     assert!(run.stdout.starts_with("open.obj\nlights: point:0.2,0.3,9\n"), "{}", run.stdout);
     assert!(run.stdout.lines().last().is_some_and(|line| line.starts_with("grazing: ")), "{}", run.stdout);
     for refused in ["--points 0", "--light directional:0,0,0"] {
         assert_eq!(folder.code(&format!("verify cube.obj {refused}")), 2, "{refused}");
     }
+}
+
+#[test]
+fn verify_json_of_a_light_is_that_of_the_library() {
+    let folder = Folder::with_cubes();
+    let said = &folder.json("verify open.obj --light point:2,3,5 --points 500 --seed 3")["lights"][0];
+    let mesh = umbrage::read::read(folder.path("open.obj")).unwrap().bake(Scope::Scene).unwrap().remove(0);
+    let caster = Caster::new(umbrage::mesh::weld(&mesh, umbrage::mesh::Weld::Exact).mesh);
+    let options = Options { points: 500, seed: 3, keep: 10 };
+    let light = "point:2,3,5".parse().unwrap();
+    let mut found = Verifier::new(&caster).verify(&light, &options, &|_| {});
+    let same = |found: &Verification| {
+        // Through text as well, since reading decimals may round.
+        let text = serde_json::to_string(found).unwrap();
+        let Value::Object(found) = serde_json::from_str(&text).unwrap() else { panic!("an object") };
+        assert_eq!(found.len(), 8, "five counts and three lists");
+        found.iter().all(|(key, value)| said[key] == *value)
+    };
+    assert!(same(&found), "{said:#}");
+    // The sabotage: a disagreement.
+    found.strata[0].disagree += 1;
+    assert!(!same(&found));
 }
 
 #[cfg(feature = "gpu")]
@@ -102,7 +128,7 @@ mod gpu {
         for words in [
             "zfail for 1 shell: z-fail was asked for",
             "counted in the stencil",
-            "verdict: all judges agree\n",
+            "verdict: all methods agree\n",
         ] {
             assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
         }

@@ -1,8 +1,9 @@
-//! The same bytes on every machine: digests of all that is computed, held against constants.
+//! Determinism test: digests of all results are compared with constants, so every machine gives the same
+//! bytes.
 //!
-//! These tests run with and without threads (`tests/run.sh` runs them with the default features and with none). A
-//! change of any output changes a constant, on purpose or not. The meshes are made without sines and cosines, which
-//! may differ between platforms in the last bit.
+//! These tests run with and without threads (`tests/run.sh` runs them with the default features and with
+//! none). A change of any output, intended or not, changes a constant. The meshes are made without sines and
+//! cosines, whose last bit may differ between platforms.
 
 use crate::caster::ShellProof;
 use crate::check::{CrackReport, DefectKind};
@@ -21,8 +22,8 @@ use crate::topology::Topology;
 use crate::view::{Camera, Size, Up};
 use crate::write::{Layer, Model, Target, to_bytes};
 
-/// FNV-1a with 64 bits (Glenn Fowler, Landon Curt Noll, Phong Vo, 1991): each byte is mixed in by an exclusive or and
-/// a multiplication.
+/// FNV-1a hash of 64 bits (Glenn Fowler, Landon Curt Noll, Phong Vo, 1991): each byte is mixed in by an
+/// exclusive or and a multiplication.
 #[derive(Clone, Copy)]
 struct Digest(u64);
 
@@ -33,13 +34,13 @@ impl Digest {
             .fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
     }
 
-    /// More bytes; texts and lists are told apart by their lengths.
+    /// Appends bytes with their length, so that the boundaries of texts and lists count too.
     fn add(&mut self, bytes: &[u8]) {
         self.0 = Self::of(&[&self.0.to_le_bytes(), &bytes.len().to_le_bytes()[..4], bytes].concat());
     }
 }
 
-/// A name, and a mesh with what is special about it.
+/// Test meshes with their names; each name says what is special about the mesh.
 fn meshes() -> Vec<(&'static str, Mesh)> {
     let parts = [shapes::menger_sponge(2), shapes::translated(&shapes::icosphere(2), [4.0, 0.5, -1.0])];
     vec![
@@ -57,7 +58,7 @@ fn lights() -> [Light; 2] {
     [Light::point([3.0, 7.0, 5.0]).unwrap(), Light::directional([-1.0, -3.0, 2.0]).unwrap()]
 }
 
-/// Everything that is computed from one mesh.
+/// Digest of everything computed from one mesh.
 fn geometry(mesh: &Mesh) -> u64 {
     let mut digest = Digest(0);
     let mesh = weld(&shapes::soup(mesh), Weld::Exact).mesh;
@@ -98,7 +99,7 @@ fn geometry(mesh: &Mesh) -> u64 {
     digest.0
 }
 
-/// The bytes of all files and of a picture.
+/// Digest of all written files and of a picture.
 fn files(mesh: &Mesh) -> u64 {
     let mut digest = Digest(0);
     let model = Model {
@@ -130,7 +131,7 @@ fn files(mesh: &Mesh) -> u64 {
     digest.0
 }
 
-/// What the judges say.
+/// Digest of a verification.
 #[cfg(feature = "verify")]
 fn verification(mesh: &Mesh) -> u64 {
     use crate::verify::points::{Options, Verifier};
@@ -164,12 +165,12 @@ fn digest_of_a_verification_is_the_same_everywhere() {
 
 #[test]
 fn digest_is_fnv_and_sees_one_bit() {
-    // Test vectors of the authors.
+    // Test vectors of the authors of FNV.
     assert_eq!(
         [b"".as_slice(), b"a", b"foobar"].map(Digest::of),
         [0xcbf2_9ce4_8422_2325, 0xaf63_dc4c_8601_ec8c, 0x8594_4171_f739_67e8]
     );
-    // The sabotage: the last bit of one coordinate of one vertex.
+    // Fault injected: the last bit of one coordinate of one vertex is flipped.
     let mesh = shapes::open_cube();
     let (mut positions, triangles, ..) = mesh.clone().into_parts();
     positions[0][1] = f32::from_bits(positions[0][1].to_bits() ^ 1);

@@ -1,9 +1,9 @@
-//! What a frame is drawn into, and read back from after the clock has stopped.
+//! A render target for frames, read back after timing.
 
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::shadow::stencil::StencilFrame;
 
-/// A square picture of depth and stencil.
+/// A square render target of depth and stencil.
 pub(crate) struct Canvas<'a> {
     gpu: &'a Gpu,
     texture: wgpu::Texture,
@@ -12,7 +12,8 @@ pub(crate) struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    /// `side` must be a multiple of 256, so that rows of a copy need no padding.
+    /// A render target of `side` × `side` pixels. `side` must be a multiple of 256, so that rows of a copy
+    /// need no padding.
     pub(crate) fn new(gpu: &'a Gpu, side: u32) -> Self {
         assert_eq!(side % wgpu::COPY_BYTES_PER_ROW_ALIGNMENT, 0, "rows without padding");
         let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
@@ -35,7 +36,7 @@ impl<'a> Canvas<'a> {
         Self { gpu, texture, view, back }
     }
 
-    /// Begins a pass with everything infinitely far and counted 0.
+    /// Begins a pass with all depths cleared to infinity and all counts to 0.
     pub(crate) fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
         let store = wgpu::StoreOp::Store;
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -52,12 +53,12 @@ impl<'a> Canvas<'a> {
         })
     }
 
-    /// Every pixel's count, row after row from the top.
+    /// The stencil count of every pixel, row by row from the top.
     pub(crate) fn stencil(&self) -> Vec<u8> {
         self.read(wgpu::TextureAspect::StencilOnly, 1)
     }
 
-    /// In how many pixels nothing is seen.
+    /// Number of pixels where nothing is seen.
     pub(crate) fn sky(&self) -> usize {
         let depth = self.read(wgpu::TextureAspect::DepthOnly, 4);
         depth.chunks_exact(4).filter(|depth| depth == &[0; 4]).count()

@@ -7,13 +7,13 @@ use crate::plot::{Curve, Panel, begin};
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 470.0;
 
-// Where the axes stand.
+// Positions of the axes.
 const LEFT: f64 = 70.0;
 const RIGHT: f64 = 606.0;
 const TOP: f64 = 84.0;
 const BOTTOM: f64 = 380.0;
 
-/// The chart of frames that were drawn on `adapter`: frames a second over triangles.
+/// The chart of frames drawn on `adapter`: frames per second over triangles.
 pub(crate) fn svg(adapter: &str, curves: &[Curve]) -> String {
     let mut out = begin([WIDTH, HEIGHT], LEFT, "Frames per second against triangles");
     let adapter = escaped(adapter);

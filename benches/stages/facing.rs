@@ -1,4 +1,4 @@
-//! The side of every face that a light is on.
+//! The side of every face on which a light lies.
 
 use std::ops::Range;
 
@@ -100,7 +100,7 @@ fn facing(bench: &mut Bench<'_>, mesh: &Mesh, light: &Light, what: &str) {
     bench.run(Group { stage: "facing", mesh: name, units: mesh.face_count(), unit: "triangle", contenders });
 }
 
-/// What a shadow-volume demo does: quick, and wrong where rounding decides.
+/// The usual method of shadow-volume demos: fast, and wrong where rounding decides.
 fn naive<'a>(mesh: &Mesh, light: &Light, sides: &'a mut [Facing]) -> &'a [Facing] {
     let [x, y, z, w] = light.homogeneous();
     for (side, &corners) in sides.iter_mut().zip(mesh.triangles()) {
@@ -119,7 +119,7 @@ fn naive<'a>(mesh: &Mesh, light: &Light, sides: &'a mut [Facing]) -> &'a [Facing
     sides
 }
 
-/// Normals and offsets, one array a component, from the world's origin.
+/// Normals and offsets of the face planes, one array per component, relative to the world's origin.
 fn plain_planes(mesh: &Mesh) -> [Vec<f32>; 4] {
     let mut planes = [(); 4].map(|()| Vec::with_capacity(mesh.face_count()));
     for &corners in mesh.triangles() {
@@ -133,7 +133,7 @@ fn plain_planes(mesh: &Mesh) -> [Vec<f32>; 4] {
     planes
 }
 
-/// The loop over planes as it is usually written: no bound, wrong where rounding decides.
+/// The usual loop over planes: no error bound, wrong where rounding decides.
 fn unfiltered<'a>([x, y, z, d]: &[Vec<f32>; 4], light: &Light, sides: &'a mut [Facing]) -> &'a [Facing] {
     let l = light.homogeneous();
     for ((((side, x), y), z), d) in sides.iter_mut().zip(x).zip(y).zip(z).zip(d) {

@@ -1,4 +1,4 @@
-//! A mesh as the bytes of a file in each format that is read.
+//! A mesh as the bytes of a file, in each format that the crate reads.
 
 use std::fmt::Write as _;
 
@@ -7,11 +7,11 @@ use umbrage::write::{Layer, Model, Target, to_bytes};
 
 /// A file in memory.
 pub(crate) struct File {
-    /// What its extension would be.
+    /// The extension of the file.
     pub(crate) name: &'static str,
     pub(crate) kind: &'static str,
     pub(crate) bytes: Vec<u8>,
-    /// How many vertices a reader finds in it: those of the mesh, or three a face.
+    /// Number of vertices that a reader finds in the file: the mesh's vertices, or three per face.
     pub(crate) vertices: usize,
 }
 
@@ -40,7 +40,7 @@ pub(crate) fn ply_text(mesh: &Mesh) -> File {
         mesh.vertex_count(),
         mesh.face_count()
     );
-    // A String takes everything.
+    // Writing to a String cannot fail.
     for [x, y, z] in mesh.positions() {
         let _ = writeln!(text, "{x} {y} {z}");
     }
@@ -54,7 +54,7 @@ pub(crate) fn stl(mesh: &Mesh) -> File {
     let mut bytes = vec![0; 80];
     bytes.extend((mesh.face_count() as u32).to_le_bytes());
     for corners in mesh.triangles() {
-        bytes.extend([0; 12]); // the normal, which nobody needs
+        bytes.extend([0; 12]); // the normal, which no reader uses
         for vertex in corners {
             bytes.extend(mesh.positions()[*vertex as usize].iter().flat_map(|x| x.to_le_bytes()));
         }

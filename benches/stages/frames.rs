@@ -1,5 +1,5 @@
-//! Whole frames of 512 × 512 pixels on a graphics adapter, which the rows name: what shadows cost, and what of it is
-//! the silhouette.
+//! Frame times at 512 × 512 pixels on a graphics adapter, which the rows name: the cost of shadows, and the
+//! silhouette's part of this cost.
 
 use std::cell::RefCell;
 
@@ -30,10 +30,10 @@ const SIDE: u32 = 512;
 /// Segments of torus knots of 364 to 200,000 triangles.
 const KNOTS: [[u32; 2]; 7] = [[26, 7], [50, 10], [150, 10], [250, 20], [500, 30], [1000, 50], [1250, 80]];
 
-/// How many places the light moves through, again and again.
+/// Number of positions through which the light moves, in a cycle.
 const PLACES: u16 = 8;
 
-/// Where the silhouette of a frame comes from.
+/// Source of a frame's silhouette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     NoShadows,
@@ -44,13 +44,13 @@ enum Kind {
 const KINDS: [(Kind, &str); 3] =
     [(Kind::NoShadows, "no shadows"), (Kind::Cpu, "CPU silhouettes"), (Kind::Gpu, "GPU silhouettes")];
 
-/// The frame rates that were measured, on the adapter of that name.
+/// The measured frame rates, on the adapter of this name.
 pub(crate) struct Frames {
     pub(crate) adapter: String,
     pub(crate) curves: Vec<Curve>,
 }
 
-/// `None` if the filter or a missing adapter leaves nothing to measure.
+/// Measures all frames. `None` if the filter excludes them, or if there is no adapter.
 pub(crate) fn run(bench: &mut Bench<'_>) -> Option<Frames> {
     let parts = ["frames", "frames of one volume", "frames prepared"].map(|part| bench.wants(part));
     if parts == [false; 3] {
@@ -87,7 +87,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) -> Option<Frames> {
     frames
 }
 
-/// A mesh, a camera that sees all of it, and everything that is made before the first frame.
+/// A mesh, a camera that sees all of the mesh, and everything prepared before the first frame.
 struct Stage<'a> {
     pass: &'a StencilPass,
     caster: Caster,
@@ -121,7 +121,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// The three kinds of frame, each of whose pictures is checked after it is timed.
+    /// The three kinds of frame. Each kind's picture is checked after its frames are timed.
     fn frames(&self, bench: &mut Bench<'_>) {
         let gpu = self.pass.gpu();
         let lights: Vec<Light> = (0..PLACES).map(|i| self.view.light(0.01 * f32::from(i))).collect();
@@ -143,7 +143,8 @@ impl<'a> Stage<'a> {
                     assert_eq!(off, 0, "pixels of a frame are not those of the mask");
                     format!("off={off} {accuracy}")
                 }
-                // Where `f32` cannot tell a side, the adapter may take the other one: reported, not refused.
+                // Where `f32` cannot decide a side, the adapter may choose either: the difference is
+                // reported, not asserted.
                 Kind::Gpu => format!("off={off} {accuracy}"),
             };
             let (lights, mut turn) = (&lights, (0..lights.len()).cycle());
@@ -160,7 +161,7 @@ impl<'a> Stage<'a> {
         bench.run(Group { stage: "frames", mesh, units: 1, unit: "frame", contenders });
     }
 
-    /// One frame, submitted and waited for.
+    /// Renders one frame: submits it and waits for it.
     fn frame(&self, kind: Kind, light: &Light) {
         submit(self.pass.gpu(), |encoder| {
             let volume = match kind {
@@ -200,7 +201,7 @@ impl<'a> Stage<'a> {
         )
     }
 
-    /// The volume of exact sides on the device, and what the pass makes of it.
+    /// The volume of exact sides on the device, and the mask that the stencil pass draws from this volume.
     fn exact(&self, light: &Light) -> (GpuVolume, ShadowMask) {
         let signs = CasterFaces::All.signs(&self.caster.facing(light));
         let volume = upload(self.pass.gpu(), &self.extrude(light, &signs));
@@ -210,8 +211,8 @@ impl<'a> Stage<'a> {
         (volume, mask.expect("it fits"))
     }
 
-    /// How many pixels are not what the exact oracle says: for which their footprint is the reason, and for which there
-    /// is none.
+    /// Number of pixels that differ from the exact oracle: those explained by their footprint, and those
+    /// unexplained.
     fn accuracy(&self, light: &Light, mask: &ShadowMask) -> String {
         let signs = CasterFaces::All.signs(&self.caster.facing(light));
         let (caster, projection) = (&self.caster, &self.view.projection);
@@ -228,7 +229,7 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// A camera and lights that fit a mesh.
+/// A camera and lights fitted to a mesh.
 struct View {
     bounds: Aabb,
     size: Size,
@@ -244,7 +245,7 @@ impl View {
         Self { bounds, size, projection: camera.projection(size, 0.1 * distance) }
     }
 
-    /// A point light above and outside, turned by so many radians.
+    /// A point light above and outside the mesh, turned by an angle in radians.
     fn light(&self, turned: f32) -> Light {
         let (center, reach) = (self.bounds.center(), self.bounds.diagonal() as f32);
         let (sin, cos) = (0.5 + turned).sin_cos();
@@ -253,7 +254,7 @@ impl View {
     }
 }
 
-/// Frames with a volume that was made beforehand, and what the cheaper depth costs in pixels.
+/// Frames with a volume built in advance, and the number of pixels that the cheaper depth gets wrong.
 fn one_volume(bench: &mut Bench<'_>, gpu: &Gpu) {
     let mesh = head(bench.quick);
     let passes =
@@ -291,7 +292,7 @@ fn one_volume(bench: &mut Bench<'_>, gpu: &Gpu) {
     bench.run(Group { stage: "frames of one volume", mesh, units: 1, unit: "frame", contenders });
 }
 
-/// What is made once for a mesh.
+/// Preparation of a mesh, done once.
 fn preparation(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) {
     let topology = Topology::of(mesh);
     let uploaded = GpuTopology::upload(gpu, &topology).expect("it fits");
@@ -338,7 +339,7 @@ fn upload(gpu: &Gpu, volume: &ShadowVolume) -> GpuVolume {
     GpuVolume::upload(gpu, volume).expect("it fits")
 }
 
-/// Records the receivers, and a volume by z-fail.
+/// Records the receivers, and a volume counted by z-fail.
 fn draw(
     pass: &StencilPass,
     encoder: &mut wgpu::CommandEncoder,
@@ -358,7 +359,7 @@ fn pixels() -> impl Iterator<Item = (u32, u32)> {
     (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)))
 }
 
-/// The cell of a table.
+/// The table cell that names a mesh and an adapter.
 fn named(mesh: &Mesh, gpu: &Gpu) -> String {
     format!("{} of {} triangles · {}", mesh.name, mesh.face_count(), gpu.name()).replace(',', " ·")
 }

@@ -164,7 +164,8 @@ pub(crate) fn wait(gpu: &Gpu) {
     gpu.device().poll(wgpu::PollType::wait_indefinitely()).expect("the device is there");
 }
 
-/// The simplest shader for the same layout: no filter, nothing listed, and whatever sign `f32` gives.
+/// The simplest shader for the same layout: no filter, no list of unsure faces, and whatever sign `f32`
+/// gives.
 struct Plain {
     pipeline: wgpu::ComputePipeline,
     bindings: wgpu::BindGroup,

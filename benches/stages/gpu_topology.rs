@@ -1,4 +1,4 @@
-//! The edge table on the device: built on the host and copied, or built there.
+//! The edge table on the device: built on the host and copied, or built on the device.
 
 use umbrage::gpu::{Gpu, GpuError, wgpu};
 use umbrage::mesh::Mesh;
@@ -22,7 +22,7 @@ fn edge_table(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) -> Result<(), GpuEr
     let sent = GpuTopology::upload(gpu, &on_host())?;
     let expected = sent.download(gpu)?;
     let builder = GpuTopologyBuilder::new(gpu)?;
-    // A failure is no answer, and stops the bench as a wrong one does.
+    // A device failure stops the bench, as a wrong answer does.
     let finished = |topology: Result<GpuTopology, GpuError>| {
         gpu.device().poll(wgpu::PollType::wait_indefinitely()).map(|_| topology).map_err(|e| e.to_string())
     };
@@ -42,7 +42,7 @@ fn edge_table(bench: &mut Bench<'_>, gpu: &Gpu, mesh: &Mesh) -> Result<(), GpuEr
         })
         .expects("same_words=true"),
     ];
-    let mesh = format!("{} on {}", mesh.name, gpu.name().replace(',', ";")); // a cell of a table
+    let mesh = format!("{} on {}", mesh.name, gpu.name().replace(',', ";")); // no comma within a cell
     let units = sent.face_count as usize;
     bench.run(Group { stage: "edge table on the device", mesh, units, unit: "triangle", contenders });
     Ok(())

@@ -1,4 +1,4 @@
-//! How the time of each stage grows with the mesh: tori of a thousand to ten million triangles.
+//! Growth of each stage's time with the mesh: tori of a thousand to ten million triangles.
 
 use std::cell::OnceCell;
 
@@ -20,22 +20,23 @@ use crate::measure::{Bench, Contender, Group, Scatter, timed};
 use crate::plot::{Curve, Panel, begin};
 use crate::report;
 
-/// Segments each way: two triangles a quad, about the square root of ten from one size to the next.
+/// Segments of the tori in each direction: two triangles per quad, a factor of about the square root of ten
+/// from one size to the next.
 const SEGMENTS: [u32; 9] = [22, 40, 71, 126, 224, 397, 707, 1257, 2236];
 
-/// What moves the triangles and no more; not drawn.
+/// Name of the baseline that only copies the triangles; not drawn.
 const COPY: &str = "copy of the triangles";
-/// Its unit is a query, not a triangle; not drawn.
+/// Name of the row whose unit is a query, not a triangle; not drawn.
 const VERDICT: &str = "Oracle::verdict (a query)";
 
-/// A stage on meshes of one order.
+/// The times of one stage on meshes of one order.
 struct Line {
     name: &'static str,
-    /// Triangles of the mesh, and nanoseconds a unit.
+    /// Points of the curve: triangles of the mesh, and nanoseconds per unit.
     points: Vec<[f64; 2]>,
 }
 
-/// All stages, on meshes in order and on shuffled ones.
+/// The curves of all stages, on ordered and on shuffled meshes.
 pub(crate) struct Growth {
     lines: [Vec<Line>; 2],
 }
@@ -59,11 +60,11 @@ pub(crate) fn run(bench: &mut Bench<'_>) -> Option<Growth> {
             Case { bench: &mut *bench, lines, mesh: &mesh, name, right: &right }.run();
         }
     }
-    let _ = report::print(&growth.table()); // as for every table
+    let _ = report::print(&growth.table()); // a closed pipe is no error, as for every table
     Some(growth)
 }
 
-/// Answers that do not depend on the order of the faces, by the predicate and from closed forms.
+/// Expected answers that do not depend on the order of the faces, from the predicate and from closed forms.
 struct Right {
     table: String,
     front: String,
@@ -84,7 +85,8 @@ impl Right {
         let facing = classify(mesh, &light);
         let signs = CasterFaces::All.signs(&facing);
         let silhouette = Silhouette::extract(&topology, &signs);
-        // Each face in both caps; each silhouette edge sweeps its quad as often as it counts.
+        // Each casting face appears in both caps. Each silhouette edge sweeps its quad as often as its
+        // multiplicity says.
         let cast = signs.iter().filter(|&&sign| sign != 0).count();
         let swept: u32 = silhouette.edges.iter().map(|edge| edge.multiplicity.unsigned_abs()).sum();
         let mut scatter = Scatter(3);
@@ -109,7 +111,7 @@ fn shadowed(verdicts: &[Verdict]) -> String {
     format!("shadowed={} grazing={}", count(Verdict::Shadowed), count(Verdict::Grazing))
 }
 
-/// A mesh, and where its rows go.
+/// A mesh under measurement, and the destination of its rows.
 struct Case<'a, 'bench> {
     bench: &'a mut Bench<'bench>,
     lines: &'a mut Vec<Line>,
@@ -119,7 +121,7 @@ struct Case<'a, 'bench> {
 }
 
 impl Case<'_, '_> {
-    /// In groups, so that not all inputs are in memory at once.
+    /// Runs all stages, in groups, so that not all inputs are in memory at once.
     fn run(&mut self) {
         self.shadow();
         self.input();
@@ -146,18 +148,20 @@ impl Case<'_, '_> {
         for row in self.bench.measure(group, rounds) {
             let point = [faces as f64, row.median];
             match self.lines.iter_mut().find(|line| line.name == row.name) {
-                Some(line) if line.points.last().is_some_and(|last| last[0] == point[0]) => {} // a copy in each group
+                // Each group repeats the copy: its first time is kept.
+                Some(line) if line.points.last().is_some_and(|last| last[0] == point[0]) => {}
                 Some(line) => line.points.push(point),
                 None => self.lines.push(Line { name: row.name, points: vec![point] }),
             }
         }
     }
 
-    /// From the triangles to the volume.
+    /// Stages from the triangles to the volume.
     fn shadow(&mut self) {
         let (mesh, right, light) = (self.mesh, self.right, light());
         let vertex_count = mesh.vertex_count();
-        let topology = Topology::build_surveyed(vertex_count, mesh.triangles().to_vec());
+        let topology = Topology::build(vertex_count, mesh.triangles().to_vec());
+        let _ = topology.shells(); // surveys the vertices
         let planes = FacePlanes::new(mesh);
         let signs = CasterFaces::All.signs(&planes.classify(mesh, &light));
         let silhouette = Silhouette::extract(&topology, &signs);
@@ -174,10 +178,10 @@ impl Case<'_, '_> {
                 timed(|| Topology::build(vertex_count, triangles), table)
             })
             .expects(&*right.table),
-            Contender::new("build_surveyed, shells, fans", || {
+            Contender::new("Topology::build, shells, fans", || {
                 let triangles = mesh.triangles().to_vec();
                 let work = || {
-                    let t = Topology::build_surveyed(vertex_count, triangles);
+                    let t = Topology::build(vertex_count, triangles);
                     let found = (t.shells().count, t.boundary_loops().len(), t.non_manifold_vertices().len());
                     (t, found)
                 };
@@ -218,7 +222,7 @@ impl Case<'_, '_> {
         self.measure(self.rounds(), (mesh.face_count(), "triangle"), contenders);
     }
 
-    /// From a file to a welded mesh, and to the report.
+    /// Stages from a file to a welded mesh and to the report.
     fn input(&mut self) {
         let mesh = self.mesh;
         let (obj, glb) = (files::obj(mesh), files::glb(mesh));
@@ -237,7 +241,7 @@ impl Case<'_, '_> {
             Contender::new("check of a GLB, all of it", || {
                 let work = || {
                     let mesh = weld(&read(&glb), Weld::Exact).mesh;
-                    let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.shared_triangles());
+                    let topology = Topology::of(&mesh);
                     CrackReport::of(&mesh, &topology).counts
                 };
                 timed(work, |counts| format!("faces={} sound={}", counts.faces, counts.sound()))
@@ -247,7 +251,8 @@ impl Case<'_, '_> {
         self.measure(self.rounds(), (mesh.face_count(), "triangle"), contenders);
     }
 
-    /// The tree, in a third of the rounds as it takes by far the longest, and what is asked of it.
+    /// Building the tree and querying it. Building takes by far the longest, so it runs a third of the
+    /// rounds.
     fn oracle(&mut self) {
         let (mesh, light, right) = (self.mesh, light(), self.right);
         let mut built = None;
@@ -257,7 +262,7 @@ impl Case<'_, '_> {
         });
         self.measure(self.rounds().div_ceil(3), (mesh.face_count(), "triangle"), vec![build]);
         let oracle = built.expect("it was built");
-        // By looking at every face on the way, not only the first.
+        // Expected verdicts count every face on the segment, not only the first.
         let expected = right.points.iter().map(|&p| oracle.crossings(p, &light).verdict());
         let expected = shadowed(&expected.collect::<Vec<_>>());
         assert_eq!(
@@ -278,8 +283,8 @@ fn copy(mesh: &Mesh) -> Contender<'_> {
 }
 
 impl Line {
-    /// The power of the size that the whole time grows with, by least squares of the logarithms, over sizes from
-    /// `least`. Of a query it is the power that one query grows with.
+    /// Exponent of the growth of a stage's total time with the mesh size, by least squares of the logarithms,
+    /// over sizes from `least`. For a query: the exponent of the time of one query.
     fn exponent(&self, least: f64) -> f64 {
         let of_units = if self.name == VERDICT { 0.0 } else { 1.0 };
         let kept = self.points.iter().filter(|point| point[0] >= least).map(|point| point.map(f64::ln));
@@ -292,12 +297,13 @@ impl Line {
 }
 
 impl Growth {
-    /// Nanoseconds a unit at each size, and the exponents over all sizes and over the last decade.
+    /// Table of nanoseconds per unit at each size, with the exponents over all sizes and over the last
+    /// decade.
     fn table(&self) -> String {
         let mut text = String::new();
         for (lines, order) in self.lines.iter().zip(ORDERS) {
             let sizes: Vec<f64> = lines[0].points.iter().map(|point| point[0]).collect();
-            // From one size to the next it is a little more or less than half a decade.
+            // Consecutive sizes differ by slightly more or less than half a decade.
             let decade = 0.09 * sizes[sizes.len() - 1];
             text += &format!(
                 "\ngrowth · torus {order} · ns/triangle; grows as n^(all sizes) n^(last decade)\n  {:<30}",
@@ -314,7 +320,7 @@ impl Growth {
         text
     }
 
-    /// Time a triangle over the size, one panel an order.
+    /// Chart of nanoseconds per triangle over mesh size, one panel per order.
     pub(crate) fn svg(&self, processor: &str) -> String {
         const LEFT: f64 = 70.0;
         const RIGHT: f64 = 536.0;

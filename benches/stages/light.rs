@@ -1,4 +1,4 @@
-//! The silhouettes of many lights on one mesh: lights anywhere, and a light that moves.
+//! Silhouettes of many lights on one mesh: arbitrary lights, and a moving light.
 
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::Facing;
@@ -34,7 +34,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
     }
 }
 
-/// Facing and edges, both buffers kept.
+/// The linear scan: facing and edges, both buffers kept.
 struct Scan {
     planes: FacePlanes,
     facing: Vec<Facing>,
@@ -53,7 +53,7 @@ impl Scan {
     }
 }
 
-/// A place in units of the diagonal, from the middle.
+/// A point light at a position given in units of the diagonal, relative to the mesh's center.
 fn place(mesh: &Mesh, at: [f32; 3]) -> Light {
     let [low, high] = mesh.bounds().expect("it has faces");
     let bounds = Aabb { low, high };
@@ -61,7 +61,7 @@ fn place(mesh: &Mesh, at: [f32; 3]) -> Light {
     Light::point([0, 1, 2].map(|i| center[i] + diagonal * at[i])).expect("finite")
 }
 
-/// Point lights near and far, inside, and directional ones, two of them along axes.
+/// Point lights near, far and inside, and directional lights, two of them along axes.
 fn lights(mesh: &Mesh) -> [Light; 8] {
     let directional = |travel| Light::directional(travel).expect("not zero");
     [
@@ -111,7 +111,7 @@ fn any_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
     bench.run(Group { stage, mesh: name, units: mesh.face_count(), unit: "triangle", contenders });
 }
 
-/// There and back in steps of a ten-thousandth of the diagonal.
+/// A light that moves forth and back in steps of a ten-thousandth of the diagonal.
 fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
     const STEPS: usize = 32;
     let topology = Topology::of(mesh);
@@ -171,8 +171,9 @@ fn moving_light(bench: &mut Bench<'_>, mesh: &Mesh, target: f64) {
     bench.run(Group { stage, mesh, units: walk.len(), unit: "step", contenders });
 }
 
-/// What is chosen for lights that rest, move slowly, move fast or stand anywhere, over the best of what there is. Trees and
-/// certificates run twice, each pair of their own: where even those differ, memory decides and not the way.
+/// The finder's choice for lights that rest, move slowly, move fast or jump, compared with the best of the
+/// three methods. Trees and certificates run twice, each time with their own copies: the difference between
+/// the two runs is due to memory layout, not to the method.
 fn choice(bench: &mut Bench<'_>, mesh: &Mesh) {
     const STEPS: u8 = 16;
     let topology = Topology::of(mesh);
@@ -205,7 +206,7 @@ fn choice(bench: &mut Bench<'_>, mesh: &Mesh) {
             (tree, moving)
         });
         let mut finder = SilhouetteFinder::new(mesh, &topology, CasterFaces::All, usize::MAX);
-        // What it makes for a light that moves is made here, as that of the others.
+        // The structures for a moving light are built here, before timing, as those of the other methods are.
         for light in &there[..2] {
             finder.find(mesh, &topology, light);
         }

@@ -1,4 +1,4 @@
-//! What the numbers were measured on. Nothing that names a person, a host or a folder.
+//! The machine that the figures were measured on. No person, host or folder is named.
 
 use std::fmt;
 use std::hint::black_box;
@@ -7,21 +7,22 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use crate::measure::median;
 
-/// The machine, the build and the day.
+/// Machine, build and date of a run.
 #[derive(Debug)]
 pub(crate) struct Machine {
-    /// UTC, `YYYY-MM-DD-HHMM`.
+    /// UTC date, `YYYY-MM-DD-HHMM`.
     pub(crate) date: String,
-    /// Copying into memory that was written before; bytes read plus bytes written.
+    /// Bandwidth of a copy into memory that was written before, in bytes read plus bytes written per
+    /// nanosecond.
     pub(crate) touched_bytes_per_ns: f64,
-    /// Copying into memory that is new to the process, so that every page must be brought in.
+    /// Bandwidth of a copy into memory that is new to the process, page faults included.
     fresh_bytes_per_ns: f64,
     buffer_bytes: usize,
     quick: bool,
 }
 
 impl Machine {
-    /// Looks, and measures the memory bandwidth.
+    /// Collects the facts and measures the memory bandwidth.
     pub(crate) fn look(quick: bool) -> Self {
         let buffer_bytes = if quick { 1 << 24 } else { 1 << 28 };
         let (touched_bytes_per_ns, fresh_bytes_per_ns) = bandwidth(buffer_bytes);
@@ -49,7 +50,7 @@ impl fmt::Display for Machine {
     }
 }
 
-/// Bytes a nanosecond, touched and fresh: the medians of five copies each.
+/// Bandwidth in bytes per nanosecond, touched and fresh: the medians of five copies each.
 fn bandwidth(bytes: usize) -> (f64, f64) {
     let source = vec![1_u64; bytes / 8];
     let mut touched = source.clone();
@@ -75,7 +76,7 @@ pub(crate) fn cpu() -> String {
     name.map_or("unknown".to_owned(), |(_, name)| name.trim().to_owned())
 }
 
-/// The output of a program, one line; empty if it does not run.
+/// The first line of a program's output; empty if the program does not run.
 fn line(program: &str, arguments: &[&str]) -> String {
     let output = Command::new(program).args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output();
     let output = output.ok().filter(|output| output.status.success());
@@ -99,8 +100,8 @@ fn commit() -> String {
     }
 }
 
-/// The day and minute by the system clock, UTC. (Howard Hinnant, *chrono-Compatible Low-Level Date Algorithms*,
-/// `civil_from_days`.)
+/// The system clock's date and minute, UTC (Howard Hinnant, *chrono-Compatible Low-Level Date Algorithms*,
+/// `civil_from_days`).
 fn date() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let days = seconds / 86_400 + 719_468;

@@ -1,4 +1,4 @@
-//! Every stage timed on generated meshes, its answer asserted. What each row means: `benches/README.md`.
+//! Benches of every stage on generated meshes, with asserted answers. `benches/README.md` explains the rows.
 
 #[cfg(feature = "gpu")]
 mod canvas;
@@ -59,13 +59,13 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    // What would share its work is measured on one thread, too.
+    // Parallel code runs on one thread too.
     #[cfg(feature = "parallel")]
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("nothing has asked for threads yet");
     report::exit(options(std::env::args().skip(1)), USAGE, run)
 }
 
-/// `None` where only help is wanted.
+/// Parses the arguments. `None` if only the help was asked for.
 fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
     let mut options = Options::default();
     while let Some(argument) = arguments.next() {
@@ -77,7 +77,7 @@ fn options(mut arguments: impl Iterator<Item = String>) -> Result<Option<Options
             "--chart" => options.chart = Some(value()?.into()),
             "--growth" => options.growth = Some(value()?.into()),
             "--record" => options.record = true,
-            "--bench" => {} // what `cargo bench` itself adds
+            "--bench" => {} // added by `cargo bench`
             "--help" | "-h" => return Ok(None),
             other => return Err(format!("{other} is not an option")),
         }
@@ -138,12 +138,12 @@ fn run(options: &Options) -> Result<(), String> {
     Ok(())
 }
 
-/// 1.3 million triangles in the order in which they were made: neighbors lie near each other.
+/// 1.3 million triangles in generation order: consecutive faces are neighbors.
 fn ordered(quick: bool) -> Mesh {
     shapes::icosphere(if quick { 4 } else { 8 })
 }
 
-/// A scanned head of 268,686 triangles if the real meshes are there, else a torus of as many.
+/// A scanned head of 268,686 triangles if the real meshes are available, otherwise a torus with as many.
 pub(crate) fn head(quick: bool) -> Mesh {
     let folder = std::env::var("UMBRAGE_MESHES")
         .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes").to_owned());
@@ -159,13 +159,13 @@ pub(crate) fn head(quick: bool) -> Mesh {
     }
 }
 
-/// 2 million triangles in random order: neighbors lie anywhere.
+/// 2 million triangles in random order.
 fn scattered(quick: bool) -> Mesh {
     let n = if quick { 50 } else { 1000 };
     shapes::shuffled(&shapes::torus(n, n, 2.0, 0.75), 1).with_name(format!("shuffled torus {n}"))
 }
 
-/// Two thirds of a million faces in few planes.
+/// 0.7 million faces in few planes: many exact ties.
 fn tied(quick: bool) -> Mesh {
     shapes::menger_sponge(if quick { 2 } else { 4 })
 }

@@ -1,11 +1,11 @@
-//! Interleaved rounds of contenders that must all give the right answer.
+//! Interleaved rounds of methods that must all give the right answer.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use crate::report;
 
-/// One run of a contender.
+/// One run of a method: its time and its answer.
 #[derive(Debug)]
 pub(crate) struct Sample {
     elapsed: Duration,
@@ -13,13 +13,13 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    /// For work that gives back what it was given, once its answer is read.
+    /// A sample timed by the caller: for work that returns its buffers after the answer has been read.
     pub(crate) fn new(elapsed: Duration, answer: String) -> Self {
         Self { elapsed, answer }
     }
 }
 
-/// Times `work` alone: what it needs is made before, and `answer` is read off its result afterwards.
+/// Times `work` only: its input is prepared before, and `answer` is computed from its result afterwards.
 pub(crate) fn timed<T>(work: impl FnOnce() -> T, answer: impl FnOnce(&T) -> String) -> Sample {
     let start = Instant::now();
     let result = black_box(work());
@@ -27,21 +27,21 @@ pub(crate) fn timed<T>(work: impl FnOnce() -> T, answer: impl FnOnce(&T) -> Stri
     Sample { elapsed, answer: answer(&result) }
 }
 
-/// What a row should reach. A timing is reported, never asserted: machines differ.
+/// Time that a row should reach. Times are reported, never asserted, because machines differ.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Target {
     None,
-    /// Nanoseconds a unit.
+    /// Nanoseconds per unit.
     Time(f64),
-    /// Of the baseline's time.
+    /// Fraction of the baseline's time.
     Ratio(f64),
-    /// Of the time that moving its bytes takes.
+    /// Multiple of the time needed to move the row's bytes.
     Limits(f64),
-    /// Of the time of the best of the others, which is then what the row is compared with.
+    /// Multiple of the time of the best other method, which then is the row's baseline.
     Best(f64),
 }
 
-/// One way to do a group's work.
+/// A method that does a group's work.
 pub(crate) struct Contender<'a> {
     name: &'static str,
     expected: Option<String>,
@@ -56,18 +56,18 @@ impl<'a> Contender<'a> {
         Self { name, expected: None, bytes: None, target: Target::None, repeats: None, run: Box::new(run) }
     }
 
-    /// The same as an earlier contender, made once more: its ratio over that one tells how far ratios are to be believed,
-    /// and nothing else is compared with it.
+    /// A second copy of an earlier method. Its ratio over the earlier one shows the noise of ratios; it is
+    /// compared with nothing else.
     pub(crate) fn repeats(self, name: &'static str) -> Self {
         Self { repeats: Some(name), ..self }
     }
 
-    /// What the answer must be. Without this it must only stay the same.
+    /// Sets the expected answer. Without it, all answers must only be equal.
     pub(crate) fn expects(self, answer: impl Into<String>) -> Self {
         Self { expected: Some(answer.into()), ..self }
     }
 
-    /// Bytes a unit that any program must read or write once: input and output, each a single time.
+    /// Sets the bytes per unit that any program must read or write once: input and output.
     pub(crate) fn moves(self, bytes: f64) -> Self {
         Self { bytes: Some(bytes), ..self }
     }
@@ -84,17 +84,17 @@ impl<'a> Contender<'a> {
     }
 }
 
-/// Contenders for the same work; the first is the baseline of the others.
+/// Methods for the same work; the first one is the baseline.
 pub(crate) struct Group<'a> {
     pub(crate) stage: &'static str,
     pub(crate) mesh: String,
-    /// How many units the work has, and what they are.
+    /// Amount of work, in units of `unit`.
     pub(crate) units: usize,
     pub(crate) unit: &'static str,
     pub(crate) contenders: Vec<Contender<'a>>,
 }
 
-/// What was measured of one contender. Times are nanoseconds a unit.
+/// Times of one method, in nanoseconds per unit.
 #[derive(Clone, Debug)]
 pub(crate) struct Row {
     pub(crate) stage: &'static str,
@@ -105,9 +105,10 @@ pub(crate) struct Row {
     pub(crate) median: f64,
     pub(crate) min: f64,
     pub(crate) max: f64,
-    /// Median over the rounds of its time over the baseline's in the same round; `None` for the baseline.
+    /// Median over the rounds of the method's time divided by the baseline's time in the same round; `None`
+    /// for the baseline.
     pub(crate) ratio: Option<f64>,
-    /// The time that moving its bytes takes on this machine.
+    /// Time needed to move the row's bytes on this machine.
     pub(crate) limit: Option<f64>,
     pub(crate) target: Target,
     pub(crate) answer: String,
@@ -124,7 +125,7 @@ impl Row {
     }
 }
 
-/// All rows so far, and how to make more.
+/// The rows so far, and the options for more.
 pub(crate) struct Bench<'a> {
     pub(crate) quick: bool,
     filter: &'a str,
@@ -137,7 +138,7 @@ impl<'a> Bench<'a> {
         Self { quick, filter, bytes_per_ns, rows: Vec::new() }
     }
 
-    /// Whether the filter lets a stage pass.
+    /// Whether the filter includes a stage.
     pub(crate) fn wants(&self, stage: &str) -> bool {
         stage.contains(self.filter)
     }
@@ -146,15 +147,15 @@ impl<'a> Bench<'a> {
     pub(crate) fn run(&mut self, group: Group<'_>) {
         let rounds = if self.quick { 2 } else { 9 };
         let table = report::table(self.measure(group, rounds));
-        // A reader who closes the pipe has seen enough; the answers are still asserted.
+        // A closed pipe is no error; the answers are still asserted.
         let _ = report::print(&table);
     }
 
-    /// Runs a group, for its rows.
+    /// Runs a group and returns its rows.
     ///
-    /// One round to warm up, then rounds in which every contender runs once (a short one several times), each
-    /// round in another order, so that no contender always follows the same one. A short one runs once more before
-    /// that, untimed: a scan of everything empties the caches, and whoever follows it would pay for that.
+    /// After a warm-up round, every method runs once per round (a short one several times). The order changes
+    /// each round, so that no method always follows the same one. A short method runs once more before its
+    /// timed runs, untimed: its predecessor may have emptied the caches.
     pub(crate) fn measure(&mut self, mut group: Group<'_>, rounds: usize) -> &[Row] {
         let least = if self.quick { 0.0 } else { 2e7 };
         let count = group.contenders.len();
@@ -203,7 +204,7 @@ impl<'a> Bench<'a> {
                 max: times[index].iter().copied().fold(0.0, f64::max),
                 ratio: (index > 0).then(|| median(ratios)),
                 limit: contender.bytes.map(|bytes| bytes / self.bytes_per_ns),
-                // Of small meshes times mean nothing.
+                // Times of small meshes mean nothing.
                 target: if self.quick { Target::None } else { contender.target },
                 answer: contender.expected.expect("it ran"),
             });
@@ -212,13 +213,13 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Which of these contenders has the least median.
+/// Index of the method with the smallest median among those that `is_one` selects.
 fn best_of(times: &[Vec<f64>], is_one: impl Fn(usize) -> bool) -> usize {
     let of = |&index: &usize| median(times[index].iter().copied());
     (0..times.len()).filter(|&index| is_one(index)).min_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or(0)
 }
 
-/// The middle value; of an even number the mean of the two in the middle.
+/// The median; for an even number of values the mean of the two in the middle.
 pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);
@@ -226,12 +227,12 @@ pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     if values.len() % 2 == 1 { values[half] } else { (values[half - 1] + values[half]) / 2.0 }
 }
 
-/// SplitMix64 (Steele, Lea and Flood, 2014), for scattered points that are the same in every run.
+/// SplitMix64 (Steele, Lea and Flood, 2014): scattered points, the same in every run.
 #[derive(Debug)]
 pub(crate) struct Scatter(pub(crate) u64);
 
 impl Scatter {
-    /// In [−1, 1).
+    /// The next number in [−1, 1).
     pub(crate) fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,4 +1,4 @@
-//! A mesh as obvhs takes it.
+//! A mesh as triangles of obvhs.
 
 use obvhs::triangle::Triangle;
 use umbrage::mesh::Mesh;

@@ -1,4 +1,4 @@
-//! Lines over logarithmic axes.
+//! Line charts with logarithmic axes.
 
 use crate::svg::{Axis, COLOR_COUNT, Mark, Svg, escaped, number, significant};
 
@@ -6,38 +6,39 @@ use crate::svg::{Axis, COLOR_COUNT, Mark, Svg, escaped, number, significant};
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
     pub(crate) name: String,
-    /// Both coordinates above 0, the first ascending.
+    /// Points of the curve. Both coordinates are above 0, the first ascending.
     pub(crate) points: Vec<[f64; 2]>,
 }
 
-/// Curves between two axes, with their names at the right.
+/// A panel of curves between two axes, with the names of the curves at the right.
 pub(crate) struct Panel<'a> {
     pub(crate) curves: &'a [Curve],
-    /// Where the axes stand: left, right, top, bottom.
+    /// Positions of the axes: left, right, top, bottom.
     pub(crate) frame: [f64; 4],
-    /// What the axes mean, across and up.
+    /// Titles of the horizontal and of the vertical axis.
     pub(crate) titles: [&'static str; 2],
-    /// What follows a value where the pointer rests on it.
+    /// Unit shown after a value in the tooltip.
     pub(crate) unit: &'static str,
-    /// Values that the upright axis must reach, besides those of the curves.
+    /// Values that the vertical axis must include, besides those of the curves.
     pub(crate) reach: &'a [f64],
 }
 
-/// The beginning of a picture of this size, with a title.
+/// The start of a picture of this size, with a title.
 pub(crate) fn begin([width, height]: [f64; 2], left: f64, title: &str) -> Svg {
     let (mut out, title) = (Svg::new(width, height), escaped(title));
     out.add(format_args!("<text x=\"{left}\" y=\"28\" font-size=\"17\" font-weight=\"bold\">{title}</text>"));
     out
 }
 
-/// What holds the names of two lines apart.
+/// Minimum vertical distance between the names of two curves.
 const LINE: f64 = 19.0;
 
-/// Each color with its mark, and once more with other dashes and the next mark, and so on.
+/// Dash patterns: each color appears once with its mark, then with the next dashes and the next mark, and so
+/// on.
 const DASHES: [&str; 3] = ["none", "8 4", "2 4"];
 
 impl Panel<'_> {
-    /// Needs one curve at least, each with a point.
+    /// Draws the panel. Needs at least one curve; each curve needs a point.
     pub(crate) fn draw(&self, out: &mut Svg) {
         let all = |axis: usize| {
             self.curves.iter().flat_map(move |curve| curve.points.iter().map(move |point| point[axis]))
@@ -51,7 +52,7 @@ impl Panel<'_> {
             let dashes = DASHES[round % DASHES.len()];
             (index % COLOR_COUNT, dashes, Mark::ALL[(index + round) % COLOR_COUNT])
         };
-        // The names stand at the right ends, moved apart where they would meet.
+        // The names are placed at the curves' right ends, moved apart where they would overlap.
         let mut ends: Vec<(usize, f64)> = Vec::new();
         for (index, curve) in self.curves.iter().enumerate() {
             let (color, dashes, mark) = look(index);
@@ -91,7 +92,7 @@ impl Panel<'_> {
     }
 }
 
-/// As [`number`], thousands as k and millions as M.
+/// As [`number`], with thousands as k and millions as M.
 fn short(x: f64) -> String {
     match x {
         ..1e3 => number(x),

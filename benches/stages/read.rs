@@ -1,4 +1,4 @@
-//! The readers, from memory.
+//! Readers of all formats, from memory.
 
 use umbrage::read::read_bytes;
 

@@ -1,4 +1,4 @@
-//! Rows as an aligned table, and as CSV.
+//! Rows as an aligned table and as CSV.
 
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use crate::measure::{Row, Target};
 
-/// A group under its heading.
+/// The table of a group, with its heading.
 pub(crate) fn table(rows: &[Row]) -> String {
     let Some(first) = rows.first() else { return String::new() };
     let (stage, mesh, units, unit) = (first.stage, &first.mesh, first.units, first.unit);
@@ -37,7 +37,7 @@ pub(crate) fn table(rows: &[Row]) -> String {
     text
 }
 
-/// Nanoseconds; of a whole frame they are many, and parts of one say nothing.
+/// A time in nanoseconds, without decimals for a whole frame, where fractions mean nothing.
 fn time(ns: f64) -> String {
     if ns < 1e5 { format!("{ns:.2}") } else { format!("{ns:.0}") }
 }
@@ -46,7 +46,7 @@ fn word(met: Option<bool>) -> &'static str {
     if met == Some(true) { "met" } else { "MISSED" }
 }
 
-/// All rows, times in nanoseconds a unit.
+/// All rows as CSV, times in nanoseconds per unit.
 pub(crate) fn csv(rows: &[Row]) -> String {
     let mut text = String::from(
         "stage,mesh,units,unit,contender,median_ns,min_ns,max_ns,ratio,limit_ns,target_ns,target_ratio,met,answer\n",
@@ -75,12 +75,12 @@ pub(crate) fn csv(rows: &[Row]) -> String {
             row.meets_target().map_or(String::new(), |met| met.to_string()),
             row.answer.clone(),
         ];
-        let _ = writeln!(text, "{}", cells.map(cell).join(",")); // a String takes everything
+        let _ = writeln!(text, "{}", cells.map(cell).join(",")); // writing to a String cannot fail
     }
     text
 }
 
-/// In quotes where it would otherwise end early (RFC 4180, section 2).
+/// A CSV cell, quoted where needed (RFC 4180, section 2).
 fn cell(text: String) -> String {
     if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
 }
@@ -91,7 +91,7 @@ pub(crate) fn print(text: &str) -> io::Result<()> {
     out.flush()
 }
 
-/// Runs what the options ask for, or prints the help; what went wrong ends on standard error.
+/// Runs the given options, or prints the help. Errors are printed to standard error.
 pub(crate) fn exit<T>(
     options: Result<Option<T>, String>,
     usage: &str,
@@ -111,7 +111,7 @@ pub(crate) fn exit<T>(
     }
 }
 
-/// The whole file or none.
+/// Writes a file atomically.
 pub(crate) fn save(path: &Path, text: &str) -> Result<(), String> {
     umbrage::write::write_atomic(path, |out| out.write_all(text.as_bytes()))
         .map_err(|error| error.to_string())

@@ -1,4 +1,4 @@
-//! The screen for balance: nothing is built.
+//! The screen for balance, which builds no structure.
 
 use umbrage::check::Screen;
 use umbrage::mesh::Mesh;

@@ -1,4 +1,4 @@
-//! The silhouette and the volume.
+//! Silhouette and volume.
 
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::Light;
@@ -92,7 +92,8 @@ fn volume(bench: &mut Bench<'_>, name: String, cast: &ExtrudeInput<'_>) {
     let extrude = || ShadowVolume::extrude(mesh, topology, light, signs, silhouette, caps);
     let volume = extrude();
     assert!(volume.boundary_sum().is_closed());
-    // Each face in both caps; on a closed mesh each silhouette edge sweeps its quad |m| times.
+    // Each casting face appears in both caps. On a closed mesh each silhouette edge sweeps its quad |m|
+    // times, m its multiplicity.
     let triangles = volume.triangles().len();
     let casting = signs.iter().filter(|&&sign| sign != 0).count();
     let multiplicities: u32 = silhouette.edges.iter().map(|edge| edge.multiplicity.unsigned_abs()).sum();
@@ -101,7 +102,8 @@ fn volume(bench: &mut Bench<'_>, name: String, cast: &ExtrudeInput<'_>) {
     let mut writer = extruder.clone();
     let (mut warm, mut buffer) = (volume.clone(), vec![[0; 3]; triangles]);
     let mut copy = buffer.clone();
-    // Three indices of 4 are written, and as many read for every second triangle, with a sign; vertices are not counted.
+    // Three indices of 4 are written. As many are read for every second triangle, with a sign. Vertices are
+    // not counted.
     let faces = signs.len() as f64 / triangles as f64;
     let bytes = 12.0 + 13.0 * faces;
     let contenders = vec![
@@ -136,7 +138,7 @@ fn volume(bench: &mut Bench<'_>, name: String, cast: &ExtrudeInput<'_>) {
     bench.run(Group { stage: "volume", mesh: name, units: triangles, unit: "triangle", contenders });
 }
 
-/// What a mesh that is known to be closed and two-sided would store: the two faces of each edge.
+/// The structure for a mesh known to be closed and two-sided: the two faces of each edge.
 fn textbook(topology: &Topology) -> Vec<[u32; 2]> {
     let pair = |edge: EdgeId| {
         let mut faces = topology.uses(edge).map(|(face, _)| face.0);
@@ -150,7 +152,7 @@ fn changes(pairs: &[[u32; 2]], signs: &[i8]) -> Vec<u32> {
     (0..).zip(pairs).filter(changes).map(|(edge, _)| edge).collect()
 }
 
-/// The winding number of the emitted volume at scattered points, which is the number of faces towards the light.
+/// The winding number of the emitted volume at scattered points: the number of faces between point and light.
 fn winding(bench: &mut Bench<'_>) {
     let mesh = umbrage::testing::shapes::icosphere(if bench.quick { 3 } else { 6 });
     let light = light();

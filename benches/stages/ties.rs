@@ -1,11 +1,11 @@
-//! The sign of one determinant where the answer is exactly zero.
+//! The sign of a determinant that is exactly zero.
 
 use num_bigint::{BigInt, Sign as BigSign};
 use umbrage::geom::predicate::{Sign, orient3d};
 
 use crate::measure::{Bench, Contender, Group, Scatter, timed};
 
-/// Four points.
+/// The four points of a predicate.
 type Points = [[f32; 3]; 4];
 
 pub(crate) fn run(bench: &mut Bench<'_>) {
@@ -14,7 +14,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
     }
     let (of, power) = (|random: &mut Scatter| random.next(), |k: i32| 2.0_f32.powi(k));
     let whole = |random: &mut Scatter, most: f32| (random.next() * most).round();
-    // The second line of a wall that stands upright, at two places (x, y).
+    // The second line of a vertical wall, through two positions (x, y).
     let wall = |random: &mut Scatter, number: &dyn Fn(&mut Scatter) -> f32| -> Points {
         let feet = [(); 2].map(|()| [number(random), number(random)]);
         [0, 1, 1, 0].map(|foot: usize| [feet[foot][0], feet[foot][1], number(random)])
@@ -88,7 +88,7 @@ fn fill<'a>(signs: &'a mut [Sign], all: &[Points], sign: impl Fn(&Points) -> Sig
     signs
 }
 
-/// In whole numbers of 2⁻¹⁴⁹.
+/// The sign by big integers, in multiples of 2⁻¹⁴⁹.
 fn reference(points: &Points) -> Sign {
     let whole = |x: f32| {
         let (exponent, fraction) = ((x.to_bits() >> 23) & 0xff, x.to_bits() & 0x7f_ffff);

@@ -1,4 +1,4 @@
-//! The edge table, what is counted with it, and the crack report.
+//! The edge table, the counts derived from it, and the crack report.
 
 use std::collections::HashMap;
 use std::time::Instant;
@@ -20,13 +20,14 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
     }
 }
 
-/// `targets` are those of the table alone, and of all that is counted with it.
+/// Benches of the edge table. `targets` are those of the table alone, and of the table with all counts.
 fn edge_table(bench: &mut Bench<'_>, mesh: &Mesh, euler: i64, targets: [f64; 2]) {
     let faces = mesh.face_count();
     let table = format!("edges={} boundary=0", 3 * faces / 2);
     let counted = format!("{table} shells=1 loops=0 non_manifold_vertices=0");
     let build = |triangles| Topology::build(mesh.vertex_count(), triangles);
-    let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.shared_triangles());
+    let topology = Topology::of(mesh);
+    let _ = topology.shells(); // surveys the vertices
     let mut builder = TopologyBuilder::new();
     let of_map = |edges: &mut dyn Iterator<Item = u32>| {
         let (all, boundary) = edges.fold((0, 0), |(all, once), n| (all + 1, once + usize::from(n == 1)));
@@ -78,10 +79,10 @@ fn edge_table(bench: &mut Bench<'_>, mesh: &Mesh, euler: i64, targets: [f64; 2])
         })
         .expects(&*table)
         .moves(30.0),
-        Contender::new("build_surveyed + counts", || {
+        Contender::new("Topology::build + counts", || {
             let triangles = mesh.triangles().to_vec();
             let work = || {
-                let t = Topology::build_surveyed(mesh.vertex_count(), triangles);
+                let t = Topology::build(mesh.vertex_count(), triangles);
                 let found =
                     (t.edge_counts(), t.shells().count, t.boundary_loops().len(), t.non_manifold_vertices());
                 (t.edge_count(), found)
@@ -115,7 +116,7 @@ fn for_each_edge(mesh: &Mesh, mut visit: impl FnMut([u32; 2])) {
     }
 }
 
-/// Half-edges by their smaller vertex, edges not told apart: what the edge table costs at least.
+/// Half-edges sorted by their smaller vertex, without separating edges: the minimum cost of an edge table.
 fn counting_sort(mesh: &Mesh) -> Vec<u64> {
     let mut places = vec![0_u32; mesh.vertex_count()];
     for_each_edge(mesh, |[low, _]| places[low as usize] += 1);

@@ -1,4 +1,4 @@
-//! The exact ray cast beside the inexact one of the library that its tree comes from.
+//! The exact ray cast compared with the inexact one of obvhs.
 
 use std::time::Duration;
 
@@ -51,7 +51,7 @@ fn build(bench: &mut Bench<'_>, mesh: &Mesh, triangles: &[Triangle]) {
 
 fn visibility(bench: &mut Bench<'_>, mesh: &Mesh, triangles: &[Triangle]) {
     let oracle = Oracle::build(mesh);
-    // Their traversal gets the better tree, and triangles in the order of its leaves.
+    // The traversal of obvhs gets its better tree, with triangles in leaf order.
     let tree = theirs(triangles, BvhBuildParams::medium_build());
     let leaves: Vec<Triangle> = tree.primitive_indices.iter().map(|&i| triangles[i as usize]).collect();
     let (low, high) = (oracle.bounds().low, oracle.bounds().high);
@@ -66,8 +66,8 @@ fn visibility(bench: &mut Bench<'_>, mesh: &Mesh, triangles: &[Triangle]) {
     let count = if bench.quick { 500 } else { 200_000 };
     let scattered: Vec<[f32; 3]> =
         (0..count).map(|_| scatter.point(1.5)).map(|[x, y, z]| place(x, y, z)).collect();
-    // As far behind a vertex as the light is before it, rounded: the way to the light runs past an edge or
-    // two by less than the rounding.
+    // As far behind a vertex as the light is in front of it, rounded: the segment to the light misses an edge
+    // or two by less than the rounding.
     let behind = |vertex: &[f32; 3]| std::array::from_fn(|i| 2.0 * vertex[i] - near.xyz()[i]);
     let step = mesh.vertex_count().div_ceil(count);
     let aimed: Vec<[f32; 3]> = mesh.positions().iter().step_by(step).map(behind).collect();
@@ -85,7 +85,7 @@ fn visibility(bench: &mut Bench<'_>, mesh: &Mesh, triangles: &[Triangle]) {
     }
 }
 
-/// What an eye sees of the mesh, row by row of a square picture.
+/// The visible points of the mesh, row by row of a square picture.
 fn visible(oracle: &Oracle, eye: [f32; 3], target: [f32; 3], size: usize) -> Vec<[f32; 3]> {
     let (eye, target) = (glam::Vec3::from(eye), glam::Vec3::from(target));
     let ahead = target - eye;
@@ -111,7 +111,7 @@ fn verdicts(
     light: &Light,
     points: &[[f32; 3]],
 ) {
-    // By looking at every face on the way, not only the first.
+    // Expected verdicts count every face on the segment, not only the first.
     let expected: Vec<Verdict> = points.iter().map(|&p| oracle.crossings(p, light).verdict()).collect();
     let of = |verdicts: &[Verdict]| {
         let count = |wanted| verdicts.iter().filter(|&&verdict| verdict == wanted).count();

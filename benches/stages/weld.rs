@@ -25,8 +25,8 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
                 timed(|| weld(&soup, Weld::Exact), |w| answer(w.mesh.triangles(), w.mesh.vertex_count()))
             })
             .expects(&*expected)
-            // Reads three positions of 12 and three indices of 4; writes three indices, which also tell which vertex
-            // became which, and half a position.
+            // Reads three positions of 12 and three indices of 4. Writes three indices, which also map old to
+            // new vertices, and half a position.
             .moves(36.0 + 12.0 + 12.0 + 6.0)
             .aims_at(Target::Time(target)),
             Contender::new("weld_in_place(Exact)", || {
@@ -45,7 +45,7 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
     }
 }
 
-/// The same order of vertices as the crate's, by the obvious means.
+/// The same order of vertices as the crate's weld, by a hash map.
 fn hash_map(soup: &Mesh) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let mut ids: HashMap<[u32; 3], u32> = HashMap::new();
     let mut positions = Vec::new();
@@ -60,7 +60,7 @@ fn hash_map(soup: &Mesh) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     (positions, triangles)
 }
 
-/// How many vertices, and a sum that tells all indices in their order (FNV-1a by words).
+/// Number of vertices, and a hash of all indices in order (FNV-1a by words).
 fn answer(triangles: &[[u32; 3]], vertices: usize) -> String {
     let mix = |hash: u64, &index: &u32| (hash ^ u64::from(index)).wrapping_mul(0x0100_0000_01b3);
     let sum = triangles.as_flattened().iter().fold(0xcbf2_9ce4_8422_2325, mix);

@@ -1,4 +1,4 @@
-//! Contenders that take turns at the same questions, timed and judged.
+//! Methods that take turns at the same queries, timed and compared with the truth.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -7,9 +7,9 @@ use super::{Method, Row, Spread};
 use crate::geom::Facing;
 use crate::oracle::Verdict;
 
-/// What a method may answer.
+/// The answer of a method to one query.
 pub(super) trait Answer: Copy + PartialEq {
-    /// Whether two answers are right where this one is true.
+    /// Whether this answer, as the truth, is a tie: a query with two right answers.
     fn is_tie(self) -> bool;
 }
 
@@ -25,16 +25,17 @@ impl Answer for Verdict {
     }
 }
 
-/// A stratum: the right answers, a batch for each light.
+/// A stratum of queries: its name and the true answers, one batch per light.
 pub(super) struct Stratum<A> {
     pub(super) name: &'static str,
     pub(super) truth: Vec<Vec<A>>,
 }
 
-/// Answers every so many-th question of a batch, given by stratum and index, into a buffer of any content.
+/// A function that answers the queries of one batch, at the method's sampling stride. The arguments are the
+/// indices of the stratum and of the batch, and a buffer whose content is replaced.
 pub(super) type Ask<'a, A> = Box<dyn FnMut(usize, usize, &mut Vec<A>) + 'a>;
 
-/// A method that can be asked.
+/// A method under test.
 pub(super) struct Contender<'a, A> {
     pub(super) name: &'static str,
     pub(super) exact: bool,
@@ -43,12 +44,13 @@ pub(super) struct Contender<'a, A> {
     pub(super) ask: Ask<'a, A>,
 }
 
-/// What is quicker than this, in nanoseconds, is repeated within a round, but not more often than that.
+/// Minimum time of one measurement, in nanoseconds: shorter work is repeated within a round.
 const LEAST_NS: f64 = 2e6;
+/// Maximum number of repetitions within a round.
 const MOST_REPEATS: f64 = 64.0;
 
-/// Judges and times the contenders, of which the first is the baseline: one round to warm up, whose answers are judged,
-/// then those that are timed. `progress` is told of every stratum that is done.
+/// Checks and times the methods; the first one is the baseline. A warm-up round is compared with the truth,
+/// then `rounds` rounds are timed. `progress` is called with 1 after each stratum.
 pub(super) fn compare<A: Answer>(
     strata: &[Stratum<A>],
     contenders: &mut [Contender<'_, A>],
@@ -58,7 +60,7 @@ pub(super) fn compare<A: Answer>(
     let (rounds, count) = (rounds.max(1) as usize, contenders.len());
     let mut answers = Vec::new();
 
-    // 1. Judge, and learn how often each has to be repeated.
+    // 1. Compare with the truth, and determine how often each method has to be repeated.
     let mut rows = vec![Vec::with_capacity(strata.len()); count];
     let mut repeats = vec![Vec::with_capacity(strata.len()); count];
     for (index, stratum) in strata.iter().enumerate() {
@@ -70,7 +72,7 @@ pub(super) fn compare<A: Answer>(
         progress(1);
     }
 
-    // 2. Time: in each round and stratum another order, so that none always follows the same one.
+    // 2. Time: the order changes with each round and stratum, so that no method always follows the same one.
     let mut times = vec![vec![Vec::with_capacity(rounds); strata.len()]; count];
     for round in 0..rounds {
         for (index, stratum) in strata.iter().enumerate() {
@@ -86,7 +88,7 @@ pub(super) fn compare<A: Answer>(
         }
     }
 
-    // 3. Nanoseconds a query, by stratum and over all of them.
+    // 3. Nanoseconds per query, by stratum and over all strata.
     let totals: Vec<Vec<f64>> = times
         .iter()
         .zip(&rows)
@@ -117,7 +119,7 @@ pub(super) fn compare<A: Answer>(
 }
 
 impl<A: Answer> Contender<'_, A> {
-    /// Answers all batches of a stratum once: how it did, and how long that took.
+    /// Answers all batches of a stratum once: the counts against the truth, and the time taken.
     fn judge(&mut self, index: usize, stratum: &Stratum<A>, answers: &mut Vec<A>) -> (Row, Duration) {
         let Stratum { name, truth } = stratum;
         let mut row = Row { name, queries: 0, ties: 0, judged: 0, wrong: 0, time: Spread::default() };
@@ -139,7 +141,7 @@ impl<A: Answer> Contender<'_, A> {
         (row, took)
     }
 
-    /// Nanoseconds for all batches of a stratum.
+    /// Time for all batches of a stratum, in nanoseconds.
     fn time(&mut self, stratum: usize, batches: usize, repeats: u32, answers: &mut Vec<A>) -> f64 {
         let start = Instant::now();
         for _ in 0..repeats {
@@ -165,7 +167,7 @@ fn total(strata: &[Row], time: Spread) -> Row {
     }
 }
 
-/// By median time and rate of wrong answers over all strata.
+/// Marks dominated methods, by median time and rate of wrong answers over all strata.
 pub(super) fn mark_dominated(methods: &mut [Method]) {
     let costs: Vec<[f64; 2]> =
         methods.iter().map(|method| [method.total.time.median, method.total.error()]).collect();
@@ -176,7 +178,7 @@ pub(super) fn mark_dominated(methods: &mut [Method]) {
     }
 }
 
-/// Runs what is prepared once; with how long it took, in nanoseconds a face.
+/// Runs a preparation once: its result, and its time in nanoseconds per face.
 pub(super) fn prepared<T>(faces: usize, prepare: impl FnOnce() -> T) -> (T, f64) {
     let start = Instant::now();
     let value = black_box(prepare());

@@ -1,4 +1,4 @@
-//! The ways to tell which side of a face a light is on.
+//! Methods that decide which side of a face a light is on.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -64,7 +64,8 @@ fn each_face<'a>(
     })
 }
 
-/// What most programs do: a cross product of two edges, against the way from their common corner to the light.
+/// The usual method: a cross product of two edges, dotted with the vector from their common corner to the
+/// light.
 fn by_cross_product<'a, T: Number>(mesh: &'a Mesh, lights: &'a [Vec<Light>]) -> Ask<'a, Facing> {
     Box::new(move |stratum, batch, out| {
         let light = lights[stratum][batch].homogeneous().map(T::from);
@@ -73,13 +74,13 @@ fn by_cross_product<'a, T: Number>(mesh: &'a Mesh, lights: &'a [Vec<Light>]) -> 
         out.extend(mesh.triangles().iter().map(|&[a, b, c]| {
             let [a, b, c] =
                 [number(positions[a as usize]), number(positions[b as usize]), number(positions[c as usize])];
-            // By a table: of a branch a processor guesses half wrong.
+            // A table lookup: half of the branches would be mispredicted.
             [Facing::Back, Facing::Front][usize::from(height([a, b, c], light) > zero)]
         }));
     })
 }
 
-/// What a cross product is computed in.
+/// A floating-point type for the cross product.
 trait Number:
     Copy + PartialOrd + From<f32> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
@@ -88,7 +89,8 @@ trait Number:
 impl Number for f32 {}
 impl Number for f64 {}
 
-/// (Spelt out, as is its use: `map` is not always inlined, which took longer than all the rest.)
+/// Closures on arrays are not always inlined, and then dominate the time; so this function and its callers
+/// list the elements.
 #[inline(always)]
 fn number<T: Number>(p: [f32; 3]) -> [T; 3] {
     [T::from(p[0]), T::from(p[1]), T::from(p[2])]
@@ -102,7 +104,7 @@ fn height<T: Number>([a, b, c]: [[T; 3]; 3], [x, y, z, w]: [T; 4]) -> T {
     n[0] * (x - w * a[0]) + n[1] * (y - w * a[1]) + n[2] * (z - w * a[2])
 }
 
-/// Every side in whole numbers: a plane for each face, and a look at it from each light.
+/// The true side of every face, with big integers: one plane per face, evaluated for each light.
 pub(super) fn truth(mesh: &Mesh, lights: &[Vec<Light>]) -> Vec<Stratum<Facing>> {
     let whole: Vec<Vec<WholeLight>> =
         lights.iter().map(|lights| lights.iter().map(WholeLight::from).collect()).collect();

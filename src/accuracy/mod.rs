@@ -1,12 +1,13 @@
-//! Error against time: how often each way to answer a question is wrong, beside what it costs, on the same questions.
+//! Error against time: how often each method is wrong and what it costs, on the same queries.
 //!
-//! The ways (methods) take turns within each round, each round in another order, on one thread; medians over the rounds
-//! are reported with their spread. Every answer is held against the truth, which comes from whole numbers and shares no
-//! code with the predicates. Questions are drawn by kinds (strata), since the kind decides both error and time: where
-//! nothing is aimed at, `f32` is nearly always right and a filter nearly always enough.
+//! Methods take turns within each round, in a different order each round, on one thread. Reports give medians
+//! over the rounds with their spread. Every answer is compared with the truth, which comes from big integers
+//! and shares no code with the predicates. Queries are drawn from strata, because the kind of a query decides
+//! both error and time: for arbitrary queries `f32` is nearly always right, and a filter nearly always
+//! decides.
 //!
-//! A tie is a question with two right answers: a face exactly edge-on, a way to the light that only touches. A method
-//! that knows no ties may give either answer; an exact one has to declare the tie.
+//! A tie is a query with two right answers: a face exactly edge-on, a shadow ray that only touches the mesh.
+//! A method that knows no ties may give either answer; an exact method has to declare the tie.
 
 mod compare;
 mod facing;
@@ -24,10 +25,10 @@ use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::verify::Tally;
 
-/// Of more lights than these as many are taken, evenly spread over all of them.
+/// Maximum number of given lights used: from a longer list this many are taken, evenly spaced.
 pub const MOST_LIGHTS: usize = 16;
 
-/// What is asked.
+/// The quantity that the methods compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Question {
     /// Which side of a face a light is on. A query is one face and one light.
@@ -36,69 +37,72 @@ pub enum Question {
     Visibility,
 }
 
-/// How much to measure.
+/// Amount of measuring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// About how many queries a stratum: of facing as many lights as this takes, each with all faces.
+    /// Approximate number of queries per stratum. For facing, enough lights are drawn to reach this number,
+    /// each queried with all faces.
     pub queries: u64,
-    /// What lights and points are drawn from; the same seed gives the same answers.
+    /// Seed of the lights and points: the same seed gives the same answers.
     pub seed: u64,
-    /// How many rounds are timed, at least one.
+    /// Number of timed rounds, at least one.
     pub rounds: u32,
 }
 
-/// What came out.
+/// Result of measuring one question.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {
-    /// The first one is the baseline of the others: plain `f32`.
+    /// All methods. The first one, plain `f32`, is the baseline of the others.
     pub methods: Vec<Method>,
-    /// How many queries were judged in whole numbers against all faces; the others against those that a tree leaves
-    /// over. `None` where no tree is asked.
+    /// Number of queries whose truth was decided with big integers against all faces; the others were decided
+    /// against the faces that a tree does not cull. `None` if no tree is involved.
     pub judged_by_all_faces: Option<u64>,
 }
 
-/// One way to answer.
+/// Errors and times of one method.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Method {
-    /// Short, for tables and charts.
+    /// Short name, for tables and charts.
     pub name: &'static str,
-    /// Whether it claims to be always right, ties included.
+    /// Whether the method claims to be always right, ties included.
     pub exact: bool,
-    /// What is prepared once for a mesh, in nanoseconds a face; measured once.
+    /// Preparation time per mesh, in nanoseconds per face; measured once.
     pub prepare_ns: Option<f64>,
-    /// Every how many queries it is asked: more than 1 for what is too slow to be asked all.
+    /// Sampling stride: 1 for every query, more for slow methods.
     pub every: usize,
-    /// Median over the rounds of its time a query over the baseline's in the same round.
+    /// Median over the rounds of the method's time per query, divided by the baseline's time in the same
+    /// round.
     pub ratio: f64,
-    /// Whether another method is at least as fast and at least as often right, and one of them strictly.
+    /// Whether another method is at least as fast and at least as often right, and strictly better in one of
+    /// the two.
     pub dominated: bool,
-    /// One row a stratum, in the order of [`Question::strata`].
+    /// One row per stratum, in the order of [`Question::strata`].
     pub strata: Vec<Row>,
-    /// All strata together.
+    /// Sum over all strata.
     pub total: Row,
 }
 
-/// Answers and time of one method on the queries of one kind.
+/// Errors and times of one method on the queries of one stratum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// What kind.
+    /// Name of the stratum.
     pub name: &'static str,
-    /// How many.
+    /// Number of queries.
     pub queries: u64,
-    /// Those with two right answers.
+    /// Queries with two right answers.
     pub ties: u64,
-    /// Those where the method can be wrong: all for an exact method, for others those that are no ties.
+    /// Queries on which the method can be wrong: all for an exact method; for others those that are not ties.
     pub judged: u64,
     /// Wrong answers.
     pub wrong: u64,
-    /// Nanoseconds a query.
+    /// Nanoseconds per query.
     pub time: Spread,
 }
 
 /// A time over the rounds, in nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
-    /// The middle value.
+    /// The median.
     pub median: f64,
     /// The fastest round.
     pub min: f64,
@@ -107,7 +111,7 @@ pub struct Spread {
 }
 
 impl Question {
-    /// As it is written on the command line.
+    /// Name on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -116,7 +120,7 @@ impl Question {
         }
     }
 
-    /// How many queries a stratum take some seconds on a mesh of 10⁵ faces.
+    /// Default number of queries per stratum: takes some seconds on a mesh of 10⁵ faces.
     #[must_use]
     pub fn usual_queries(self) -> u64 {
         match self {
@@ -125,21 +129,23 @@ impl Question {
         }
     }
 
-    /// The names of the strata.
+    /// Names of the strata.
     ///
     /// Facing, by the light:
     ///
-    /// - `given`: the lights that were asked for;
+    /// - `given`: the lights given by the user;
     /// - `general`: a point in a box five times as large as the mesh;
     /// - `vertex`: on a vertex; `face_plane`: in the plane of a face, rounded;
     /// - `one_ulp_off`: off a vertex, an edge or a plane by one ulp in one, two or three coordinates;
     /// - `far`: 2³⁰ to 2⁴⁰ diagonals away;
     /// - `axis`: directional, along an axis; `along_face`: directional, along an edge or in a face's plane.
     ///
-    /// Visibility, by the point, under the lights that were asked for:
+    /// Visibility, by the point, under the lights given by the user:
     ///
-    /// - those of [`verify`](super::STRATA): `box`, `near_face`, `shadow_boundary`, `face_plane`, `vertex_or_edge`;
-    /// - `behind_vertex`, `behind_edge`: the way to the light passes a vertex, or a point of an edge, but for rounding.
+    /// - those of [`verify::points`](crate::verify::points::STRATA): `box`, `near_face`, `shadow_boundary`,
+    ///   `face_plane`, `vertex_or_edge`;
+    /// - `behind_vertex`, `behind_edge`: up to rounding, the segment to the light passes through a vertex, or
+    ///   through a point of an edge.
     #[must_use]
     pub fn strata(self) -> Vec<&'static str> {
         match self {
@@ -148,17 +154,18 @@ impl Question {
         }
     }
 
-    /// How many steps [`Question::measure`] reports.
+    /// Number of steps that [`Question::measure`] reports.
     #[must_use]
     pub fn steps(self, options: &Options) -> u64 {
-        // The truth, a round to warm up, and those that are timed.
+        // The truth, a warm-up round, and the timed rounds.
         self.strata().len() as u64 * (u64::from(options.rounds.max(1)) + 2)
     }
 
-    /// Measures all methods on `mesh`, which is welded. `None` if it has no faces, or there are no lights.
+    /// Measures all methods on `mesh`, which must be welded. `None` if the mesh has no faces, or there are no
+    /// lights.
     ///
-    /// `progress` is told of steps as they are done, [`Question::steps`] in all. Memory: a byte a query, and for
-    /// visibility its point.
+    /// `progress` is called with the number of steps done, [`Question::steps`] in all. Memory: one byte per
+    /// query, and for visibility also the query's point.
     ///
     /// ```
     /// use umbrage::geom::Light;
@@ -166,7 +173,8 @@ impl Question {
     /// use umbrage::accuracy::{Options, Question};
     /// let lights = [Light::point([2.0, 3.0, 5.0])?];
     /// let options = Options { queries: 1000, seed: 1, rounds: 1 };
-    /// let found = Question::Facing.measure(&shapes::torus(20, 10, 2.0, 0.7), &lights, &options, &|_| {}).unwrap();
+    /// let torus = shapes::torus(20, 10, 2.0, 0.7);
+    /// let found = Question::Facing.measure(&torus, &lights, &options, &|_| {}).unwrap();
     /// assert!(found.exact_is_right());
     /// # Ok::<(), umbrage::geom::LightError>(())
     /// ```
@@ -189,7 +197,7 @@ impl Question {
 }
 
 impl Accuracy {
-    /// Whether no exact method has given a wrong answer.
+    /// Whether no exact method gave a wrong answer.
     #[must_use]
     pub fn exact_is_right(&self) -> bool {
         self.methods.iter().all(|method| !method.exact || method.total.wrong == 0)
@@ -218,7 +226,8 @@ impl Row {
 }
 
 impl Spread {
-    /// Of some values, at least one; the median of an even number is the mean of the two in the middle.
+    /// Spread of at least one value. The median of an even number of values is the mean of the two in the
+    /// middle.
     fn of(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         let (half, last) = (values.len() / 2, values.len() - 1);

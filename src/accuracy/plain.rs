@@ -1,4 +1,4 @@
-//! Visibility in `f32`, as most programs have it: the traversal and the triangle test of obvhs.
+//! Visibility in `f32` as most programs compute it: the traversal and the triangle test of obvhs.
 
 use std::collections::VecDeque;
 
@@ -13,14 +13,14 @@ use crate::geom::bvh::{Below, Bvh};
 use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
 
-/// The tree from which that of the exact oracle is made, in the layout of obvhs. (Its own builders take the square of the
-/// number of faces where all boxes are equal.)
+/// The binary tree of the exact oracle, converted to the layout of obvhs. (The builders of obvhs take
+/// quadratic time where all boxes are equal.)
 pub(super) struct PlainTree {
     tree: Bvh2,
     leaves: Vec<Triangle>,
 }
 
-/// Levels of a tree, more than there can be: 64, and one for each bit of a face's id.
+/// Traversal stack size in levels, an upper bound of the tree's depth: 64, and one for each bit of a face id.
 const DEPTH: usize = 128;
 
 impl PlainTree {
@@ -38,7 +38,7 @@ impl PlainTree {
         if !triangles.is_empty() {
             nodes.push(Bvh2Node::default());
         }
-        // Two siblings lie side by side: their places are given out when their parent is laid down.
+        // Siblings are stored side by side: their slots are allocated when their parent is written.
         let mut open: VecDeque<[usize; 2]> = (0..nodes.len()).map(|root| [root, root]).collect();
         while let Some([from, to]) = open.pop_front() {
             let (aabb, below) = tree.node(from);
@@ -59,13 +59,13 @@ impl PlainTree {
         Self { tree, leaves: triangles.iter().map(leaf).collect() }
     }
 
-    /// Whether something is hit on the way from `p` to the light.
+    /// Whether the segment from `p` to the light hits a face.
     #[inline]
     pub(super) fn shadowed(&self, p: [f32; 3], light: &Light) -> bool {
         let (origin, towards) = (Vec3A::from(p), Vec3A::from(light.xyz()));
         let (direction, tmax) =
             if light.is_directional() { (towards, f32::INFINITY) } else { (towards - origin, 1.0) };
-        // As `Ray::new`, which in debug builds asserts that nothing overflows.
+        // As `Ray::new`, which asserts in debug builds that nothing overflows.
         let inv_direction = Vec3A::from(direction.to_array().map(safe_inverse));
         let ray = Ray { origin, direction, inv_direction, tmin: 0.0, tmax };
         !self.tree.ray_traverse_miss(ray, |ray, slot| self.leaves[slot].intersect(ray))

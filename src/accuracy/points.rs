@@ -1,4 +1,4 @@
-//! Which points are asked about.
+//! Points for the visibility queries.
 
 use super::Options;
 use super::lights::source;
@@ -12,7 +12,7 @@ use crate::verify::points::draw;
 use crate::verify::points::feature::Feature;
 use crate::verify::points::sampler::{PointKind, Sampler};
 
-/// The kinds of points. See [`Question::strata`](super::Question::strata).
+/// Names of the point strata. See [`Question::strata`](super::Question::strata).
 pub(super) const STRATA: [&str; 7] = [
     draw::STRATA[0],
     draw::STRATA[1],
@@ -34,7 +34,8 @@ const KINDS: [PointKind; 7] = [
     PointKind::Behind(&[Feature::Edge], 0),
 ];
 
-/// The points of each stratum and light, for `mesh`, which has a face: about as many of each light.
+/// The points of each stratum and light for `mesh`, which has at least one face: about the same number for
+/// each light.
 pub(super) fn draw(mesh: &Mesh, lights: &[Light], options: &Options) -> Vec<Vec<Vec<[f32; 3]>>> {
     let topology = Topology::of(mesh);
     let planes = FacePlanes::new(mesh);

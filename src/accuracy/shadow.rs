@@ -1,4 +1,4 @@
-//! Every technique's error beside its time, for one light and one view.
+//! Every technique's error and time, for one light and one view.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -9,36 +9,39 @@ use crate::geom::Light;
 use crate::shadow::{Claim, Request, Samples, Technique};
 use crate::verify::errors::{Errors, Made, Truth};
 
-/// One technique under one light.
+/// Error and time of one technique under one light.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShadowRow {
-    /// Which technique.
+    /// The technique.
     pub technique: Technique,
-    /// The graphics adapter's name; `None` for the processor.
+    /// The graphics adapter's name; `None` for the CPU.
     pub device: Option<String>,
-    /// What it promises.
+    /// The technique's claim.
     pub claim: Claim,
-    /// How it did.
+    /// Errors against the truth.
     pub errors: Errors,
-    /// Whether the claim is true of these samples.
+    /// Whether the claim holds on these samples.
     pub holds: bool,
-    /// At how many samples it had no answer of its own and asked the exact ray cast; `None` where it cannot.
+    /// Number of samples that the technique could not decide and passed to the exact ray cast; `None` if the
+    /// technique never does so.
     pub asked_exactly: Option<u64>,
-    /// What stays valid while only the camera moves, in milliseconds: the caster's parts that it needs, each measured when
-    /// it was made, and what it makes for the light.
+    /// Time for everything that stays valid while only the camera moves, in milliseconds: the parts of the
+    /// casters that the technique needs, each timed when it was built, and the technique's own data for the
+    /// light.
     pub prepare_ms: f64,
-    /// From given samples to the visibility, warm, without reading back, in milliseconds: the median over the rounds.
+    /// Time from given samples to the visibility, warm, without read-back, in milliseconds, over the rounds.
     pub frame_ms: Spread,
-    /// Reading a device's answer back, in milliseconds.
+    /// Time to read a device's result back, in milliseconds.
     pub readback_ms: Option<f64>,
-    /// What is held for the light, and the visibility.
+    /// Memory held for the light, and for the visibility.
     pub bytes: u64,
-    /// A technique that is as fast and as often right, and better in one of these.
+    /// A technique that is at least as fast and at least as often right, and strictly better in one of the
+    /// two.
     pub dominated_by: Option<Technique>,
 }
 
-/// All techniques under one light.
+/// Errors and times of all techniques under one light.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShadowAccuracy {
@@ -48,14 +51,14 @@ pub struct ShadowAccuracy {
     pub rows: Vec<ShadowRow>,
 }
 
-/// What each part of the casters took, in milliseconds.
+/// Build times of the casters' parts, in milliseconds.
 #[derive(Clone, Copy, Debug, Default)]
 struct PartTimes {
     oracle: f64,
     counting: f64,
 }
 
-/// Milliseconds that `work` takes.
+/// The result of `work`, and its time in milliseconds.
 fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let start = Instant::now();
     let result = black_box(work());
@@ -63,7 +66,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
 }
 
 impl PartTimes {
-    /// Makes all parts, of which those that are there already take no time.
+    /// Builds and times all parts. Parts that are already built take no time.
     fn of(casters: &CasterGroup<'_>) -> Self {
         let (_, oracle) = timed(|| casters.oracle());
         let (_, counting) = timed(|| {
@@ -84,13 +87,14 @@ impl PartTimes {
 }
 
 impl ShadowAccuracy {
-    /// How many steps [`ShadowAccuracy::measure`] reports for each light.
+    /// Number of steps that [`ShadowAccuracy::measure`] reports per light.
     pub const STEPS: u64 = 1 + Technique::ALL.len() as u64;
 
-    /// Measures all techniques for each light, on the processor: one round to warm up, whose answers are compared with the
-    /// truth, then `rounds` that are timed.
+    /// Measures all techniques for each light, on the CPU. A warm-up round is compared with the truth, then
+    /// `rounds` rounds are timed.
     ///
-    /// `view` makes the samples, once the ray cast over the casters is there. `progress` hears of steps as they are done.
+    /// `view` makes the samples after the ray cast over the casters has been built. `progress` is called with
+    /// the number of steps done.
     ///
     /// ```
     /// use umbrage::accuracy::ShadowAccuracy;
@@ -111,7 +115,7 @@ impl ShadowAccuracy {
     ///
     /// # Errors
     ///
-    /// Those of `view`.
+    /// The error of `view`.
     pub fn measure<E>(
         casters: &CasterGroup<'_>,
         lights: &[Light],
@@ -140,7 +144,7 @@ impl ShadowAccuracy {
         Self { light: *request.light, rows }
     }
 
-    /// Whether every claim is true.
+    /// Whether every claim holds.
     #[must_use]
     pub fn claims_hold(&self) -> bool {
         self.rows.iter().all(|row| row.holds)
@@ -168,7 +172,8 @@ fn row(request: &Request<'_>, truth: &Truth, technique: Technique, parts_ms: f64
     }
 }
 
-/// By wrong samples and the median time of a frame; of several that dominate, the fastest.
+/// Finds for each row the technique that dominates it, by wrong samples and median frame time. Of several
+/// dominating techniques the fastest is named.
 fn mark_dominated(rows: &mut [ShadowRow]) {
     let costs: Vec<(Technique, f64, u64)> =
         rows.iter().map(|row| (row.technique, row.frame_ms.median, row.errors.wrong)).collect();
@@ -215,7 +220,7 @@ mod tests {
 
     #[test]
     fn accuracy_of_shadows_has_a_row_per_technique_and_every_claim_holds() {
-        // Inside the outer cube's shadow: z-pass is wrong there, and claims nothing.
+        // The eye is inside the outer cube's shadow: z-pass is wrong there, and its claim promises nothing.
         let caster = Caster::new(shapes::nested_cubes(2));
         let casters = CasterGroup::new(vec![&caster]);
         let size = Size::new(24, 18).unwrap();

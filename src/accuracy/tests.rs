@@ -25,7 +25,7 @@ fn solids() -> Vec<Mesh> {
     ]
 }
 
-/// Without what no two runs have in common.
+/// A result without its times, which differ between runs.
 fn timeless(mut found: Accuracy) -> Accuracy {
     for method in &mut found.methods {
         let rows = method.strata.iter_mut().chain([&mut method.total]);
@@ -99,7 +99,7 @@ fn accuracy_asks_nothing_of_an_empty_mesh_or_in_the_dark() {
     }
 }
 
-/// A contender that answers as another one and gets the first question of each batch wrong.
+/// Fault injected: the method answers as another one, but gets the first query of each batch wrong.
 fn spoiled<A: Copy + 'static>(mut of: Contender<'_, A>, turn: fn(A) -> A) -> Contender<'_, A> {
     let ask = move |stratum: usize, batch: usize, out: &mut Vec<A>| {
         (of.ask)(stratum, batch, out);
@@ -169,7 +169,7 @@ fn accuracy_whole_numbers_on_the_tree_say_what_they_say_of_all_faces() {
         let points = points::draw(&mesh, &lights, &Options { queries: 60, ..FEW });
         let (positions, mut triangles) = (mesh.positions().to_vec(), mesh.triangles().to_vec());
         triangles.truncate(triangles.len() / 2);
-        // The sabotage: half of the faces are lost.
+        // Fault injected: half of the faces are missing.
         let half = Oracle::build(&Mesh::new(positions, triangles).unwrap());
         let oracle = Oracle::build(&mesh);
         for points in &points {
@@ -187,7 +187,7 @@ fn accuracy_whole_numbers_on_the_tree_say_what_they_say_of_all_faces() {
 
 #[test]
 fn accuracy_plain_tree_finds_what_the_exact_one_finds_where_nothing_is_aimed_at() {
-    // A tree that no plane can split.
+    // Equal boxes: no plane splits this tree.
     let many = Mesh::concat(&vec![shapes::tetrahedron(); 50]).unwrap();
     for mesh in [shapes::torus_knot(2, 3, 60, 8, 0.3), shapes::tetrahedron(), many] {
         let (lights, oracle) = (lights(), Oracle::build(&mesh));
@@ -229,14 +229,14 @@ fn accuracy_lights_are_where_their_strata_say() {
         let away = light.xyz().iter().map(|&x| f64::from(x).powi(2)).sum::<f64>().sqrt();
         assert!(away > 2_f64.powi(29), "{light}");
     }
-    // As far off as one ulp is, and so in no plane, but in one of three coordinates that were not touched.
+    // One ulp off moves a light out of every plane, except in one of three coordinates that were not changed.
     let off = of("one_ulp_off").iter().filter(|light| !edge_on(light)).count();
     assert!(off > 20, "{off}");
 }
 
 #[test]
 fn accuracy_points_are_where_their_strata_say() {
-    // Coordinates with few bits, so that nothing is rounded.
+    // Coordinates of few bits, so that nothing is rounded.
     let (mesh, lights) = (shapes::cube(), lights());
     let points = points::draw(&mesh, &lights, &FEW);
     let vertices = mesh.positions();
@@ -252,7 +252,8 @@ fn accuracy_points_are_where_their_strata_say() {
     for (light, points) in lights.iter().zip(of("box")) {
         assert!(points.iter().filter(|&&p| passes(p, light)).count() < 3, "{light}");
     }
-    // Behind an edge of a cube most ways are shadowed or touch it; all would without rounding.
+    // Behind an edge of a cube most segments are shadowed or touch the cube; without rounding all of them
+    // would.
     let oracle = Oracle::build(&mesh);
     for (light, points) in lights.iter().zip(of("behind_edge")) {
         let lit = points.iter().filter(|&&p| oracle.verdict(p, light) == Verdict::Lit).count();

@@ -1,4 +1,4 @@
-//! The ways to tell whether a point is in shadow.
+//! Methods that decide whether a point is in shadow.
 
 use super::compare::{Contender, Stratum, compare, prepared};
 use super::lights;
@@ -11,12 +11,12 @@ use crate::mesh::Mesh;
 use crate::oracle::{Oracle, Verdict};
 use crate::verify::reference;
 
-/// About how many queries a stratum whole numbers are timed on.
+/// Approximate number of queries per stratum on which the big-integer method is timed.
 const SAMPLE: u64 = 500;
 
-/// How many faces whole numbers look at altogether where they ask all of them (about a second of work), and how many
-/// queries that are at most.
+/// Number of faces tested in total when big integers test all faces of the mesh: about a second of work.
 const ALL_FACES: usize = 400_000;
+/// Maximum number of queries for which big integers test all faces of the mesh.
 const MOST_BY_ALL_FACES: usize = 400;
 
 pub(super) fn measure(mesh: &Mesh, given: &[Light], options: &Options, progress: &dyn Fn(u64)) -> Accuracy {
@@ -33,7 +33,7 @@ pub(super) fn measure(mesh: &Mesh, given: &[Light], options: &Options, progress:
     Accuracy { methods, judged_by_all_faces: Some(judged_by_all_faces) }
 }
 
-/// All methods, plain `f32` first. Whole numbers are asked every so many points.
+/// All methods, plain `f32` first. The big-integer method answers one query in `every`.
 pub(super) fn contenders<'a>(
     plain: &'a PlainTree,
     oracle: &'a Oracle,
@@ -52,7 +52,7 @@ pub(super) fn contenders<'a>(
     ]
 }
 
-/// A method that answers each point for itself.
+/// A method that answers each point independently.
 pub(super) fn contender<'a>(
     name: &'static str,
     exact: bool,
@@ -69,8 +69,8 @@ pub(super) fn contender<'a>(
     Contender { name, exact, prepare_ns: None, every, ask: Box::new(ask) }
 }
 
-/// Every verdict in whole numbers, over the faces that the oracle's tree leaves over; and on a sample over all faces,
-/// which has the last word. How many that were.
+/// The true verdict of every query, with big integers over the faces that the oracle's tree does not cull. A
+/// sample of the queries is decided over all faces instead. Returns the number of sampled queries too.
 pub(super) fn truth(
     mesh: &Mesh,
     oracle: &Oracle,

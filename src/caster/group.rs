@@ -1,4 +1,4 @@
-//! Several casters under one ray cast.
+//! Groups of casters that share one ray cast.
 
 use std::sync::OnceLock;
 
@@ -7,10 +7,11 @@ use crate::geom::Aabb;
 use crate::mesh::Mesh;
 use crate::oracle::Oracle;
 
-/// The casters of a scene, and the exact ray cast over all of them.
+/// The casters of a scene, with one exact ray cast over all of them.
 ///
-/// One caster lends its own ray cast; several get one tree over all faces, made when first asked for. Faces are then
-/// numbered caster after caster: [`Oracle::mesh_face`] separates the two.
+/// A single caster lends its own ray cast. Several casters get one tree over all faces, built on first use.
+/// The faces are then numbered caster by caster: [`Oracle::mesh_face`] splits such a number into caster and
+/// face.
 ///
 /// ```
 /// use umbrage::caster::{Caster, CasterGroup};
@@ -27,19 +28,19 @@ pub struct CasterGroup<'a> {
 }
 
 impl<'a> CasterGroup<'a> {
-    /// Nothing is made yet.
+    /// A group of casters. Nothing is built yet.
     #[must_use]
     pub fn new(casters: Vec<&'a Caster>) -> Self {
         Self { casters, oracle: OnceLock::new() }
     }
 
-    /// The casters, in their order.
+    /// The casters, in the order given.
     #[must_use]
     pub fn casters(&self) -> &[&'a Caster] {
         &self.casters
     }
 
-    /// The exact ray cast over all of them.
+    /// The exact ray cast over all casters, built on first use.
     #[must_use]
     pub fn oracle(&self) -> &Oracle {
         match self.casters[..] {
@@ -51,7 +52,7 @@ impl<'a> CasterGroup<'a> {
         }
     }
 
-    /// The box around all faces.
+    /// Bounding box of all faces.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.oracle().bounds()

@@ -1,4 +1,4 @@
-//! A mesh and all that is known of it before any light.
+//! Casters: a mesh and everything that is known of it before any light.
 
 mod group;
 mod proofs;
@@ -19,12 +19,12 @@ use crate::oracle::Oracle;
 use crate::silhouette::Silhouette;
 use crate::topology::{Shells, Topology};
 
-/// A mesh in world space and everything that is known of it before any light: topology, crack report, shells, planes,
-/// proofs, ray cast.
+/// A mesh in world space with everything that is known of it before any light: topology, crack report,
+/// shells, face planes, proofs, ray cast.
 ///
-/// Each part is made once, when it is first asked for, from any thread; a caster is `Sync`. Parts share the list of
-/// triangles with the mesh. The functions that make the parts ([`Topology::of`], [`CrackReport::of`],
-/// [`FacePlanes::new`], …) are the reference, for those who want one of them alone.
+/// Each part is built once, on first use, from any thread; a caster is `Sync`. The parts share the triangle
+/// list of the mesh. The functions that build the parts ([`Topology::of`], [`CrackReport::of`],
+/// [`FacePlanes::new`], …) are public too, for callers who need a single part.
 ///
 /// ```
 /// use umbrage::caster::Caster;
@@ -50,7 +50,7 @@ pub struct Caster {
     parts: Parts,
 }
 
-/// What depends on positions.
+/// The parts that depend on positions.
 #[derive(Clone, Debug, Default)]
 struct Parts {
     report: OnceLock<CrackReport>,
@@ -61,19 +61,19 @@ struct Parts {
 }
 
 impl Caster {
-    /// Takes a mesh as it is, welded or not. Nothing is made yet.
+    /// A caster of the mesh as given, welded or not. Nothing is built yet.
     #[must_use]
     pub fn new(mesh: Mesh) -> Self {
         Self { mesh, topology: OnceLock::new(), shells: OnceLock::new(), parts: Parts::default() }
     }
 
-    /// Copies vertex and index arrays, three indices per face, and welds vertices of equal positions, as those that are
-    /// split for normals or texture coordinates are.
+    /// A caster of vertex and index arrays, three indices per face. The arrays are copied, and vertices of
+    /// equal positions are welded, such as vertices split for normals or texture coordinates.
     ///
     /// # Errors
     ///
-    /// [`MeshError`] if a coordinate is not finite, an index is out of range, or the number of indices is not divisible
-    /// by 3.
+    /// [`MeshError`] if a coordinate is not finite, an index is out of range, or the number of indices is not
+    /// a multiple of 3.
     pub fn from_indexed(positions: &[[f32; 3]], indices: &[u32]) -> Result<Self, MeshError> {
         let mesh = Mesh::from_indexed(positions, indices)?;
         Ok(Self::new(weld_in_place(mesh, Weld::Exact).mesh))
@@ -85,33 +85,33 @@ impl Caster {
         &self.mesh
     }
 
-    /// The edge table, with what the crack report needs of it: some 40 ns per face when first asked for.
+    /// The edge table. Cost on first use: some 20 ns per face; its survey, on first use by shells or crack report,
+    /// as much again.
     #[must_use]
     pub fn topology(&self) -> &Topology {
-        self.topology
-            .get_or_init(|| Topology::build_surveyed(self.mesh.vertex_count(), self.mesh.shared_triangles()))
+        self.topology.get_or_init(|| Topology::of(&self.mesh))
     }
 
-    /// The connected shells.
+    /// The connected shells of the mesh.
     #[must_use]
     pub fn shells(&self) -> &Shells {
         self.shells.get_or_init(|| self.topology().shells())
     }
 
-    /// The crack report, without self-intersections: see [`CrackReport::of`] for its cost.
+    /// The crack report, without self-intersections. For its cost see [`CrackReport::of`].
     #[must_use]
     pub fn report(&self) -> &CrackReport {
         self.parts.report.get_or_init(|| CrackReport::of(&self.mesh, self.topology()))
     }
 
-    /// A plane per face, for the exact sides of many lights: some 25 ns per face when first asked for.
+    /// A plane per face, for the exact side of many lights. Cost on first use: some 25 ns per face.
     #[must_use]
     pub fn planes(&self) -> &FacePlanes {
         self.parts.planes.get_or_init(|| FacePlanes::new(&self.mesh))
     }
 
-    /// What is proven of each shell: whether half its faces cast the same shadow. Looks for self-intersections, which
-    /// takes some microseconds per face when first asked for; see [`ShellProof::of`].
+    /// One proof per shell: whether half of the shell's faces cast the same shadow. Cost on first use: a
+    /// search for self-intersections, some microseconds per face; see [`ShellProof::of`].
     #[must_use]
     pub fn proofs(&self) -> &[ShellProof] {
         self.parts.proofs.get_or_init(|| {
@@ -119,50 +119,50 @@ impl Caster {
         })
     }
 
-    /// Boxes around the shells and around blocks of their faces.
+    /// Bounding boxes of the shells and of blocks of their faces.
     #[must_use]
     pub fn shell_boxes(&self) -> &ShellBoxes {
         self.parts.boxes.get_or_init(|| ShellBoxes::new(&self.mesh, self.shells()))
     }
 
-    /// The exact ray cast: some 330 ns per face when first asked for.
+    /// The exact ray cast. Cost on first use: some 330 ns per face.
     #[must_use]
     pub fn oracle(&self) -> &Oracle {
         self.parts.oracle.get_or_init(|| Oracle::build(&self.mesh))
     }
 
-    /// The mesh alone.
+    /// Takes the mesh; all other parts are dropped.
     #[must_use]
     pub fn into_mesh(self) -> Mesh {
         self.mesh
     }
 
-    /// The ray cast alone, which has the faces of its own; all else is let go of.
+    /// Takes the ray cast, which holds its own copy of the faces; all other parts are dropped.
     #[must_use]
     pub fn into_oracle(self) -> Oracle {
         self.parts.oracle.into_inner().unwrap_or_else(|| Oracle::build(&self.mesh))
     }
 
-    /// The side of every face that `light` is on, exactly; one entry per face.
+    /// The exact side of every face on which `light` lies; one entry per face.
     #[must_use]
     pub fn facing(&self, light: &Light) -> Vec<Facing> {
         self.planes().classify(&self.mesh, light)
     }
 
-    /// The silhouette edges for the faces that cast. For light after light, a
+    /// The silhouette edges for the given casting faces. For a sequence of lights a
     /// [`SilhouetteFinder`](crate::silhouette::SilhouetteFinder) is faster.
     #[must_use]
     pub fn silhouette(&self, light: &Light, faces: CasterFaces) -> Silhouette {
         Silhouette::extract(self.topology(), &faces.signs(&self.facing(light)))
     }
 
-    /// Moves the vertices. Topology and shells stay; whatever depends on positions is made again when it is next asked
-    /// for.
+    /// Moves the vertices. Topology and shells are kept; all parts that depend on positions are built again
+    /// on their next use.
     ///
     /// # Errors
     ///
-    /// [`MeshError`] if there are more or fewer positions than vertices, or a coordinate is not finite; then nothing has
-    /// changed.
+    /// [`MeshError`] if the number of positions differs from the number of vertices, or if a coordinate is
+    /// not finite. After an error the caster is unchanged.
     ///
     /// ```
     /// use umbrage::caster::Caster;

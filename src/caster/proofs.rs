@@ -1,4 +1,4 @@
-//! Which shells are proven to cast the same shadow with half their faces, whatever the light.
+//! Proofs that half of a shell's faces cast the same shadow, for any light.
 
 use std::ops::ControlFlow;
 
@@ -8,38 +8,39 @@ use crate::geom::predicate::Sign;
 use crate::mesh::{FaceId, Mesh};
 use crate::topology::{Shells, Topology};
 
-/// What is known of a shell, whatever the light.
+/// Proof about a shell that holds for any light, or the reason that there is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ShellProof {
-    /// Winding numbers are 0 and +1: watertight, does not meet itself, positive volume.
+    /// Winding numbers are 0 and +1: the shell is watertight, does not intersect itself, and its volume is
+    /// positive.
     Outward,
-    /// Winding numbers are 0 and −1: the same with a negative volume.
+    /// Winding numbers are 0 and −1: as `Outward`, with a negative volume.
     Inward,
     /// An edge does not have exactly two faces in opposite directions.
     NotWatertight,
-    /// A face has no area.
+    /// A face has zero area.
     ZeroAreaFace,
-    /// Two faces meet where they should not.
+    /// Two faces intersect where they should not.
     MeetsItself,
-    /// So many faces reach into one place that whether two of them meet was not found out.
+    /// Undecided: the search for self-intersections gave up, because too many faces overlap in one region.
     Unsettled,
-    /// The volume is zero.
+    /// The signed volume is zero.
     NoVolume,
 }
 
 impl ShellProof {
-    /// Looks at every shell: one proof a shell, in their order. Searches for self-intersections, which costs some
-    /// microseconds a face, unless no shell gets that far. Where the faces of shells nearly all reach into one place
-    /// the search gives up after some seconds for all shells together: [`ShellProof::Unsettled`].
+    /// Proofs of all shells, one per shell, in shell order. Cost: a search for self-intersections, some
+    /// microseconds per face, unless no shell gets that far. If nearly all faces of the shells overlap in one
+    /// region, the search gives up after some seconds for all shells together: [`ShellProof::Unsettled`].
     ///
-    /// Memory: at its peak 129 bytes a face, or what [`CrackReport::of`] takes.
+    /// Memory: at its peak 129 bytes per face, or the peak of [`CrackReport::of`] if that is higher.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology, shells: &Shells) -> Vec<Self> {
         Self::within(mesh, topology, shells, &CrackReport::of(mesh, topology), MOST_TESTS)
     }
 
-    /// The same with the crack report of the mesh, which is there already.
+    /// As [`ShellProof::of`], with an existing crack report of the mesh.
     pub(crate) fn with_report(
         mesh: &Mesh,
         topology: &Topology,
@@ -49,7 +50,8 @@ impl ShellProof {
         Self::within(mesh, topology, shells, report, MOST_TESTS)
     }
 
-    /// The same with `spare` tests for all shells together, beside those that go with the faces.
+    /// As [`ShellProof::of`], with a budget: `spare` face-pair tests for all shells together, in addition to
+    /// the 256 tests per face that each shell has.
     pub(crate) fn within(
         mesh: &Mesh,
         topology: &Topology,
@@ -78,7 +80,8 @@ impl ShellProof {
                 proofs[shell] = Self::ZeroAreaFace;
             }
         }
-        // Shell by shell: two of them may well meet each other, for each keeps its own count.
+        // Each shell is searched separately: two shells may intersect each other, because each keeps its own
+        // winding number.
         for faces in shells.faces_by_shell().iter() {
             let Some(shell) = faces.first().and_then(|&face| of_face(face)) else { continue };
             if proofs[shell].is_sound() {
@@ -89,7 +92,7 @@ impl ShellProof {
                     meets = true;
                     stop
                 });
-                spare = spare.min(tests); // its own go first
+                spare = spare.min(tests); // a shell's own tests are used up first
                 if end == stop {
                     proofs[shell] = if meets { Self::MeetsItself } else { Self::Unsettled };
                 }
@@ -103,6 +106,6 @@ impl ShellProof {
     }
 }
 
-/// After so many tests of two faces of one shell, in all shells together, and 256 more a face, proofs are given up:
-/// some seconds.
+/// Face-pair tests in all shells together, in addition to 256 per face, after which proofs are given up: some
+/// seconds.
 const MOST_TESTS: u64 = 1 << 24;

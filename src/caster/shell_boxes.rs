@@ -1,40 +1,42 @@
-//! Boxes around the shells of a mesh and around blocks of their faces.
+//! Bounding boxes of the shells of a mesh, and of blocks of their faces.
 
 use crate::built::{self, Part};
 use crate::geom::Aabb;
 use crate::mesh::{FaceId, Mesh};
 use crate::topology::{FacesByShell, Shells};
 
-/// The faces of every shell in blocks with boxes around them, so that a shell far from the light's way to the camera
-/// costs one test. Made once for a mesh that rests; 4 bytes a face and 32 a block.
+/// The faces of every shell in blocks with bounding boxes, so that a shell far from the pyramid between light
+/// and camera costs one test. Built once for a mesh that does not move. Memory: 4 bytes per face and 32 per
+/// block.
 #[derive(Clone, Debug)]
 pub struct ShellBoxes {
-    /// Faces by shell, ascending within each.
+    /// Faces sorted by shell, ascending within each shell.
     pub(crate) faces: Vec<FaceId>,
     pub(crate) blocks: Vec<Block>,
     pub(crate) shells: Vec<ShellBox>,
 }
 
-/// Some faces of one shell: those before `end` that the block before it does not hold.
+/// A block of faces of one shell. It ends before the index `end`, and starts where the previous block ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Block {
     pub(crate) bounds: Aabb,
     pub(crate) end: u32,
 }
 
-/// All blocks of one shell: those before `end` that the shell before it does not hold.
+/// The range of blocks of one shell. It ends before the index `end`, and starts where the previous shell's
+/// range ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShellBox {
     pub(crate) bounds: Aabb,
     pub(crate) end: u32,
 }
 
-/// Faces a block: neighbors in most files, so that their box is small.
+/// Faces per block. Consecutive faces are neighbors in most files, so a block's box is small.
 const BLOCK: usize = 32;
 
 impl ShellBoxes {
-    /// Sorts the faces by shell and puts boxes around them. Linear time. Memory: 6 bytes a face at its peak, and 150 a
-    /// shell.
+    /// Sorts the faces by shell and computes the boxes. Linear time. Memory: at its peak 6 bytes per face and
+    /// 150 per shell.
     ///
     /// # Panics
     ///

@@ -1,4 +1,4 @@
-//! Whether a mesh is balanced, by one sum over all half-edges, and no table.
+//! Randomized test for balance: one sum over all half-edges, without an edge table.
 //!
 //! Give each vertex v two random words x(v) and y(v), and each half-edge from a to b the value
 //!
@@ -6,43 +6,43 @@
 //! f(a, b) = x(a) y(b) − y(a) x(b) = −f(b, a)
 //! ```
 //!
-//! Where the two directions of an edge are used equally often they cancel, so the sum over a balanced mesh is 0,
-//! always. Let n(a, b) be the surplus of the direction from a to b. The sum over any mesh is that of
-//! n(a, b) (x(a) y(b) − x(b) y(a)) over its edges a < b: a polynomial whose monomials are all different, and so
-//! not the zero polynomial unless the mesh is balanced. It vanishes at few points: Schwartz, *Fast Probabilistic
-//! Algorithms for Verification of Polynomial Identities*, 1980; Zippel, *Probabilistic Algorithms for Sparse
-//! Polynomials*, 1979.
+//! If the two directions of an edge are used equally often they cancel, so the sum over a balanced mesh is
+//! always 0. Let n(a, b) be the surplus of the direction from a to b. The sum over any mesh is that of
+//! n(a, b) (x(a) y(b) − x(b) y(a)) over its edges a < b: a polynomial whose monomials are all different, and
+//! so not the zero polynomial unless the mesh is balanced. It vanishes at few points: Schwartz, *Fast
+//! Probabilistic Algorithms for Verification of Polynomial Identities*, 1980; Zippel, *Probabilistic
+//! Algorithms for Sparse Polynomials*, 1979.
 //!
-//! Theirs is a bound over a field, and the sum here is one modulo 2³². Let 2^v be the largest power of two that
-//! divides every surplus, and k = 32 − v. The sum is 2^v Σ x(a) w(a) with w(a) = Σ m(a, b) y(b) modulo 2^k, where
-//! some m(a, b) is odd. Whatever the other words are, w(a) and w(b) are two independent uniform words, as the one
-//! holds m y(b) and the other −m y(a). So 2^j divides all w with probability at most 4^−j. If j is the largest
-//! such exponent, the sum is uniform over 2^(k − j) values, and vanishes with probability 2^(j − k). Together
-//! that is at most 2^−k (1 + Σ 4^−j 2^(j − 1)) = 1.5 · 2^−k: 3.5 · 10⁻¹⁰ for an edge with one face too many in one
-//! direction, and 7 · 10⁻¹⁰ if it is two, as with a face turned over. Surpluses that are all multiples of a
-//! larger power of two need as many sheets on top of each other.
+//! Theirs is a bound over a field, and the sum here is one modulo 2³². Let 2^v be the largest power of two
+//! that divides every surplus, and k = 32 − v. The sum is 2^v Σ x(a) w(a) with w(a) = Σ m(a, b) y(b) modulo
+//! 2^k, where some m(a, b) is odd. Whatever the other words are, w(a) and w(b) are two independent uniform
+//! words, as the one holds m y(b) and the other −m y(a). So 2^j divides all w with probability at most 4^−j.
+//! If j is the largest such exponent, the sum is uniform over 2^(k − j) values, and vanishes with probability
+//! 2^(j − k). Together that is at most 2^−k (1 + Σ 4^−j 2^(j − 1)) = 1.5 · 2^−k: 3.5 · 10⁻¹⁰ for an edge with
+//! one face too many in one direction, and 7 · 10⁻¹⁰ if it is two, as with a face turned over. Surpluses that
+//! are all multiples of a larger power of two need as many sheets on top of each other.
 //!
-//! Over a face f adds up to (x(b) − x(a))(y(c) − y(a)) − (x(c) − x(a))(y(b) − y(a)), twice the area of a triangle
-//! in the plane of the words: two multiplications, and plainly 0 for a face with two equal corners.
+//! Over a face f adds up to (x(b) − x(a))(y(c) − y(a)) − (x(c) − x(a))(y(b) − y(a)), twice the area of a
+//! triangle in the plane of the words: two multiplications, and plainly 0 for a face with two equal corners.
 //!
-//! The words come from two or three multiplications, with keys drawn from the seed. That they are random is an assumption:
-//! tests look at many seeds and at the arrangements of vertex numbers and coordinates that meshes have, but
-//! whoever knows the seed can make a mesh that is let pass. Two different positions get the same words with a
-//! probability of 2⁻³¹ or so (two different numbers never do), and where they stand on the two sides of a crack that closes it, which is why
-//! [`Screen::ERROR`] is more than the bound above.
+//! The words come from two or three multiplications, with keys drawn from the seed. Their randomness is an
+//! assumption: tests examine many seeds and the arrangements of vertex numbers and coordinates that meshes
+//! have, but whoever knows the seed can construct an unbalanced mesh that passes. Two different positions get
+//! the same words with a probability of about 2⁻³¹ (two different numbers never do); on the two sides of a
+//! crack that hides it, which is why [`Screen::ERROR`] is more than the bound above.
 
 use multiversion::multiversion;
 
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
 
-/// Tells a balanced mesh from one that is not, by the sum of a random function over its half-edges.
+/// A randomized test whether a mesh is balanced: the sum of a random function over its half-edges.
 ///
-/// Constant memory, one pass. Arithmetic is the limit, 11 multiplications of 32 bits a triangle, eight at a time where
-/// the processor can: not twice what reading the indices takes, and an order of magnitude less than
-/// [`Topology::build`](super::Topology::build) takes. A mesh that is found unbalanced is; one that is found
-/// balanced is not with a probability of [`Screen::ERROR`]. The same seed gives the same answer everywhere;
-/// asking again with another seed multiplies the probabilities.
+/// Constant memory, one pass. Time: 11 multiplications of 32 bits per triangle, eight at a time with AVX2:
+/// less than twice the time of reading the indices, and an order of magnitude less than
+/// [`Topology::build`](crate::topology::Topology::build). A mesh reported unbalanced is unbalanced; a mesh
+/// reported balanced is unbalanced with a probability of at most [`Screen::ERROR`]. The same seed gives the
+/// same answer everywhere; a second test with another seed multiplies the probabilities.
 ///
 /// ```
 /// use umbrage::testing::shapes;
@@ -57,15 +57,15 @@ pub struct Screen {
     seed: u64,
 }
 
-/// So many faces are looked at together: few enough for the first-level cache and the depth of the pipeline.
+/// Faces per block: few enough for the first-level cache.
 const BLOCK: usize = 32;
 
 /// The lower half of a word.
 const LOW: u64 = u32::MAX as u64;
 
 impl Screen {
-    /// How likely an unbalanced mesh is found balanced, at most, for a seed that was drawn after the mesh was made
-    /// and if no edge has a surplus of more than two.
+    /// Upper bound on the probability that an unbalanced mesh is reported balanced, for a seed drawn after
+    /// the mesh was made and if no edge has a surplus of more than two.
     pub const ERROR: f64 = 1e-8;
 
     /// A screen whose random numbers are drawn from `seed`. The default one's is 0.
@@ -74,22 +74,22 @@ impl Screen {
         Self { seed }
     }
 
-    /// Whether `triangles` are balanced: whether at every edge, told by the numbers of its vertices, the two
-    /// directions are used equally often.
+    /// Whether `triangles` are balanced: whether at every edge (a pair of vertex numbers) the two directions
+    /// are used equally often.
     #[must_use]
     pub fn indices(self, triangles: &[[u32; 3]]) -> bool {
         sum_of_indices(&Keys::of(self.seed), triangles) == 0
     }
 
-    /// Whether `mesh` is balanced when vertices with bit-equal positions in every frame are one vertex, as
-    /// [`Weld::Exact`](crate::mesh::Weld::Exact) has it.
+    /// Whether `mesh` is balanced if vertices with bit-equal positions in every frame count as one vertex, as
+    /// under [`Weld::Exact`](crate::mesh::Weld::Exact).
     #[must_use]
     pub fn positions(self, mesh: &Mesh) -> bool {
         sum_of_positions(self.seed, mesh) as u32 == 0
     }
 }
 
-/// What the words of a vertex are made with.
+/// Keys of the hash from a vertex to its words.
 struct Keys {
     /// Turns bits of the number before the first multiplication: twice the same 32 bits.
     flip: u64,
@@ -104,24 +104,25 @@ impl Keys {
         Self { flip: flip << 32 | flip, turn: random.next() }
     }
 
-    /// From 64 bits of a vertex, different for each, to its two words, in the lower halves.
+    /// The two words of a vertex, in the lower halves, from 64 bits that differ for each vertex.
     ///
-    /// Both halves of a product with itself turned: were the second factor a key alone, equally spaced vertices
-    /// would often have words on one line.
+    /// The words are the halves of a product of the bits and the bits with some flipped: if the second factor
+    /// were a key alone, equally spaced vertices would often have words on one line.
     #[inline(always)]
     fn words(&self, bits: u64) -> [u64; 2] {
         let x = bits ^ bits >> 32;
         [x, ((x & LOW) * ((bits ^ self.turn) & LOW)) >> 32]
     }
 
-    /// From the number of a vertex to its two words; the first ones of different numbers are different.
+    /// The two words of a vertex number; the first words of different numbers differ.
     ///
-    /// A word is as wide as what it is made of, so that a vector holds as many as it can. Halves are folded over
-    /// each other since the low bits of a product know nothing of the high bits of its factors.
+    /// A word has 32 bits like the number, so that a vector register holds as many as it can. Halves are
+    /// folded over each other because the low bits of a product do not depend on the high bits of its
+    /// factors.
     #[inline(always)]
     fn words_of_number(&self, number: u32) -> [u32; 2] {
-        // 2³² over the golden ratio (Knuth, *The Art of Computer Programming* 3, section 6.4), and a factor of
-        // MurmurHash3 (Austin Appleby, 2011).
+        // 2³² over the golden ratio (Knuth, *The Art of Computer Programming* 3, section 6.4), and a factor
+        // of MurmurHash3 (Austin Appleby, 2011).
         let once = (number ^ self.flip as u32).wrapping_mul(0x9e37_79b1);
         let twice = (once ^ once >> 16).wrapping_mul(0x85eb_ca6b);
         let x = twice ^ twice >> 16;
@@ -144,7 +145,7 @@ fn area(a: [u64; 2], b: [u64; 2], c: [u64; 2]) -> u64 {
 fn sum_of_indices(keys: &Keys, triangles: &[[u32; 3]]) -> u32 {
     let mut sum = 0_u32;
     for &[a, b, c] in triangles {
-        // (Spelt out: with `map` of an array it would not become vector instructions.)
+        // (Three calls: `map` on an array would not be vectorized.)
         let (a, b, c) = (keys.words_of_number(a), keys.words_of_number(b), keys.words_of_number(c));
         let minus = u32::wrapping_sub;
         let one = minus(b[0], a[0]).wrapping_mul(minus(c[1], a[1]));
@@ -154,7 +155,7 @@ fn sum_of_indices(keys: &Keys, triangles: &[[u32; 3]]) -> u32 {
     sum
 }
 
-/// The same by the bits of the positions.
+/// The sum over all faces, with words made of the bits of the positions.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
 fn sum_of_positions(seed: u64, mesh: &Mesh) -> u64 {
     let keys = &Keys::of(seed);
@@ -169,15 +170,15 @@ fn sum_of_positions(seed: u64, mesh: &Mesh) -> u64 {
     let (mut firsts, mut thirds) = ([[0_u64; BLOCK]; 3], [[0_u64; BLOCK]; 3]);
     for faces in mesh.triangles().chunks(BLOCK) {
         if faces.len() < BLOCK {
-            // Collapsed faces fill the last block: they add nothing.
+            // Collapsed faces, which add nothing, fill the last block.
             (firsts, thirds) = ([[0; BLOCK]; 3], [[0; BLOCK]; 3]);
         }
-        // A linear form of all coordinates, turned by the seed.
+        // A linear form of all coordinates, with keys from the seed.
         let mut bits = [[keys.flip; BLOCK]; 3];
         for &(positions, [fx, fy, fz]) in &frames {
             for (i, corners) in faces.iter().enumerate() {
                 for corner in 0..3 {
-                    // (Spelt out: `map` of an array is not always inlined.)
+                    // (A loop: closures on arrays are not always inlined.)
                     let [x, y, z] = positions[corners[corner] as usize];
                     firsts[corner][i] = u64::from(x.to_bits()) | u64::from(y.to_bits()) << 32;
                     thirds[corner][i] = u64::from(z.to_bits());
@@ -205,8 +206,8 @@ fn sum_of_positions(seed: u64, mesh: &Mesh) -> u64 {
 mod tests {
     use super::*;
 
-    /// Over many seeds the sum of an unbalanced mesh must look random: any twelve bits of it are 0 in 1 of 4096
-    /// seeds or a few more (the bound above allows for 1.5 and 3 times as many), and all 32 bits never.
+    /// Over many seeds the sum of an unbalanced mesh must look random: any twelve bits of it are 0 in 1 of
+    /// 4096 seeds or a few more (the bound above allows for 1.5 and 3 times as many), and all 32 bits never.
     fn zeros(sum: impl Fn(u64) -> u64) -> [usize; 3] {
         const SEEDS: u64 = 1 << 15;
         let mut zeros = [0; 3];
@@ -226,7 +227,8 @@ mod tests {
 
     #[test]
     fn screen_sums_look_random_where_vertices_are_numbered_as_in_meshes() {
-        // Holes at small numbers, at equal steps, at large ones; pairs of holes that are copies of each other.
+        // Holes at small numbers, at equal steps, at large ones; pairs of holes that are copies of each
+        // other.
         for faces in [
             &[[0, 1, 2]][..],
             &[[0, 2, 4]],
@@ -259,7 +261,7 @@ mod tests {
                 (0..count).map(|_| [(); 3].map(|()| random.next() as u32)).collect();
             let sum = sum_of_indices(&keys, &faces);
             assert_eq!(sum, naive(&faces), "{count} faces");
-            // The sabotage: the last face turned over.
+            // Fault injected: the last face turned over.
             if let Some(last) = faces.last_mut() {
                 last.swap(0, 1);
                 assert_ne!(sum, naive(&faces), "{count} faces");
@@ -285,7 +287,7 @@ mod tests {
 
     #[test]
     fn screen_words_on_a_line_would_be_seen() {
-        // The sabotage: words that depend on each other linearly. Then every area is 0.
+        // Fault injected: words that depend on each other linearly. Then every area is 0.
         let words = |number: u32, seed: u64| [u64::from(number) + seed, u64::from(number) * 3];
         let sum = zeros(|seed| area(words(0, seed), words(1, seed), words(2, seed)));
         assert!(std::panic::catch_unwind(|| assert_random(sum, &())).is_err(), "{sum:?}");

@@ -1,4 +1,4 @@
-//! Kinds of defects, what they do to a shadow, and where they lie.
+//! Kinds of defects, their effects on a shadow, and their positions.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use super::CrackReport;
 use crate::mesh::{EdgeId, FaceId, Mesh, VertexId};
 use crate::topology::Topology;
 
-/// What can be wrong with a mesh.
+/// Kinds of defects of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum DefectKind {
@@ -68,7 +68,7 @@ impl DefectKind {
         }
     }
 
-    /// What it does to a shadow, in one sentence.
+    /// Its effect on a shadow, in one sentence.
     #[must_use]
     pub fn effect(self) -> &'static str {
         match self {
@@ -122,22 +122,34 @@ impl fmt::Display for DefectKind {
     }
 }
 
-/// Where a defect lies.
+/// One defect: its position, its faces, its edges.
+///
+/// ```
+/// use umbrage::check::{CrackReport, DefectKind};
+/// use umbrage::testing::shapes;
+/// use umbrage::topology::Topology;
+/// let mesh = shapes::open_cube();
+/// let topology = Topology::of(&mesh);
+/// let report = CrackReport::of(&mesh, &topology);
+/// let holes = report.items(DefectKind::BoundaryLoop, &mesh, &topology, 10);
+/// assert_eq!((holes.len(), holes[0].segments.len()), (1, 4));
+/// assert_eq!(holes[0].length, Some(8.0)); // the cube is [−1, 1]³
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Defect {
     /// A point to look at, in mesh units.
     pub position: [f32; 3],
-    /// Length of the edge, of the loop, or of the seam, in mesh units; `None` where there is no length.
+    /// Length of the edge, the loop or the seam, in mesh units; `None` for defects without a length.
     pub length: Option<f64>,
-    /// The faces that take part; [`Mesh::part_name`] and [`Mesh::corners`] say what they are called and
-    /// where they lie.
+    /// Its faces; [`Mesh::part_name`] and [`Mesh::corners`] give their names and corners.
     pub faces: Vec<FaceId>,
-    /// The edges that take part, end to end.
+    /// The end points of its edges.
     pub segments: Vec<[[f32; 3]; 2]>,
 }
 
 impl CrackReport {
-    /// How many defects of a kind there are; `None` where nobody looked.
+    /// The number of defects of a kind; `None` if they were not searched for.
     #[must_use]
     pub fn count(&self, kind: DefectKind) -> Option<usize> {
         let counts = &self.counts;
@@ -156,13 +168,13 @@ impl CrackReport {
         })
     }
 
-    /// The first `limit` defects of a kind, with their places, in the order of their ids.
+    /// The first `limit` defects of a kind, in the order of their ids. Linear in the mesh and in the result.
     ///
-    /// `mesh` and `topology` are those the report was made of. Linear in the mesh and in what is returned.
+    /// `mesh` and `topology` are those the report was made of.
     ///
     /// # Panics
     ///
-    /// Panics if they are not (an id is out of range).
+    /// Panics if an id is out of range, which can happen if `mesh` or `topology` is another one.
     #[must_use]
     pub fn items(&self, kind: DefectKind, mesh: &Mesh, topology: &Topology, limit: usize) -> Vec<Defect> {
         let at = Locator { mesh, topology };
@@ -185,7 +197,7 @@ impl CrackReport {
                 bad.take(limit).map(|edge| at.edges(&[edge])).collect()
             }
             DefectKind::NonManifoldVertex => {
-                let fans = topology.fans().several.chunk_by(|a, b| a.0 == b.0);
+                let fans = topology.survey().fans.chunk_by(|a, b| a.0 == b.0);
                 fans.take(limit)
                     .map(|fans| at.vertex(fans[0].0, fans.iter().map(|fan| fan.1).collect()))
                     .collect()
@@ -225,7 +237,7 @@ impl CrackReport {
     }
 }
 
-/// Turns ids into places.
+/// Turns ids into positions.
 struct Locator<'a> {
     mesh: &'a Mesh,
     topology: &'a Topology,
@@ -240,7 +252,7 @@ impl Locator<'_> {
         Defect { position: self.position(vertex), faces, ..Defect::default() }
     }
 
-    /// At the middle of the first edge.
+    /// A defect of edges, positioned at the middle of the first one.
     fn edges(&self, edges: &[EdgeId]) -> Defect {
         let segments: Vec<[[f32; 3]; 2]> = edges
             .iter()
@@ -257,7 +269,7 @@ impl Locator<'_> {
         Defect { position, length: Some(segments.iter().map(length).sum()), faces, segments }
     }
 
-    /// At the centroid of the first face.
+    /// A defect of faces, positioned at the centroid of the first one.
     fn faces(&self, faces: Vec<FaceId>) -> Defect {
         let position = faces.first().map_or([0.0; 3], |&face| mean(&self.mesh.corners(face)));
         Defect { position, faces, ..Defect::default() }
@@ -269,8 +281,8 @@ impl Locator<'_> {
         }
         let mut faces = vec![Vec::new(); wanted.len()];
         for (face, shell) in (0..).map(FaceId).zip(self.topology.shells().of_face) {
-            if let Some(place) = shell.and_then(|shell| wanted.binary_search(&shell).ok()) {
-                faces[place].push(face);
+            if let Some(index) = shell.and_then(|shell| wanted.binary_search(&shell).ok()) {
+                faces[index].push(face);
             }
         }
         faces.into_iter().map(|faces| self.faces(faces)).collect()
@@ -278,7 +290,7 @@ impl Locator<'_> {
 }
 
 fn mean(points: &[[f32; 3]]) -> [f32; 3] {
-    // In f64, where no sum of three f32 overflows.
+    // In f64, in which no sum of three f32 overflows.
     std::array::from_fn(|i| {
         (points.iter().map(|p| f64::from(p[i])).sum::<f64>() / points.len() as f64) as f32
     })

@@ -1,4 +1,4 @@
-//! Faces that cast nothing, or twice.
+//! Defects of single faces: zero area, and duplicates.
 
 use crate::geom::predicate::collinear;
 use crate::mesh::{FaceId, Mesh};
@@ -22,8 +22,10 @@ pub(super) struct Duplicate {
     pub(super) same_winding: bool,
 }
 
-/// Duplicates, ascending by the extra face. Every face is met at the edge of its two smaller vertices, where
-/// faces with the same third vertex are duplicates, and the direction along that edge tells the winding.
+/// Duplicates, ascending by the extra face. Linear time for edges of few faces.
+///
+/// Every face is visited once, at the edge of its two lower-numbered vertices. Faces with the same third
+/// vertex there are duplicates; their directions along the edge give the winding.
 pub(super) fn duplicates(topology: &Topology) -> Vec<Duplicate> {
     let mut found = Vec::new();
     let mut apexes = Vec::new();

@@ -17,6 +17,7 @@
 
 use std::ops::ControlFlow;
 
+use super::CrackReport;
 use crate::geom::Aabb;
 use crate::geom::box_pairs::Overlaps;
 use crate::geom::predicate::{Sign, collinear, orient3d, surely_parted, turn};
@@ -24,12 +25,81 @@ use crate::mesh::{FaceId, Mesh};
 use crate::parallel;
 use crate::topology::Topology;
 
-/// Calls `visit` with each pair of faces that intersect, the smaller id first, each pair once, until it breaks. The
-/// order depends on the mesh alone.
+/// Self-intersections of a mesh: pairs of faces that meet where they should not.
 ///
-/// `mesh` is the welded mesh from whose triangles `topology` was built. Candidates come from a tree over the
-/// faces' boxes (about 150 bytes a face while it lives); few of the pairs are held at a time, so that memory stays
-/// bounded even where all faces intersect all others.
+/// ```
+/// use umbrage::check::CrackReport;
+/// use umbrage::testing::shapes;
+/// use umbrage::topology::Topology;
+/// let mesh = shapes::cube();
+/// let topology = Topology::of(&mesh);
+/// let mut report = CrackReport::of(&mesh, &topology);
+/// report.add_self_intersections(&mesh, &topology, 10);
+/// let found = report.self_intersections.expect("they were searched for");
+/// assert!(found.complete && found.pairs == 0);
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct SelfIntersections {
+    /// The number of pairs.
+    pub pairs: usize,
+    /// The number of faces that are in a pair.
+    pub faces: usize,
+    /// The first pairs, in order, up to the number asked for.
+    pub first: Vec<[FaceId; 2]>,
+    /// Whether these are all; `false` if the search stopped at [`SelfIntersections::MOST`] or
+    /// [`SelfIntersections::MOST_TESTS`].
+    pub complete: bool,
+}
+
+impl SelfIntersections {
+    /// The number of pairs at which counting stops: 67,108,864, some ten seconds.
+    pub const MOST: usize = 1 << 26;
+    /// Budget of the search, in tests of two faces or of two nodes of the tree; 256 more per face. Less than
+    /// a minute. Only meshes whose faces nearly all overlap, or slivers across everything, take as many.
+    pub const MOST_TESTS: u64 = 1 << 27;
+}
+
+impl CrackReport {
+    /// Adds the self-intersections to the report, with the first `keep` pairs. See
+    /// [`for_each_self_intersection`] for the definition and the cost.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `topology` has other triangles than `mesh`.
+    pub fn add_self_intersections(&mut self, mesh: &Mesh, topology: &Topology, keep: usize) {
+        let mut found = SelfIntersections { pairs: 0, faces: 0, first: Vec::new(), complete: true };
+        let mut involved = vec![false; topology.face_count()];
+        let mut tests = SelfIntersections::MOST_TESTS + 256 * topology.face_count() as u64;
+        let end = for_each_intersection_among(mesh, &faces_with_area(mesh, topology), &mut tests, |pair| {
+            if found.pairs == SelfIntersections::MOST {
+                return ControlFlow::Break(());
+            }
+            found.pairs += 1;
+            for face in pair {
+                found.faces += usize::from(!std::mem::replace(&mut involved[face.index()], true));
+            }
+            // Pairs arrive unordered: from time to time all but the first ones are dropped.
+            if found.first.len() >= keep.saturating_mul(2).max(1024) {
+                found.first.sort_unstable();
+                found.first.truncate(keep);
+            }
+            found.first.push(pair);
+            ControlFlow::Continue(())
+        });
+        found.first.sort_unstable();
+        found.first.truncate(keep);
+        found.complete = end.is_continue();
+        self.counts.self_intersections = Some(found.pairs);
+        self.self_intersections = Some(found);
+    }
+}
+
+/// Calls `visit` with each pair of faces that intersect, the lower id first, each pair once, until it breaks.
+/// The order depends on the mesh alone. `mesh` is the welded mesh from whose triangles `topology` was built.
+///
+/// Candidates come from a tree over the faces' boxes, about 150 bytes per face. Few pairs are held at a time,
+/// so that memory stays bounded even if all faces intersect each other.
 ///
 /// # Panics
 ///
@@ -42,8 +112,8 @@ pub fn for_each_self_intersection(
     let _ = for_each_intersection_among(mesh, &faces_with_area(mesh, topology), &mut { u64::MAX }, visit);
 }
 
-/// The faces that can intersect others, ascending.
-pub(crate) fn faces_with_area(mesh: &Mesh, topology: &Topology) -> Vec<FaceId> {
+/// The faces with area, which alone can intersect, ascending.
+fn faces_with_area(mesh: &Mesh, topology: &Topology) -> Vec<FaceId> {
     assert!(mesh.triangles() == topology.triangles(), "the topology is that of another mesh");
     let has_area = |&face: &FaceId| {
         let [a, b, c] = mesh.corners(face);
@@ -52,24 +122,26 @@ pub(crate) fn faces_with_area(mesh: &Mesh, topology: &Topology) -> Vec<FaceId> {
     topology.faces().filter(has_area).collect()
 }
 
-/// So many tasks are done together, by all threads; their pairs are visited afterwards, in order.
+/// Tasks per parallel step; their pairs are visited after the step, in order.
 const WINDOW: usize = 256;
-/// So many pairs of a task are held; one that finds more is done again, alone, and visits them as it goes.
+/// Pairs held per task; a task that finds more is repeated alone, and visits its pairs as it finds them.
 const MOST_HELD: usize = 4096;
 
-/// What a task came to.
+/// Result of a task.
 #[derive(Default)]
 struct Done {
     pairs: Vec<[FaceId; 2]>,
     tests: u64,
-    /// There were more pairs than are held.
+    /// Whether there were more pairs than are held.
     more: bool,
 }
 
-/// The same among some faces, ascending, that all have area; it breaks as `visit` does, or when no tests are
-/// left: one is taken for two faces whose boxes overlap, and one for two nodes of the tree, as slivers across everything
-/// keep those busy for nothing.
-/// Of faces that all reach one place (those around one vertex, say) each is tested against all others.
+/// [`for_each_self_intersection`] among some faces, ascending, that all have area. It breaks if `visit` does,
+/// or if no tests are left.
+///
+/// A test of two faces whose boxes overlap costs one, and so does a test of two nodes of the tree, of which
+/// slivers across everything need many. Faces that all overlap (those around one vertex, say) are tested each
+/// against each.
 pub(crate) fn for_each_intersection_among(
     mesh: &Mesh,
     faces: &[FaceId],
@@ -79,7 +151,7 @@ pub(crate) fn for_each_intersection_among(
     let boxes: Vec<Aabb> = faces.iter().map(|&face| Aabb::around(mesh.corners(face))).collect();
     let tree = Overlaps::of(&boxes);
     drop(boxes);
-    // Each is compared with some ten others that lie near it: so they lie together in memory too.
+    // Each face is compared with about ten near it: in the order of the tree these are near in memory too.
     let corners: Vec<Corners> = tree.order().iter().map(|&i| Corners::of(mesh, faces[i as usize])).collect();
     let pair = |places: [usize; 2]| {
         let [i, j] = places.map(|place| tree.order()[place]);
@@ -91,7 +163,7 @@ pub(crate) fn for_each_intersection_among(
         let most = *tests;
         parallel::rows(&mut done, 1, |task, done| {
             let done = &mut done[0];
-            // It breaks where it cannot be used any more.
+            // A break only means that the rest of this task is not needed.
             let _ = tree.for_each_pair(window[task], |places| {
                 done.tests += 1;
                 if let Some(places) = places.filter(|&places| intersect(places)) {
@@ -128,8 +200,8 @@ pub(crate) fn for_each_intersection_among(
     ControlFlow::Continue(())
 }
 
-/// All pairs of faces that intersect, the smaller id first, ascending. See [`for_each_self_intersection`],
-/// which does not hold them in memory.
+/// All pairs of faces that intersect, the lower id first, ascending. [`for_each_self_intersection`] does not
+/// hold them in memory.
 ///
 /// # Panics
 ///
@@ -147,7 +219,7 @@ pub fn self_intersections(mesh: &Mesh, topology: &Topology) -> Vec<[FaceId; 2]> 
 
 type Point = [f32; 3];
 
-/// A face's vertices and where they are.
+/// The vertices of a face, and their positions.
 struct Corners {
     ids: [u32; 3],
     at: [Point; 3],
@@ -187,7 +259,8 @@ fn folded(a: Point, b: Point, c: Point, d: Point) -> bool {
 
 /// Two triangles with a common first corner: what they share beyond it reaches the opposite edge of one.
 fn meet_beyond_vertex(f: [Point; 3], g: [Point; 3]) -> bool {
-    // Around a vertex of a smooth surface most faces lie on two sides of a plane that stands upright between them.
+    // Around a vertex of a smooth surface most pairs of faces are separated by a plane perpendicular to the
+    // surface.
     if surely_parted(f[0], [f[1], f[2]], [g[1], g[2]]) {
         return false;
     }
@@ -225,7 +298,7 @@ fn segment_meets([p, q]: [Point; 2], triangle: [Point; 3]) -> bool {
     }
 }
 
-/// The same where both lie in one plane, seen along an axis on which the triangle has area.
+/// [`segment_meets`] in one plane, projected along an axis along which the triangle has area.
 fn segment_meets_in_plane([p, q]: [Point; 2], triangle: [Point; 3]) -> bool {
     let axis = plane_axis(triangle);
     let [a, b, c] = triangle;
@@ -243,7 +316,7 @@ fn segments_cross([p, q]: [Point; 2], [u, v]: [Point; 2], axis: usize) -> bool {
     on(s, u) || on(t, v) || (opposite(s, t) && opposite(turn(u, v, p, axis), turn(u, v, q, axis)))
 }
 
-/// An axis along which the triangle is seen with area. (It has some: one that has none is never asked.)
+/// An axis along which the projected triangle has area. Faces without area were filtered out.
 fn plane_axis([a, b, c]: [Point; 3]) -> usize {
     (0..3).find(|&axis| !turn(a, b, c, axis).is_zero()).unwrap_or(0)
 }
@@ -257,7 +330,7 @@ mod tests {
     use super::*;
     use crate::testing::shapes;
 
-    /// So many triangles, each through all others, without a common vertex.
+    /// `count` triangles, each through all others, without a common vertex.
     fn heap(count: u32) -> (Mesh, Topology) {
         let one = Mesh::new(vec![[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]], vec![[0, 1, 2]]).unwrap();
         let mesh = shapes::soup(&Mesh::concat(&vec![one; count as usize]).unwrap());

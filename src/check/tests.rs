@@ -1,4 +1,4 @@
-//! What the report says where a search gave up, and how far the searches get.
+//! Reports of searches that gave up, and how far the searches get.
 
 use super::{CrackReport, ShellReport};
 use crate::mesh::Mesh;

@@ -13,7 +13,7 @@ use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::Mesh;
 use umbrage::render;
 use umbrage::render::{CLAY, Picture, ShadedLight, View};
-use umbrage::scene::{Instance, Scene, SceneLight, Scope};
+use umbrage::scene::{Instance, Lamp, Scene, Scope};
 use umbrage::testing::shapes;
 use umbrage::verify::points::{Options, Verification, Verifier};
 use umbrage::view::{Camera, Size, Up};
@@ -130,14 +130,12 @@ fn scene() -> Scene {
 }
 
 /// A warm lamp above to the left, and a cooler sun from the right.
-fn lights() -> Vec<SceneLight> {
+fn lights() -> Vec<Lamp> {
     [("lamp", "point:-3.5,6,5", [1.0, 0.92, 0.8]), ("sun", "directional:-0.9,-1,-0.75", [0.8, 0.9, 1.0])]
-        .map(|(name, light, color)| SceneLight {
+        .map(|(name, light, color)| Lamp {
             name: name.to_owned(),
-            light: light.parse().expect("written above"),
             color,
-            intensity: 1.0,
-            spot: None,
+            ..light.parse().expect("written above")
         })
         .to_vec()
 }
@@ -145,7 +143,7 @@ fn lights() -> Vec<SceneLight> {
 /// Runs `work` with the view that pictures show.
 fn with_view<T>(
     mesh: &Mesh,
-    lights: &[SceneLight],
+    lights: &[Lamp],
     (width, height): (u32, u32),
     work: impl FnOnce(View<'_>) -> T,
 ) -> T {
@@ -153,8 +151,8 @@ fn with_view<T>(
     let fov = 34_f32.to_radians();
     let camera =
         Camera::look_at([2.2, 3.9, 9.6], [0.1, 1.15, 0.0], fov, Up::Y).expect("the eye is not the target");
-    let color = |light: &SceneLight| light.color;
-    let mut lamps = ShadedLight::equal(&lights.iter().map(|light| light.light).collect::<Vec<_>>());
+    let color = |light: &Lamp| light.color;
+    let mut lamps = ShadedLight::equal(lights);
     for (lamp, tint) in lamps.iter_mut().zip(lights.iter().map(color)) {
         lamp.color = [0, 1, 2].map(|i| lamp.color[i] * tint[i]);
     }
@@ -167,7 +165,7 @@ fn with_view<T>(
     work(View { camera, size, lamps: &lamps, up: Up::Y, ground: None, paint: &paint, edge_samples: 4 })
 }
 
-fn by_rays(caster: &Caster, lights: &[SceneLight], size: (u32, u32)) -> Result<Picture, Failure> {
+fn by_rays(caster: &Caster, lights: &[Lamp], size: (u32, u32)) -> Result<Picture, Failure> {
     with_view(caster.mesh(), lights, size, |view| {
         let progress = Progress::bar("drawing", view.steps());
         render::render(caster.oracle(), &view, &|steps| progress.done(steps))
@@ -197,7 +195,7 @@ fn find(adapter: &AdapterArgs) -> Result<Found, Failure> {
 fn pictures(
     found: Found,
     caster: &Caster,
-    lights: &[SceneLight],
+    lights: &[Lamp],
     folder: &Path,
     out: &mut Output,
 ) -> Result<(&'static str, bool), Failure> {
@@ -225,7 +223,7 @@ fn pictures(
 fn pictures(
     _: Found,
     caster: &Caster,
-    lights: &[SceneLight],
+    lights: &[Lamp],
     folder: &Path,
     _: &mut Output,
 ) -> Result<(&'static str, bool), Failure> {
@@ -234,12 +232,12 @@ fn pictures(
     Ok(("picture.png", true))
 }
 
-fn judge(caster: &Caster, lights: &[SceneLight]) -> Vec<Verification> {
+fn judge(caster: &Caster, lights: &[Lamp]) -> Vec<Verification> {
     let verifier = Verifier::new(caster);
     let options = Options { points: POINTS, ..Options::default() };
     let progress = Progress::bar("judging points", (lights.len() * POINTS) as u64);
     lights
         .iter()
-        .map(|light| verifier.verify(&light.light, &options, &|points| progress.done(points)))
+        .map(|light| verifier.verify(light.light(), &options, &|points| progress.done(points)))
         .collect()
 }

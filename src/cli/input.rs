@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use umbrage::caster::Caster;
 use umbrage::geom::Aabb;
-use umbrage::scene::SceneLight;
-use umbrage::view::{Camera, Up};
+use umbrage::scene::{Lamp, Material, NamedCamera};
+use umbrage::view::Up;
 
 use super::Failure;
 use super::lights::LightArgs;
@@ -33,20 +33,30 @@ pub(crate) struct Source {
     pub(crate) up: Up,
     pub(crate) caster: Caster,
     pub(crate) bounds: Aabb,
-    pub(crate) lights: Vec<SceneLight>,
-    pub(crate) camera: Option<Camera>,
+    pub(crate) lights: Vec<Lamp>,
+    pub(crate) cameras: Vec<NamedCamera>,
+    pub(crate) materials: Vec<Material>,
 }
 
 impl SourceArgs {
     /// Reads, bakes, welds and joins the file, and chooses the lights. Notes go to standard error.
     pub(crate) fn load(&self) -> Result<Source, Failure> {
-        let baked = self.mesh.read(&self.file)?;
+        self.lights.refuse()?;
+        let baked = self.mesh.read_visible(&self.file)?;
         let up = baked.up;
         let mesh = self.mesh.joined(baked.meshes, &self.file)?;
         load::note_no_faces(&self.file, &mesh);
         let bounds = load::bounds(&mesh);
         let lights = self.lights.resolve(baked.lights, bounds, up);
         let format = baked.format.map(|format| format.name());
-        Ok(Source { format, up, caster: Caster::new(mesh), bounds, lights, camera: baked.camera })
+        Ok(Source {
+            format,
+            up,
+            caster: Caster::new(mesh),
+            bounds,
+            lights,
+            cameras: baked.cameras,
+            materials: baked.materials,
+        })
     }
 }

@@ -1,20 +1,21 @@
 //! From a file to welded meshes: shared by every command that reads a mesh.
 
+use std::convert::Infallible;
 use std::path::Path;
 
 use umbrage::check::Screen;
 use umbrage::geom::Aabb;
 use umbrage::mesh::{Mesh, Weld, weld_in_place};
 use umbrage::read::{self, Format};
-use umbrage::scene::{Scene, SceneLight, Scope};
-use umbrage::view::{Camera, Up};
+use umbrage::scene::{Lamp, Material, NamedCamera, Pattern, PlacedPart, Scene, Scope};
+use umbrage::view::Up;
 
 use super::error::Failure;
 use super::output;
 use super::progress::Progress;
 
 /// How vertices are merged and what counts as one mesh.
-#[derive(Clone, Copy, Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub(crate) struct MeshArgs {
     /// Which vertices are the same: `exact` (equal positions, bit for bit), `none` (the file's own indices),
     /// or a distance in mesh units
@@ -26,6 +27,12 @@ pub(crate) struct MeshArgs {
     /// What is welded and counted as one mesh
     #[arg(long, value_enum, default_value_t = ScopeArg::Mesh)]
     scope: ScopeArg,
+
+    /// Load only what has such a name: a node, mesh, part or material; may be repeated [default: everything]
+    ///
+    /// `*` stands for any characters, `?` for one; case counts. For example: --only 'Tree*' --only Ground.
+    #[arg(long, value_name = "PATTERN", value_parser = parse_pattern)]
+    only: Vec<Pattern>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -48,6 +55,10 @@ impl From<ScopeArg> for Scope {
     }
 }
 
+fn parse_pattern(text: &str) -> Result<Pattern, Infallible> {
+    Ok(Pattern::new(text))
+}
+
 fn parse_weld(text: &str) -> Result<Weld, String> {
     match text {
         "exact" => Ok(Weld::Exact),
@@ -66,8 +77,9 @@ pub(crate) struct Baked {
     pub(crate) up: Up,
     /// One for each scope.
     pub(crate) meshes: Vec<Mesh>,
-    pub(crate) lights: Vec<SceneLight>,
-    pub(crate) camera: Option<Camera>,
+    pub(crate) lights: Vec<Lamp>,
+    pub(crate) cameras: Vec<NamedCamera>,
+    pub(crate) materials: Vec<Material>,
 }
 
 /// One mesh after welding, and what welding did.
@@ -82,13 +94,24 @@ pub(crate) struct WeldedMesh {
 
 impl Default for MeshArgs {
     fn default() -> Self {
-        Self { weld: Weld::Exact, scope: ScopeArg::Mesh }
+        Self { weld: Weld::Exact, scope: ScopeArg::Mesh, only: Vec::new() }
     }
 }
 
 impl MeshArgs {
-    /// Reads and bakes a file. What the reader has to say goes to standard error.
+    /// Reads and bakes a file, as it is stored. What the reader has to say goes to standard error.
     pub(crate) fn read(&self, file: &Path) -> Result<Baked, Failure> {
+        self.baked(self.scene(file)?, file)
+    }
+
+    /// The same without what is invisible by its material, which neither is seen nor casts.
+    pub(crate) fn read_visible(&self, file: &Path) -> Result<Baked, Failure> {
+        let mut scene = self.scene(file)?;
+        leave_out_invisible(&mut scene, file)?;
+        self.baked(scene, file)
+    }
+
+    fn scene(&self, file: &Path) -> Result<Scene, Failure> {
         let progress = Progress::spinner(format!("reading {}", file.display()));
         let scene = read::read(file);
         drop(progress);
@@ -96,9 +119,15 @@ impl MeshArgs {
         for note in &scene.notes {
             output::say(format_args!("note: {}: {}", file.display(), output::plain(note)));
         }
-        let (format, up, camera) = (scene.format, scene.up, scene.camera);
-        let lights = std::mem::take(&mut scene.lights);
-        Ok(Baked { format, up, meshes: self.bake(scene, file)?, lights, camera })
+        retain_only(&mut scene, &self.only).map_err(|failure| failure.in_file(file))?;
+        Ok(scene)
+    }
+
+    fn baked(&self, mut scene: Scene, file: &Path) -> Result<Baked, Failure> {
+        let (format, up) = (scene.format, scene.up);
+        let (lights, cameras) = (std::mem::take(&mut scene.lamps), std::mem::take(&mut scene.cameras));
+        let materials = std::mem::take(&mut scene.materials);
+        Ok(Baked { format, up, meshes: self.bake(scene, file)?, lights, cameras, materials })
     }
 
     fn bake(&self, scene: Scene, file: &Path) -> Result<Vec<Mesh>, Failure> {
@@ -144,6 +173,69 @@ impl MeshArgs {
         }
         Mesh::concat(&welded).map_err(|error| Failure::new(error, "split the file").in_file(file))
     }
+}
+
+/// Leaves out what none of the patterns matches, if there are any.
+fn retain_only(scene: &mut Scene, patterns: &[Pattern]) -> Result<(), Failure> {
+    for pattern in patterns {
+        if !scene.placed_parts().any(|part| part.names().any(|name| pattern.matches(name))) {
+            return Err(nothing_matches("--only", pattern, scene));
+        }
+    }
+    let asked = |part: &PlacedPart<'_>| {
+        patterns.is_empty() || part.names().any(|name| patterns.iter().any(|pattern| pattern.matches(name)))
+    };
+    scene.retain(asked).map_err(|error| Failure::new(error, "choose other names"))
+}
+
+/// How many names a message lists.
+const NAMES: usize = 8;
+
+fn nothing_matches(option: &str, pattern: &Pattern, scene: &Scene) -> Failure {
+    let mut names: Vec<&str> = Vec::new();
+    for name in scene.placed_parts().flat_map(|part| part.names()) {
+        if names.len() < NAMES && !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let problem = format!("{option} {pattern}: nothing has such a name");
+    match names.len() {
+        0 => Failure::new(problem, format!("leave out {option}: the file names nothing")),
+        _ => {
+            let names = names.into_iter().map(output::short).collect::<Vec<_>>().join(", ");
+            Failure::new(problem, format!("use a name of the file, such as: {names}"))
+        }
+    }
+}
+
+/// Leaves out what its material makes invisible and says so; also where a texture, which is not read, may do
+/// that.
+fn leave_out_invisible(scene: &mut Scene, file: &Path) -> Result<(), Failure> {
+    let of_parts = |is: fn(&Material) -> bool| {
+        let mut names: Vec<&str> = Vec::new();
+        for material in scene.placed_parts().filter_map(|part| part.material).filter(|material| is(material))
+        {
+            if names.len() <= NAMES && !names.contains(&material.name.as_str()) {
+                names.push(&material.name);
+            }
+        }
+        let more = names.len() > NAMES;
+        let listed = names.iter().take(NAMES).map(|name| output::short(name)).collect::<Vec<_>>().join(", ");
+        (!names.is_empty()).then(|| format!("{listed}{}", if more { ", …" } else { "" }))
+    };
+    let file_name = file.display();
+    if let Some(names) = of_parts(Material::may_be_cut_out) {
+        output::say(format_args!(
+            "note: {file_name}: textures are not read: what they cut out of these materials casts: {names}"
+        ));
+    }
+    if let Some(names) = of_parts(Material::is_invisible) {
+        output::say(format_args!("note: {file_name}: left out, for these materials are invisible: {names}"));
+        let visible = |part: &PlacedPart<'_>| !part.material.is_some_and(Material::is_invisible);
+        let left_out = scene.retain(visible);
+        return left_out.map_err(|error| Failure::new(error, "scale the model").in_file(file));
+    }
+    Ok(())
 }
 
 /// Says so if there is nothing to look at in a file: no faces, or none left after welding.
@@ -196,7 +288,7 @@ mod tests {
 
     #[test]
     fn caster_joins_without_sharing_vertices() {
-        let args = MeshArgs { weld: Weld::Exact, scope: ScopeArg::Mesh };
+        let args = MeshArgs::default();
         let soups = vec![shapes::soup(&shapes::cube()), shapes::soup(&shapes::cube())];
         let caster = args.joined(soups, Path::new("two")).unwrap();
         assert_eq!((caster.vertex_count(), caster.face_count()), (16, 24));

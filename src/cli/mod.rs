@@ -165,8 +165,9 @@ mod tests {
             ("check a --bogus", "unexpected argument '--bogus' found; --help lists what is allowed"),
             (
                 "silhouette a --light -1,2,3",
-                "invalid value '-1,2,3' for '--light <LIGHT>': `-1,2,3` is not a light; write point:X,Y,Z or \
-                 directional:X,Y,Z (the way the light travels)",
+                "invalid value '-1,2,3' for '--light <LIGHT>': `-1,2,3` is not a light; write point:X,Y,Z, \
+                 directional:X,Y,Z (the way the light travels), spot:X,Y,Z:DX,DY,DZ:OUTER[,INNER] or \
+                 rect:X,Y,Z:X,Y,Z:X,Y,Z",
             ),
             ("chekc a", "unrecognized subcommand 'chekc'; a similar subcommand exists: 'check'"),
             (

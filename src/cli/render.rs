@@ -5,14 +5,15 @@ use std::path::{Path, PathBuf};
 use umbrage::caster::Caster;
 #[cfg(feature = "gpu")]
 use umbrage::geom::Aabb;
-use umbrage::geom::Light;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
+use umbrage::mesh::{FaceId, Mesh, Part};
 use umbrage::render;
 use umbrage::render::{CLAY, Ground, Picture, ShadedLight, View};
+use umbrage::scene::Material;
 #[cfg(feature = "gpu")]
 use umbrage::shadow::stencil::StencilMethod;
-use umbrage::view::{Camera, Size, Up};
+use umbrage::view::Size;
 
 use super::input::{Source, SourceArgs};
 #[cfg(feature = "gpu")]
@@ -28,10 +29,10 @@ use super::{Failure, Outcome};
 
 /// Picture: shadows by a stencil pass or by exact ray cast, flat faces, plain shading
 ///
-/// Shading has no falloff with distance. Lights given by --light share one brightness; those of a file keep
-/// the ratio that their candela and lux have at the center of the scene, a spot light within its cone. Both
-/// methods shade alike; with a stencil pass, standard error says per light how its shells were counted. A
-/// point that a ray only grazes is drawn lit.
+/// Shading is for the eye: a light is as strong far away as near, unless --falloff says otherwise. Lights
+/// asked for share one brightness; those of a file keep the ratio that their candela and lux have at the
+/// center of the scene, a spot light within its cone. Rays and stencil shade alike; a stencil pass says of
+/// each light how its shells were counted. A point that a ray only grazes is drawn lit.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -54,6 +55,13 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", value_parser = parse_samples, allow_negative_numbers = true)]
     samples: Option<u32>,
 
+    /// How a light weakens with the distance
+    ///
+    /// Either way a light is as strong at the center of the scene. For example: --falloff physical with
+    /// --light point:0,3,0,range=20.
+    #[arg(long, value_enum, default_value_t = FalloffArg::Plain)]
+    falloff: FalloffArg,
+
     /// Add a large floor below everything: lowest in z for stl and md2, lowest in y for every other format
     #[arg(long)]
     ground: bool,
@@ -67,6 +75,15 @@ pub(crate) struct Args {
 
     #[command(flatten)]
     adapter: AdapterArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum FalloffArg {
+    /// Not at all: as strong far away as near
+    Plain,
+    /// With the inverse square of the distance, and ending at the light's range, as KHR_lights_punctual
+    /// defines it
+    Physical,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -158,21 +175,22 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     require_png(&args.output)?;
     refuse_overwriting("--output", Some(&args.output), &args.source.file)?;
     require_folder(&args.output)?;
-    let asked = args.view.camera(Up::Y)?; // nonsense is refused before the file is read
+    args.view.refuse()?; // before the file is read
     let way = args.method.settle(&args.adapter)?;
     args.threads.apply()?;
 
-    let Source { up, caster, bounds, lights: of_scene, camera: of_file, .. } = args.source.load()?;
-    let camera = match asked {
-        Some(_) => args.view.camera(up)?,
-        None => of_file.inspect(|_| output::say("note: no --eye: using the camera of the file")),
-    };
-    let camera = camera.unwrap_or_else(|| Camera::fit(&bounds, up, args.size.aspect()));
-    let lamps = if args.source.lights.were_asked_for() {
-        ShadedLight::equal(&of_scene.iter().map(|light| light.light).collect::<Vec<Light>>())
+    let Source { up, caster, bounds, lights: of_scene, cameras, materials, .. } = args.source.load()?;
+    let camera = args.view.choose(&cameras, &args.source.file, &bounds, up, args.size)?;
+    let mut lamps = if args.source.lights.were_asked_for() {
+        ShadedLight::equal(&of_scene)
     } else {
         ShadedLight::balanced(&of_scene, &bounds)
     };
+    if args.falloff == FalloffArg::Physical {
+        for (shaded, lamp) in lamps.iter_mut().zip(&of_scene) {
+            *shaded = shaded.with_physical_falloff(lamp.range, &bounds);
+        }
+    }
     let (caster, ground) = if args.ground {
         let (mesh, ground) = Ground::under(caster.into_mesh(), up)
             .map_err(|error| Failure::new(error, "leave out --ground").in_file(&args.source.file))?;
@@ -181,13 +199,15 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         (caster, None)
     };
 
+    let colors = colors(caster.mesh(), &materials);
+    let paint = |face: FaceId| colors.get(face.index()).copied().unwrap_or(CLAY);
     let view = |samples| View {
         camera,
         size: args.size,
         lamps: &lamps,
         up,
         ground,
-        paint: &|_| CLAY,
+        paint: &paint,
         edge_samples: args.samples.unwrap_or(samples),
     };
     let picture = match way {
@@ -207,6 +227,19 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     picture.write_png(&args.output)?;
     output::wrote(&args.output);
     Ok(Outcome::Sound)
+}
+
+/// The base color of each face; empty if no material states one, so that all faces are of clay.
+fn colors(mesh: &Mesh, materials: &[Material]) -> Vec<[f32; 3]> {
+    let color = |part: &Part| materials.get(part.material? as usize)?.base_color;
+    if mesh.parts().iter().all(|part| color(part).is_none()) {
+        return Vec::new();
+    }
+    let mut colors = vec![CLAY; mesh.face_count()];
+    for part in mesh.parts() {
+        colors[part.faces.start as usize..part.faces.end as usize].fill(color(part).unwrap_or(CLAY));
+    }
+    colors
 }
 
 /// Lets go of the mesh: the ray cast has faces of its own.

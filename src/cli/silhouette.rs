@@ -10,7 +10,7 @@ use umbrage::geom::Light;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::Gpu;
 use umbrage::mesh::{Mesh, VertexId};
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 #[cfg(feature = "gpu")]
 use umbrage::silhouette::{GpuCaster, GpuSilhouette, SilhouetteShaders};
 use umbrage::silhouette::{Silhouette, SilhouetteMethod, SilhouetteTree};
@@ -172,8 +172,8 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         (None, SilhouetteMethod::Scan) => Finder::Scan,
         (None, _) => Finder::Tree(Box::new(SilhouetteTree::new(mesh, topology))),
     };
-    let look = |light: SceneLight| {
-        let looked = finder.find(mesh, topology, &light.light)?;
+    let look = |light: Lamp| {
+        let looked = finder.find(mesh, topology, light.light())?;
         Ok(found(topology, light, looked))
     };
     let found = lights.into_iter().map(look).collect::<Result<Vec<Found>, Failure>>()?;
@@ -220,15 +220,16 @@ fn on_device(none: &std::convert::Infallible, _: &Mesh, _: &Topology) -> Result<
 }
 
 /// The silhouettes of several lights: a table, and a layer of lines for each.
-pub(super) fn of_lights(file: &Path, caster: &Caster, lights: &[SceneLight]) -> (String, Model) {
+pub(super) fn of_lights(file: &Path, caster: &Caster, lights: &[Lamp]) -> (String, Model) {
     let (mesh, topology) = (caster.mesh(), caster.topology());
-    let look = |light: &SceneLight| found(topology, light.clone(), scan(mesh, topology, &light.light));
+    let look = |light: &Lamp| found(topology, light.clone(), scan(mesh, topology, light.light()));
     let found: Vec<Found> = lights.iter().map(look).collect();
     let layers = found.iter().enumerate().map(|(index, found)| lines(mesh, topology, index, found));
     (table(file, topology, &found), Model { layers: layers.collect() })
 }
 
-fn found(topology: &Topology, SceneLight { name, light, .. }: SceneLight, looked: Looked) -> Found {
+fn found(topology: &Topology, lamp: Lamp, looked: Looked) -> Found {
+    let (light, name) = (*lamp.light(), lamp.name);
     let Looked { facing, all, front, unsure_faces } = looked;
     let count = |wanted| facing.iter().filter(|&&facing| facing == wanted).count();
     Found {
@@ -310,16 +311,15 @@ fn lines(mesh: &Mesh, topology: &Topology, index: usize, found: &Found) -> Layer
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage::scene::SceneLight;
+    use umbrage::scene::Lamp;
     use umbrage::testing::shapes;
 
     #[test]
     fn silhouette_lines_of_a_cube_are_a_hexagon() {
         let mesh = shapes::cube();
         let topology = Topology::of(&mesh);
-        let light = "directional:-1,-1,-1".parse().unwrap();
-        let light = SceneLight { name: String::new(), light, color: [1.0; 3], intensity: 1.0, spot: None };
-        let looked = scan(&mesh, &topology, &light.light);
+        let light: Lamp = "directional:-1,-1,-1".parse().unwrap();
+        let looked = scan(&mesh, &topology, light.light());
         let found = found(&topology, light, looked);
         let counts = (found.front_faces, found.edge_on_faces, found.outline_edges, found.loops);
         assert_eq!(counts, (6, 0, 6, 1));

@@ -33,6 +33,9 @@ impl<'a> Stage<'a> {
         asked: Option<StencilMethod>,
     ) -> Result<Self, GpuError> {
         let projection = view.camera.projection(view.size, view.camera.near(bounds, view.size));
+        if projection.is_orthographic() {
+            return Err(GpuError::NotBuilt("an orthographic camera"));
+        }
         let castings: Vec<_> = (view.lamps.iter())
             .map(|lamp| caster.stencil_volumes(&lamp.light, &projection, Some(CasterFaces::All), asked))
             .collect();

@@ -1,17 +1,21 @@
 //! The camera of a picture.
 
-use umbrage::view::{Camera, Up};
+use std::path::Path;
 
-use super::Failure;
-use super::parsers::degrees;
+use umbrage::geom::Aabb;
+use umbrage::scene::NamedCamera;
+use umbrage::view::{Camera, Size, Up};
+
+use super::parsers::{degrees, distance};
+use super::{Failure, output};
 
 /// The camera that is asked for, if one is.
-#[derive(Clone, Copy, Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ViewArgs {
     /// Position of the eye, in mesh units
     ///
-    /// [default: the file's own camera; without one, a three-quarter view from the front, the right and above
-    /// that shows everything]
+    /// For example: --eye 3,2,8 --target 0,1,0. [default: the file's own camera; without one, a three-quarter
+    /// view from the front, the right and above that shows everything]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "target", allow_hyphen_values = true)]
     eye: Option<[f32; 3]>,
 
@@ -22,22 +26,94 @@ pub(crate) struct ViewArgs {
     /// Vertical field of view in degrees, together with --eye [default: 35]
     #[arg(long, value_name = "DEG", requires = "eye", value_parser = degrees, allow_negative_numbers = true)]
     fov: Option<f32>,
+
+    /// Parallel rays instead of perspective, and the height of what they see in mesh units; together with
+    /// --eye
+    ///
+    /// For example, a plan: --eye 0,10,0 --target 0,0,0 --ortho 6. A stencil pass cannot draw it yet: rays
+    /// do.
+    #[arg(long, value_name = "HEIGHT", requires = "eye", conflicts_with = "fov", value_parser = distance, allow_negative_numbers = true)]
+    ortho: Option<f32>,
+
+    /// A camera of the file, by its name or by its number from 1 [default: the first]
+    #[arg(long, value_name = "NAME|N", conflicts_with = "eye")]
+    camera: Option<String>,
+
+    /// Nothing nearer to the eye than this, in mesh units, is seen
+    ///
+    /// [default: so near that nothing seen from outside is cut away]
+    #[arg(long, value_name = "D", value_parser = distance, allow_negative_numbers = true)]
+    near: Option<f32>,
 }
 
 impl ViewArgs {
     /// Whether the command line names any of it.
     pub(crate) fn was_asked_for(&self) -> bool {
-        self.eye.is_some() || self.target.is_some() || self.fov.is_some()
+        self.eye.is_some() || self.camera.is_some() || self.near.is_some()
     }
 
-    /// The camera that was asked for.
-    pub(crate) fn camera(&self, up: Up) -> Result<Option<Camera>, Failure> {
+    /// Refuses what is no camera, before any file is read.
+    pub(crate) fn refuse(&self) -> Result<(), Failure> {
+        self.described(Up::Y).map(|_| ())
+    }
+
+    /// The camera that was asked for, else the file's first, else one that shows all of `bounds`.
+    pub(crate) fn choose(
+        &self,
+        of_file: &[NamedCamera],
+        file: &Path,
+        bounds: &Aabb,
+        up: Up,
+        size: Size,
+    ) -> Result<Camera, Failure> {
+        let camera = match (self.described(up)?, &self.camera, of_file) {
+            (Some(camera), ..) => camera,
+            (None, Some(wanted), _) => named(wanted, of_file).map_err(|failure| failure.in_file(file))?,
+            (None, None, [first, ..]) => {
+                output::say("note: no --eye: using the camera of the file");
+                first.camera
+            }
+            (None, None, []) => Camera::fit(bounds, up, size.aspect()),
+        };
+        match self.near {
+            None => Ok(camera),
+            Some(near) => camera.with_near(near).map_err(|error| Failure::new(error, "change --near")),
+        }
+    }
+
+    /// The camera that --eye and what goes with it describe.
+    fn described(&self, up: Up) -> Result<Option<Camera>, Failure> {
         let (Some(eye), Some(target)) = (self.eye, self.target) else { return Ok(None) };
         let fov = self.fov.map_or(Camera::DEFAULT_FOV_Y_RAD, f32::to_radians);
-        Camera::look_at(eye, target, fov, up)
-            .map(Some)
-            .map_err(|error| Failure::new(error, "change --eye, --target or --fov"))
+        let camera = Camera::look_at(eye, target, fov, up).and_then(|camera| match self.ortho {
+            Some(height) => camera.orthographic(height),
+            None => Ok(camera),
+        });
+        camera.map(Some).map_err(|error| Failure::new(error, "change --eye, --target or --fov"))
     }
+}
+
+/// How many names a message lists.
+const NAMES: usize = 8;
+
+/// The camera of this name, or else of this number, counted from 1.
+fn named(wanted: &str, cameras: &[NamedCamera]) -> Result<Camera, Failure> {
+    let number = || wanted.parse::<usize>().ok()?.checked_sub(1).and_then(|index| cameras.get(index));
+    let found = cameras.iter().find(|camera| camera.name == wanted).or_else(number);
+    found.map(|found| found.camera).ok_or_else(|| {
+        let problem = format!("--camera {wanted}: the file has no such camera");
+        let names = cameras.iter().take(NAMES).map(|camera| output::short(&camera.name));
+        match cameras.len() {
+            0 => Failure::new(
+                format!("{problem}, nor any other"),
+                "leave out --camera, or use --eye and --target",
+            ),
+            count => {
+                let names = names.collect::<Vec<_>>().join(", ");
+                Failure::new(problem, format!("use a number from 1 to {count}, or a name: {names}"))
+            }
+        }
+    })
 }
 
 fn parse_point(text: &str) -> Result<[f32; 3], String> {
@@ -58,5 +134,20 @@ mod tests {
         for text in ["", "1,2", "1,2,3,4", "1,2,nan", "1,2,inf", "a,b,c"] {
             assert!(parse_point(text).is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn camera_of_a_file_is_found_by_name_then_by_number() {
+        let camera = |x: f32| Camera::look_at([x, 0.0, 5.0], [0.0; 3], 1.0, Up::Y).unwrap();
+        let cameras = [("front", 1.0), ("2", 2.0), ("", 3.0)];
+        let cameras = cameras.map(|(name, x)| NamedCamera { name: name.to_owned(), camera: camera(x) });
+        for (wanted, x) in [("front", 1.0), ("1", 1.0), ("2", 2.0), ("3", 3.0), ("", 3.0)] {
+            assert_eq!(named(wanted, &cameras), Ok(camera(x)), "{wanted}");
+        }
+        for wanted in ["0", "4", "back", "-1"] {
+            let line = named(wanted, &cameras).unwrap_err().to_string();
+            assert!(line.contains("; use a number from 1 to 3, or a name: front, 2"), "{line}");
+        }
+        assert!(named("1", &[]).unwrap_err().to_string().contains("; leave out --camera"));
     }
 }

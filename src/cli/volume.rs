@@ -8,7 +8,7 @@ use umbrage::caster::Caster;
 use umbrage::facing::CasterFaces;
 use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 use umbrage::shadow::volume;
 use umbrage::shadow::volume::{ShadowVolume, ShellFaces};
 use umbrage::write::{self, Elements, Layer, Model, Target};
@@ -167,16 +167,16 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
 
 /// The capped volumes of several lights, half the faces where that is proven to be enough: a table with the
 /// reasons, the layers of each volume, and whether all are closed.
-pub(super) fn of_lights(file: &Path, caster: &Caster, lights: &[SceneLight]) -> (String, Vec<Model>, bool) {
-    let build = |light: &SceneLight| build(caster, light.clone(), None, volume::Caps::Both);
+pub(super) fn of_lights(file: &Path, caster: &Caster, lights: &[Lamp]) -> (String, Vec<Model>, bool) {
+    let build = |light: &Lamp| build(caster, light.clone(), None, volume::Caps::Both);
     let built: Vec<Built> = lights.iter().map(build).collect();
     let far = default_far(caster.mesh());
     let models = built.iter().map(|built| Model { layers: layers(&built.volume, far, "") }).collect();
     (text(file, &built), models, built.iter().all(|built| built.closed))
 }
 
-fn build(caster: &Caster, light: SceneLight, faces: Option<CasterFaces>, caps: volume::Caps) -> Built {
-    let SceneLight { name, light, .. } = light;
+fn build(caster: &Caster, lamp: Lamp, faces: Option<CasterFaces>, caps: volume::Caps) -> Built {
+    let (name, light) = (lamp.name.clone(), *lamp.light());
     let faces = caster.shell_faces(&light, faces);
     let volume = caster.volume_of(&light, &faces, caps);
     let closed = volume.boundary_sum().is_closed();
@@ -284,8 +284,7 @@ mod tests {
     use umbrage::topology::Topology;
 
     fn built(mesh: Mesh, light: &str, faces: Option<CasterFaces>) -> Built {
-        let light = light.parse().unwrap();
-        let light = SceneLight { name: String::new(), light, color: [1.0; 3], intensity: 1.0, spot: None };
+        let light: Lamp = light.parse().unwrap();
         build(&Caster::new(mesh), light, faces, volume::Caps::Both)
     }
 

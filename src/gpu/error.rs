@@ -38,6 +38,11 @@ pub enum GpuError {
         /// What to do instead.
         remedy: &'static str,
     },
+    /// A kind of view that no shader draws yet.
+    #[error(
+        "not built yet: {0} on a graphics adapter; use a perspective camera, or rays (render --method rays)"
+    )]
+    NotBuilt(&'static str),
     /// A mesh is so small that a device may take its coordinates for zero.
     #[error(
         "the mesh is {0:e} large, which a graphics adapter may take for zero; scale it up, or leave the graphics out"

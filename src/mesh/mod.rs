@@ -35,6 +35,16 @@ pub struct Part {
     pub name: String,
     /// The faces of the part.
     pub faces: Range<u32>,
+    /// The material of the faces: an index into those of the scene.
+    pub material: Option<u32>,
+}
+
+impl Part {
+    /// A named run of faces without a material.
+    #[must_use]
+    pub fn new(name: impl Into<String>, faces: Range<u32>) -> Self {
+        Self { name: name.into(), faces, material: None }
+    }
 }
 
 /// Reason why positions and triangles do not make a [`Mesh`].
@@ -300,9 +310,14 @@ impl Mesh {
     /// Name of the part that contains `face`, if that part has a name. Logarithmic in the number of parts.
     #[must_use]
     pub fn part_name(&self, face: FaceId) -> Option<&str> {
+        self.part(face).map(|part| part.name.as_str()).filter(|name| !name.is_empty())
+    }
+
+    /// The named run of faces that holds `face`. Logarithmic in the parts.
+    #[must_use]
+    pub fn part(&self, face: FaceId) -> Option<&Part> {
         let after = self.parts.partition_point(|part| part.faces.start <= face.0);
-        let part = self.parts[..after].last()?;
-        (part.faces.contains(&face.0) && !part.name.is_empty()).then_some(part.name.as_str())
+        self.parts[..after].last().filter(|part| part.faces.contains(&face.0))
     }
 
     /// Smallest axis-aligned box around the *referenced* vertices, as `[lowest, highest]`. `None` if the mesh
@@ -356,14 +371,15 @@ impl Mesh {
             positions.extend_from_slice(&mesh.positions);
             triangles.extend(mesh.triangles.iter().map(|t| t.map(|vertex| vertex.wrapping_add(vertices))));
             if mesh.parts.is_empty() {
-                parts.push(Part { name: mesh.name.clone(), faces: faces..triangles.len() as u32 });
+                parts.push(Part::new(mesh.name.clone(), faces..triangles.len() as u32));
             }
             for part in &mesh.parts {
                 let name = match (mesh.name.as_str(), part.name.as_str()) {
                     ("", name) | (name, "") => name.to_owned(),
                     (mesh, part) => format!("{mesh} / {part}"),
                 };
-                parts.push(Part { name, faces: faces + part.faces.start..faces + part.faces.end });
+                let faces = faces + part.faces.start..faces + part.faces.end;
+                parts.push(Part { name, faces, material: part.material });
             }
         }
         Ok(Mesh::new(positions, triangles)?.with_parts(parts))

@@ -1,26 +1,26 @@
-//! What went wrong while reading: which file, where in it, what was found, what to do about it.
+//! The error of reading: file, place in the file, problem, remedy.
 
 use std::fmt;
 use std::path::PathBuf;
 
 use super::Format;
 
-/// Why a file could not be read. Prints as one line: file, place, problem, remedy.
+/// The reason why a file could not be read. Prints as one line: file, place, problem, remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadError {
-    /// Which file.
+    /// The file.
     pub file: PathBuf,
-    /// What the file was taken for, where that was settled.
+    /// The format, if it was detected.
     pub format: Option<Format>,
-    /// Where in the file.
+    /// The place in the file.
     pub place: Place,
-    /// What was found, and what was wanted.
+    /// The problem: what was found, and what was expected.
     pub problem: String,
-    /// What to do about it.
+    /// The remedy.
     pub remedy: String,
 }
 
-/// Where in a file.
+/// A place in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Place {
@@ -30,7 +30,7 @@ pub enum Place {
     Line(u64),
     /// A byte of a binary file, counted from 0.
     Byte(u64),
-    /// A named thing of the file: "accessor 3", "element face, item 12".
+    /// A named item of the file: "accessor 3", "element face, item 12".
     Item(String),
 }
 

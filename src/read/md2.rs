@@ -1,6 +1,6 @@
 //! Quake II model (MD2, version 8): triangles and the frames of an animation.
 //!
-//! Frame 0 is the mesh, the others its further frames. A position is byte · scale + translate, in `f32`,
+//! Frame 0 is the mesh, all later ones its further frames. A position is byte · scale + translate, in `f32`,
 //! and stays as stored: right-handed, z up. MD2 winds clockwise; faces are turned to counter-clockwise.
 //! Skins, texture coordinates, normals and OpenGL commands are skipped.
 

@@ -1,4 +1,4 @@
-//! Files to scenes: one format a file, sniffed from the content, then from the extension.
+//! Files to scenes: one module per format, sniffed from the content, then from the extension.
 
 mod error;
 mod fan;
@@ -19,7 +19,7 @@ use crate::mesh::MeshError;
 pub use crate::scene::Format;
 use crate::scene::Scene;
 
-/// What a reader reads from: buffered, seekable, of known length.
+/// The input of a reader: buffered, seekable, of known length.
 ///
 /// The length bounds what a header may claim: no count is believed that the remaining bytes could not hold.
 pub(crate) struct Source<R> {
@@ -29,17 +29,17 @@ pub(crate) struct Source<R> {
 
 /// Reads a mesh file of any format this crate knows.
 ///
-/// The format is told from the content, and where that leaves it open, from the extension. OBJ has no mark: text
-/// that begins with an OBJ statement is taken for it unless the content shows another format.
+/// The format is detected from the content, and where that is ambiguous, from the extension. OBJ has no mark:
+/// text that begins with an OBJ statement is taken for it unless the content shows another format.
 ///
-/// Memory: no count of a file is believed beyond what its bytes can hold. At its peak reading takes less than 4 times
-/// the file for an ordinary one and less than 40 times for any, and 1 MB; for glTF, whose JSON is a tree in memory,
-/// 250 times and 256 MB, since accessors may be shared.
+/// Memory: no count of a file is believed beyond what its bytes can hold. At its peak reading takes less than
+/// 4 times the file for an ordinary one and less than 40 times for any, and 1 MB; for glTF, whose JSON is a
+/// tree in memory, 250 times and 256 MB, since accessors may be shared.
 ///
 /// # Errors
 ///
 /// [`ReadError`] if the file cannot be opened or is not a well-formed file of its format. A defect of a
-/// readable mesh is no error: the crack report tells of it.
+/// readable mesh is no error: that is for the crack report.
 pub fn read(path: impl AsRef<Path>) -> Result<Scene, ReadError> {
     let path = path.as_ref();
     read_file(path).map_err(|error| error.in_file(path))
@@ -54,7 +54,7 @@ fn read_file(path: &Path) -> Result<Scene, ReadError> {
         };
         ReadError::new(None, Place::File, format!("cannot be opened: {error}")).remedy(remedy)
     };
-    // Asked before opening, which would wait for the other end of a pipe; and again of what was opened.
+    // Checked before opening, which would block on a pipe; and again for the file that was opened.
     let regular = |metadata: &Metadata| {
         if metadata.is_file() {
             return Ok(());
@@ -70,7 +70,7 @@ fn read_file(path: &Path) -> Result<Scene, ReadError> {
     read_source(source, path, path.parent())
 }
 
-/// Reads a mesh from memory. `name` is used for its extension and in errors; buffers beside the file cannot
+/// Reads a mesh from memory. `name` is used for its extension and in errors; files next to it cannot
 /// be reached, so a glTF must carry its own.
 ///
 /// # Errors
@@ -96,7 +96,7 @@ fn read_source<R: BufRead + Seek>(
     }
     let format = sniff(&head, source.len, name)?;
     let mut scene = match format {
-        Format::Obj => obj::read(source),
+        Format::Obj => obj::read(source, folder),
         Format::Gltf | Format::Glb => gltf::read(source, format, folder),
         Format::Stl => stl::read(source),
         Format::Ply => ply::read(source),
@@ -106,18 +106,18 @@ fn read_source<R: BufRead + Seek>(
     Ok(scene)
 }
 
-/// What [`Mesh::new`](crate::mesh::Mesh::new) refuses although the reader let it pass: a mesh too large.
+/// The error for a mesh that [`Mesh::new`](crate::mesh::Mesh::new) refuses for its size.
 fn refused(format: Format, error: &MeshError) -> ReadError {
     ReadError::new(format, Place::File, error.to_string()).remedy("split the file")
 }
 
-/// Things that the file does hold, but the memory cannot.
+/// The error for items that the file holds, but that do not fit the memory.
 fn unheld(format: Format, count: u64, noun: &str) -> ReadError {
     let problem = format!("{} do not fit the memory", text::counted(count, noun));
     ReadError::new(format, Place::File, problem).remedy("free some memory, or split the file")
 }
 
-/// How much of a file is looked at to tell its format: enough for the comments that exporters begin with.
+/// Bytes of a file that its format is detected from: enough for the comments that exporters begin with.
 const HEAD: u64 = 4096;
 
 /// The format that the first bytes of a file show, or else its extension.
@@ -149,7 +149,8 @@ fn unmarked(head: &[u8], named: Option<Format>) -> Result<Format, ReadError> {
             Err(ReadError::new(None, Place::File, problem)
                 .remedy("name a file in obj, gltf, glb, stl, ply or md2 format"))
         }
-        // Text STL begins with a mark, and GLB is binary; the readers of the others say so themselves.
+        // Text STL begins with a mark, and GLB is binary; the readers of the other formats report it
+        // themselves.
         (Some(format @ (Format::Glb | Format::Stl)), _) if is_text => {
             let problem = format!("the content is text, but not that of a file in {format} format");
             Err(ReadError::new(format, Place::File, problem)
@@ -164,7 +165,7 @@ fn unmarked(head: &[u8], named: Option<Format>) -> Result<Format, ReadError> {
 enum Obj {
     /// Its first line that is no comment is a statement.
     Statement,
-    /// It begins with a comment, and there is nothing else to judge by.
+    /// It begins with a comment, and has nothing else to decide by.
     Comment,
     /// Neither.
     Unlike,

@@ -1,20 +1,27 @@
 //! Wavefront OBJ: positions, faces, and the names of their runs.
 //!
-//! The parser is our own: `tobj` renumbers vertices (so unreferenced ones are lost), splits the file by
-//! group and material, and does not tell the line of an error. All vertices stay, in the order of the file.
+//! The parser of the geometry is our own: `tobj` renumbers vertices (so unreferenced ones are lost), splits
+//! the file by group and material, and does not report the line of an error. All vertices stay, in the order
+//! of the file. Material libraries are parsed by `tobj`.
 //!
-//! An index may name a vertex further down. Polygons are cut into fans. Texture coordinates, normals and
-//! smoothing are skipped in silence; other statements (lines, points, curves) with a note.
+//! An index may name a vertex that comes later. Polygons are cut into fans. Texture coordinates, normals and
+//! smoothing are skipped without a note; other statements (lines, points, curves) with a note.
 
+mod library;
+
+use std::collections::HashMap;
 use std::io::{BufRead, Seek};
+use std::path::Path;
 
+use self::library::Libraries;
 use super::fan::Fan;
 use super::text::{Line, Lines, counted, name, quote};
 use super::{Format, ReadError, Source, refused};
 use crate::mesh::{Mesh, Part};
-use crate::scene::Scene;
+use crate::scene::{Material, Scene};
 
-pub(super) fn read<R: BufRead + Seek>(source: Source<R>) -> Result<Scene, ReadError> {
+/// Reads an OBJ. `folder` is where material libraries lie, or `None` if they cannot be reached.
+pub(super) fn read<R: BufRead + Seek>(source: Source<R>, folder: Option<&Path>) -> Result<Scene, ReadError> {
     let mut lines = Lines::new(source.reader, Format::Obj, true)?;
     let mut obj = Obj::default();
     while let Some(mut line) = lines.next_line()? {
@@ -22,7 +29,8 @@ pub(super) fn read<R: BufRead + Seek>(source: Source<R>) -> Result<Scene, ReadEr
             None => {}
             Some(b"v") => obj.vertex(line)?,
             Some(b"f") => obj.face(line)?,
-            Some(b"vt" | b"vn" | b"vp" | b"s" | b"mtllib") => {}
+            Some(b"vt" | b"vn" | b"vp" | b"s") => {}
+            Some(b"mtllib") => obj.libraries.add(String::from_utf8_lossy(line.rest).trim(), folder),
             Some(b"o") => obj.rename(0, line),
             Some(b"g") => obj.rename(1, line),
             Some(b"usemtl") => obj.rename(2, line),
@@ -43,10 +51,13 @@ struct Obj {
     parts: Vec<Part>,
     /// Object, group, material: what the next faces belong to.
     names: [String; 3],
-    /// The names of the last part, to tell whether a face continues it.
+    /// The names of the last part, to decide whether a face continues it.
     part_names: [String; 3],
     /// Whether a name came since the last face.
     renamed: bool,
+    /// The index of each material that was named.
+    materials: HashMap<String, u32>,
+    libraries: Libraries,
     n_gons: u64,
     /// The highest index (from 1) named by a face, and the first line that names it.
     highest: (u64, u64),
@@ -138,8 +149,18 @@ impl Obj {
             }
             name.push_str(part);
         }
-        // A count that does not fit 32 bits is refused by `Mesh::new` before the parts are looked at.
-        self.parts.push(Part { name, faces: start as u32..start as u32 });
+        // A count that does not fit 32 bits is refused by `Mesh::new` before the parts are used.
+        let material = match self.names[2].as_str() {
+            "" => None,
+            name => Some(self.material(name.to_owned())),
+        };
+        self.parts.push(Part { name, faces: start as u32..start as u32, material });
+    }
+
+    /// The index of a material, which may be new. There are no more of them than faces.
+    fn material(&mut self, name: String) -> u32 {
+        let next = self.materials.len() as u32;
+        *self.materials.entry(name).or_insert(next)
     }
 
     fn finish(mut self) -> Result<Scene, ReadError> {
@@ -166,6 +187,8 @@ impl Obj {
         }
         let mesh = Mesh::new(self.positions, self.triangles).map_err(|error| refused(Format::Obj, &error))?;
         let mut scene = Scene::of(mesh.with_parts(self.parts));
+        scene.materials = materials(self.materials, &self.libraries.materials);
+        scene.notes = self.libraries.notes;
         if self.n_gons > 0 {
             scene.notes.push(format!("{} cut into fans", counted(self.n_gons, "n-gon")));
         }
@@ -175,6 +198,22 @@ impl Obj {
         }
         Ok(scene)
     }
+}
+
+/// The materials that faces name, in the order of their indices; the first definition of a name counts.
+fn materials(named: HashMap<String, u32>, defined: &[Material]) -> Vec<Material> {
+    let mut first: HashMap<&str, &Material> = HashMap::new();
+    for material in defined {
+        first.entry(&material.name).or_insert(material);
+    }
+    let mut materials = vec![Material::default(); named.len()];
+    for (name, index) in named {
+        materials[index as usize] = match first.get(name.as_str()) {
+            Some(&material) => material.clone(),
+            None => Material { name, ..Material::default() },
+        };
+    }
+    materials
 }
 
 /// The first index of a corner; `None` if the word is not made of one to three indices.

@@ -5,8 +5,8 @@
 //! no place. No list is held here: corners go from the file straight into triangles.
 //!
 //! Read are `x`, `y`, `z` of element `vertex` (any numeric type, rounded to `f32`), and the list
-//! `vertex_indices` or `vertex_index` of `face` (polygons, cut into fans) and `tristrips` (strips, −1 starts a
-//! new one). In a strip every second triangle is turned, and a triangle that repeats a vertex is stitching
+//! `vertex_indices` or `vertex_index` of `face` (polygons, cut into fans) and `tristrips` (strips, −1 starts
+//! a new one). In a strip every second triangle is turned, and a triangle that repeats a vertex is stitching
 //! between strips and no face. Other elements are skipped with a note, other properties in silence.
 
 mod header;
@@ -159,8 +159,8 @@ impl Ply {
         })
     }
 
-    /// Calls `each` for the list of vertex indices of each item, with the numbers' type and the list's length; it must
-    /// read them all. Triangles that `plain` can read do not come to it.
+    /// Calls `each` for the list of vertex indices of each item, with the numbers' type and the list's
+    /// length; it must read them all. Triangles that `plain` can read do not come to it.
     fn lists<V: Values>(
         &mut self,
         element: &Element,

@@ -1,6 +1,6 @@
-//! Stereolithography (STL), text and binary: a triangle soup, three vertices a face, in file order.
+//! Stereolithography (STL), text and binary: a triangle soup, three vertices per face, in file order.
 //!
-//! The readers are our own: `stl_io` tells neither line nor byte of an error, takes a binary header's count
+//! The readers are our own: `stl_io` reports neither line nor byte of an error, takes a binary header's count
 //! for granted, and stops after the first of several solids. Normals and attributes are skipped.
 
 use std::io::{BufRead, ErrorKind, Read, Seek, SeekFrom};
@@ -20,7 +20,7 @@ pub(super) fn read<R: BufRead + Seek>(mut source: Source<R>) -> Result<Scene, Re
     let mut head = Vec::new();
     source.reader.by_ref().take(HEADER).read_to_end(&mut head).map_err(io_error)?;
     // Binary files may begin with "solid" too. But text has no zero byte, and every count below 2²⁴ has one;
-    // a larger one is told by the file's length.
+    // a larger one is recognized by the file's length.
     let count = head.get(80..).and_then(|count| count.first_chunk()).map(|&count| u32::from_le_bytes(count));
     let full = count.is_some_and(|count| source.len == HEADER + RECORD * u64::from(count));
     let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head).trim_ascii_start();
@@ -132,7 +132,7 @@ fn read_text<R: BufRead>(reader: R) -> Result<Scene, ReadError> {
             Inside::Solid if is("endsolid") => Inside::File,
             Inside::File if is("solid") => {
                 let start = (positions.len() / 3) as u32;
-                solids.push(Part { name: line.name(), faces: start..start });
+                solids.push(Part::new(line.name(), start..start));
                 Inside::Solid
             }
             _ => return Err(line.error(format!("{} is wanted, not {}", wanted(inside), quote(keyword)))),

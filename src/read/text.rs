@@ -1,4 +1,4 @@
-//! Lines and words of a text file, as bytes: no allocation a line, and every error knows its line.
+//! Lines and words of a text file, as bytes: no allocation per line, and every error names its line.
 
 use std::io::{self, BufRead, Read};
 
@@ -25,7 +25,8 @@ pub(super) struct Lines<R> {
 }
 
 impl<R: BufRead> Lines<R> {
-    /// The lines from where `reader` stands. With `joins`, a backslash at the end of a line continues it.
+    /// The lines from the current position of `reader`. With `joins`, a backslash at the end of a line
+    /// continues it.
     pub(super) fn new(mut reader: R, format: Format, joins: bool) -> Result<Self, ReadError> {
         let head = reader.fill_buf().map_err(|error| unreadable(format, Place::File, &error))?;
         let first_break = head.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
@@ -84,7 +85,7 @@ impl<R: BufRead> Lines<R> {
         self.position
     }
 
-    /// The reader, standing behind the last line.
+    /// The reader, positioned after the last line.
     pub(super) fn into_inner(self) -> R {
         self.reader
     }

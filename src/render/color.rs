@@ -1,17 +1,18 @@
-//! From linear light to the bytes of a picture.
+//! Conversion of linear light to the sRGB bytes of a picture.
 
 use glam::Vec3;
 
-/// Where the shoulder begins: below it nothing is changed.
+/// Linear value at which highlight compression starts: darker values are unchanged.
 const KNEE: f32 = 0.75;
 
-/// Linear light to sRGB bytes; what is brighter than white is drawn in softly, so that it keeps some form.
+/// Linear light to sRGB bytes. Values near and above white are compressed smoothly, so that highlights keep
+/// some form.
 pub(super) fn encode(linear: Vec3) -> [u8; 4] {
     let [r, g, b] = linear.to_array().map(|x| quantize(srgb(shoulder(x))));
     [r, g, b, 255]
 }
 
-/// Identity up to the knee, then a hyperbola of the same slope towards 1.
+/// Highlight compression: the identity up to the knee, then a hyperbola of the same slope towards 1.
 fn shoulder(x: f32) -> f32 {
     if x <= KNEE {
         return x.max(0.0);
@@ -20,7 +21,7 @@ fn shoulder(x: f32) -> f32 {
     KNEE + (1.0 - KNEE) * (beyond / (1.0 + beyond))
 }
 
-/// The transfer function of IEC 61966-2-1.
+/// The sRGB transfer function (IEC 61966-2-1).
 fn srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }

@@ -8,8 +8,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use wgpu::{CompareFunction, StencilFaceState, TextureAspect, TextureFormat};
 
-use super::shade::{AMBIENT, AMBIENT_SLOPE, SPECULAR, SPECULAR_SQUARINGS, cosines};
-use super::{ABOVE, BELOW, GROUND, Picture, ShadedLight, View, buffer, color, ground};
+use super::shade::{AMBIENT, AMBIENT_SLOPE, MOST_FALLOFF, SPECULAR, SPECULAR_SQUARINGS, cosines};
+use super::{ABOVE, BELOW, Falloff, GROUND, Picture, ShadedLight, View, buffer, color, ground};
 use crate::caster::Caster;
 use crate::geom::Facing;
 use crate::geom::Light;
@@ -122,21 +122,29 @@ struct LampUniform {
     outer: f32,
     spot: [f32; 3],
     slope: f32,
+    per_full: f32,
+    per_range: f32,
+    padding: [u32; 2],
 }
 
 impl LampUniform {
     fn new(lamp: &ShadedLight, projection: &Projection, scale: f32) -> Self {
         let xyz = wide(lamp.light.xyz());
+        let (mut per_full, mut per_range) = (0.0, 0.0);
         let (towards, approach) = if lamp.light.is_directional() {
             (xyz.normalize_or_zero(), 0.0)
         } else {
             // Neither the lamp's distance nor that of the farthest place is more than 1 then.
             let from_eye = xyz - wide(projection.eye);
             let factor = f64::from(scale).min(1.0 / from_eye.length());
+            if let Falloff::Physical { full_at, range } = lamp.falloff {
+                per_full = 1.0 / (factor * full_at);
+                per_range = range.map_or(0.0, |range| 1.0 / (factor * f64::from(range)));
+            }
             (from_eye * factor, factor / f64::from(scale))
         };
         // Without a cone every direction is within.
-        let (spot, outer, slope) = lamp.spot.map_or(([0.0; 3], -2.0, 1.0), |cone| {
+        let (spot, outer, slope) = lamp.cone.map_or(([0.0; 3], -2.0, 1.0), |cone| {
             let (outer, width) = cosines(cone);
             (cone.direction, outer, 1.0 / width)
         });
@@ -147,6 +155,10 @@ impl LampUniform {
             outer,
             spot,
             slope,
+            // 0 would say that there is no falloff.
+            per_full: (per_full as f32).clamp(if per_full > 0.0 { f32::MIN_POSITIVE } else { 0.0 }, f32::MAX),
+            per_range: (per_range as f32).min(f32::MAX),
+            padding: [0; 2],
         }
     }
 }
@@ -209,7 +221,7 @@ impl<'a> Stage<'a> {
             });
         }
         let target = Target::new(gpu, size)?;
-        let frame = pass.frame(projection, size, receivers);
+        let frame = pass.frame(projection, size, receivers)?;
         let scale = frame.scale;
         let frame = gpu.uniform(&frame)?;
         let ground = view.ground.map_or(FaceId(u32::MAX), |ground| ground.first_face);
@@ -377,6 +389,7 @@ fn shader() -> Shader {
     Shader::new("picture", &format!("{SOURCE}\n{}", include_str!("picture.wgsl")))
         .constant("AMBIENT", "f32", format_args!("{AMBIENT:?}"))
         .constant("AMBIENT_SLOPE", "f32", format_args!("{AMBIENT_SLOPE:?}"))
+        .constant("MOST_FALLOFF", "f32", format_args!("{MOST_FALLOFF:?}"))
         .constant("SPECULAR", "f32", format_args!("{SPECULAR:?}"))
         .constant("SPECULAR_SQUARINGS", "u32", format_args!("{SPECULAR_SQUARINGS}u"))
         .constant("BELOW", "vec3f", vector(BELOW))
@@ -447,7 +460,7 @@ mod tests {
         check(
             "Lamp",
             size_of::<LampUniform>(),
-            offsets![LampUniform: towards, approach, color, outer, spot, slope],
+            offsets![LampUniform: towards, approach, color, outer, spot, slope, per_full, per_range],
         );
     }
 }

@@ -1,4 +1,4 @@
-//! A floor to cast shadows on.
+//! A ground plane that receives shadows.
 
 use glam::DVec3;
 
@@ -6,32 +6,43 @@ use crate::geom::Aabb;
 use crate::mesh::{FaceId, Mesh, MeshError, Part};
 use crate::view::Up;
 
-/// Two real faces under a mesh: they receive shadows and, from below, cast them.
+/// Two real faces below a mesh: they receive shadows and, for a light from below, cast them.
+///
+/// ```
+/// use umbrage::render::Ground;
+/// use umbrage::testing::shapes;
+/// use umbrage::view::Up;
+///
+/// let (mesh, ground) = Ground::under(shapes::cube(), Up::Y)?;
+/// assert_eq!(mesh.face_count(), 12 + 2);
+/// assert_eq!(ground.first_face.index(), 12);
+/// # Ok::<(), umbrage::mesh::MeshError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
-    /// The first of the two; all before it belong to the mesh.
+    /// The first of the two ground faces; all faces before it belong to the mesh.
     pub first_face: FaceId,
     pub(super) center: DVec3,
     pub(super) diagonal: f64,
 }
 
-/// Half the side of the ground, in diagonals of the box above it.
+/// Half the side of the ground, in diagonals of the mesh's box.
 const REACH: f64 = 64.0;
 
-/// How far below the box it lies, in diagonals: less than a pixel of most pictures, so that a flat underside
-/// does not fight it for the same depth.
+/// Distance of the ground below the box, in diagonals: less than a pixel in most pictures, but enough to
+/// avoid z-fighting with a flat underside.
 const GAP: f64 = 1.0 / 4096.0;
 
-/// Where it begins to fade into the background and where it has, in diagonals from the middle of the box.
+/// Distances between which the ground fades into the background, in diagonals from the center of the box.
 pub(super) const FADE: [f64; 2] = [1.0, 7.0];
 
 impl Ground {
-    /// Appends a ground under `mesh`: a level square of 128 diagonals of the mesh's box, a hair below it.
-    /// Frames are dropped.
+    /// Appends a ground below `mesh`: a level square with a side of 128 diagonals of the mesh's box.
+    /// Animation frames are dropped.
     ///
     /// # Errors
     ///
-    /// [`MeshError::TooLarge`] if four vertices and two faces more do not fit 32-bit ids.
+    /// [`MeshError::TooLarge`] if four more vertices and two more faces do not fit 32-bit ids.
     pub fn under(mesh: Mesh, up: Up) -> Result<(Mesh, Self), MeshError> {
         let [low, high] = mesh.bounds().unwrap_or([[0.0; 3]; 2]);
         let bounds = Aabb { low, high };
@@ -42,26 +53,26 @@ impl Ground {
         let corner = |right: f64, back: f64| {
             let step = DVec3::from(up.turn([right, 0.0, back])) * (REACH * diagonal);
             let mut at = (center + step).to_array().map(|x| x.clamp(-most, most) as f32);
-            // Where the gap is lost in rounding, the next number down still is below.
+            // If rounding loses the gap, the next smaller number still lies below the box.
             at[up.axis()] = level.min(low[up.axis()].next_down().max(f32::MIN));
             at
         };
 
         let name = mesh.name.clone();
         let (mut positions, mut triangles, mut parts, _) = mesh.into_parts();
-        // Mesh::new refuses what does not fit.
+        // `Mesh::new` below returns the error if the ids do not fit.
         let (vertex, face) = (positions.len() as u32, triangles.len() as u32);
         positions.extend([corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)]);
         triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i: u32| vertex.wrapping_add(i))));
         if parts.is_empty() {
-            parts.push(Part { name: name.clone(), faces: 0..face });
+            parts.push(Part::new(name.clone(), 0..face));
         }
-        parts.push(Part { name: "ground".to_owned(), faces: face..triangles.len() as u32 });
+        parts.push(Part::new("ground", face..triangles.len() as u32));
         let mesh = Mesh::new(positions, triangles)?.with_name(name).with_parts(parts);
         Ok((mesh, Self { first_face: FaceId(face), center, diagonal }))
     }
 
-    /// How much of the background shows through at `point`: 0 near the mesh, 1 far away.
+    /// Weight of the background at `point`: 0 near the mesh, 1 far away.
     pub(super) fn fade(&self, point: [f32; 3]) -> f32 {
         let diagonals = DVec3::from(point.map(f64::from)).distance(self.center) / self.diagonal;
         let x = ((diagonals - FADE[0]) / (FADE[1] - FADE[0])).clamp(0.0, 1.0);

@@ -1,5 +1,5 @@
-//! Pictures by exact ray cast: every pixel's visible point, its verdict for each lamp, and plain shading. Then the
-//! same picture with the shadows that a stencil pass counts.
+//! Pictures by exact ray cast: primary visibility, exact verdicts for each lamp, and plain shading. Also the
+//! same pictures with the shadows counted by a stencil pass.
 
 mod color;
 #[cfg(feature = "gpu")]
@@ -17,60 +17,62 @@ use glam::Vec3;
 pub use gpu::{LampShadow, render_stencil};
 pub use ground::Ground;
 pub use overlay::{Line, Marker, Overlay};
-pub use shade::ShadedLight;
+pub use shade::{Falloff, ShadedLight};
 pub use verdicts::{verdict_color, verdicts};
 
 use crate::mesh::FaceId;
 use crate::oracle::Oracle;
 use crate::parallel;
-use crate::view::{Camera, Pinhole, Size, Up};
+use crate::view::{Camera, Rays, Size, Up};
 
-/// Rows of pixels from the top, each from the left: red, green, blue in sRGB, and alpha.
+/// An image of 8-bit sRGB pixels with alpha, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
-    /// How many there are.
+    /// Width and height in pixels.
     pub size: Size,
-    /// Row after row.
+    /// Red, green, blue in sRGB, and alpha: row by row from the top, each row from the left.
     pub pixels: Vec<[u8; 4]>,
 }
 
-/// What is to be seen, and how.
+/// Input of [`render`]: camera, lamps, materials and quality.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
-    /// From where.
+    /// The camera.
     pub camera: Camera,
-    /// How large.
+    /// Width and height of the picture.
     pub size: Size,
-    /// Under which light.
+    /// The lamps, each with its shadow.
     pub lamps: &'a [ShadedLight],
-    /// Where ambient light comes from.
+    /// Up direction of the hemispheric ambient light.
     pub up: Up,
-    /// The ground, if the mesh has one.
+    /// The ground, if the mesh has one ([`Ground::under`]).
     pub ground: Option<Ground>,
-    /// The color of a face that is not the ground: how much it reflects of linear red, green, blue.
+    /// The color of a face that is not the ground: its reflectance in linear red, green, blue.
     pub paint: &'a (dyn Fn(FaceId) -> [f32; 3] + Sync),
-    /// Rays along each side of a pixel at an edge: its square is the number of rays. 1: no smoothing.
+    /// Samples along each side of a pixel at an edge: the number of rays is the square. 1 for no
+    /// antialiasing.
     pub edge_samples: u32,
 }
 
-/// A light, slightly warm gray for faces that have no color of their own.
+/// Default color of faces: a light, slightly warm gray, in linear red, green, blue.
 pub const CLAY: [f32; 3] = [0.60, 0.585, 0.56];
 
 const GROUND: Vec3 = Vec3::new(0.52, 0.53, 0.55);
 
-/// The background at the lower and the upper edge of a picture.
+/// Color of the background at the lower edge of a picture.
 const BELOW: Vec3 = Vec3::new(0.60, 0.62, 0.65);
+/// Color of the background at the upper edge of a picture.
 const ABOVE: Vec3 = Vec3::new(0.42, 0.48, 0.56);
 
-/// Neighboring pixels whose bytes differ by more than this have an edge between them.
+/// Difference of two neighboring pixels, in sRGB bytes, above which they are antialiased.
 const EDGE: u8 = 20;
 
-/// Why there is no picture: its pixels, with what is needed to compute them, do not fit the memory.
+/// Error of a picture that does not fit the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a picture of {0} pixels does not fit the memory")]
 pub struct MemoryError(pub Size);
 
-/// A buffer with a `value` for each pixel.
+/// A buffer with one `value` per pixel.
 fn buffer<T: Copy>(size: Size, value: T) -> Result<Vec<T>, MemoryError> {
     let mut buffer = Vec::new();
     buffer.try_reserve_exact(size.pixels()).map_err(|_| MemoryError(size))?;
@@ -79,7 +81,7 @@ fn buffer<T: Copy>(size: Size, value: T) -> Result<Vec<T>, MemoryError> {
 }
 
 impl View<'_> {
-    /// How many steps [`render`] reports.
+    /// Number of steps that [`render`] reports.
     #[must_use]
     pub fn steps(&self) -> u64 {
         u64::from(self.size.height()) * if self.edge_samples > 1 { 2 } else { 1 }
@@ -88,28 +90,55 @@ impl View<'_> {
 
 /// Renders the faces of `oracle`.
 ///
-/// A pixel is the color along the ray through its middle; where it differs from a neighbor, the mean of
-/// `edge_samples`² rays. Grazing counts as lit. `progress` hears of steps done, [`View::steps`] in all, from any
-/// thread. With the feature `parallel`, rows are shared among threads; the bytes do not depend on how.
+/// A pixel is the color along the ray through its center. Where a pixel differs from a neighbor, it is the
+/// mean of `edge_samples`² rays. A grazing sample counts as lit. `progress` is called with the number of
+/// steps done, [`View::steps`] in all, from any thread. With the feature `parallel`, rows are shared among
+/// threads; the bytes do not depend on the number of threads.
 ///
-/// About 2 µs a ray and thread for a mesh of some 10⁵ faces, and 1 µs more a lamp; 4 bytes a pixel, with smoothing 8.
+/// Cost: about 2 µs per ray and thread for a mesh of some 10⁵ faces, and 1 µs more per lamp. Memory: 4 bytes
+/// per pixel, 8 with antialiasing.
 ///
 /// # Errors
 ///
-/// [`MemoryError`] if those bytes are not to be had.
+/// [`MemoryError`] if this memory cannot be allocated.
+///
+/// ```
+/// use umbrage::geom::Light;
+/// use umbrage::oracle::Oracle;
+/// use umbrage::render::{CLAY, ShadedLight, View, render};
+/// use umbrage::testing::shapes;
+/// use umbrage::view::{Camera, Size, Up};
+///
+/// let oracle = Oracle::build(&shapes::cube());
+/// let size = Size::new(32, 24).unwrap();
+/// let lamps = ShadedLight::equal(&[Light::point([3.0, 5.0, 4.0])?]);
+/// let view = View {
+///     camera: Camera::fit(&oracle.bounds(), Up::Y, size.aspect()),
+///     size,
+///     lamps: &lamps,
+///     up: Up::Y,
+///     ground: None,
+///     paint: &|_| CLAY,
+///     edge_samples: 1,
+/// };
+/// let picture = render(&oracle, &view, &|_| {})?;
+/// assert_eq!(picture.pixels.len(), 32 * 24);
+/// assert_ne!(picture.pixels[12 * 32 + 16], picture.pixels[0]); // the cube before the background
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn render(
     oracle: &Oracle,
     view: &View<'_>,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Picture, MemoryError> {
-    let pinhole = Pinhole::new(&view.camera, view.size);
+    let rays = view.camera.rays(view.size);
     let width = view.size.width() as usize;
     let mut pixels = buffer(view.size, [0; 4])?;
-    // Taken before the work, not after half of it.
+    // Both buffers are allocated before the work, so that failure is early.
     let mut plain = if view.edge_samples > 1 { buffer(view.size, [0; 4])? } else { Vec::new() };
     parallel::rows(&mut pixels, width, |y, row| {
         for (x, pixel) in row.iter_mut().enumerate() {
-            *pixel = color::encode(sample(oracle, view, &pinhole, x as f64 + 0.5, y as f64 + 0.5));
+            *pixel = color::encode(sample(oracle, view, &rays, x as f64 + 0.5, y as f64 + 0.5));
         }
         progress(1);
     });
@@ -118,7 +147,7 @@ pub fn render(
         parallel::rows(&mut pixels, width, |y, row| {
             for (x, pixel) in row.iter_mut().enumerate() {
                 if is_at_edge(&plain, view.size, x, y) {
-                    *pixel = smooth(oracle, view, &pinhole, x, y);
+                    *pixel = smooth(oracle, view, &rays, x, y);
                 }
             }
             progress(1);
@@ -127,12 +156,13 @@ pub fn render(
     Ok(Picture { size: view.size, pixels })
 }
 
-/// The light that comes along the ray through a place in the picture.
-fn sample(oracle: &Oracle, view: &View<'_>, pinhole: &Pinhole, x_px: f64, y_px: f64) -> Vec3 {
+/// The light that comes along the ray through a position in the picture.
+fn sample(oracle: &Oracle, view: &View<'_>, rays: &Rays, x_px: f64, y_px: f64) -> Vec3 {
     let background = BELOW.lerp(ABOVE, 1.0 - (y_px / f64::from(view.size.height())) as f32);
-    let direction = pinhole.ray(x_px, y_px);
-    let Some(seen) = oracle.first_visible(pinhole.eye(), direction) else { return background };
-    let direction = Vec3::from(direction);
+    let ray = rays.ray(x_px, y_px);
+    let near = view.camera.near.unwrap_or(0.0).into();
+    let Some(seen) = oracle.first_visible_beyond(ray.origin, ray.direction, near) else { return background };
+    let direction = rays.direction(x_px, y_px).normalize().as_vec3();
     match &view.ground {
         Some(ground) if seen.face >= ground.first_face => {
             let fade = ground.fade(seen.point);
@@ -146,12 +176,12 @@ fn sample(oracle: &Oracle, view: &View<'_>, pinhole: &Pinhole, x_px: f64, y_px: 
 }
 
 /// The mean over a grid of rays. Each is cut at white first, lest one highlight outweigh its neighbors.
-fn smooth(oracle: &Oracle, view: &View<'_>, pinhole: &Pinhole, x: usize, y: usize) -> [u8; 4] {
+fn smooth(oracle: &Oracle, view: &View<'_>, rays: &Rays, x: usize, y: usize) -> [u8; 4] {
     let n = view.edge_samples;
-    let place = |at: usize, i: u32| at as f64 + (f64::from(i) + 0.5) / f64::from(n);
+    let position = |at: usize, i: u32| at as f64 + (f64::from(i) + 0.5) / f64::from(n);
     let mut sum = Vec3::ZERO;
     for i in 0..n * n {
-        let light = sample(oracle, view, pinhole, place(x, i % n), place(y, i / n));
+        let light = sample(oracle, view, rays, position(x, i % n), position(y, i / n));
         sum += light.min(Vec3::ONE);
     }
     color::encode(sum / (n * n) as f32)

@@ -1,4 +1,4 @@
-//! Lines, spots and tinted faces over a picture: where something is, drawn for people.
+//! Lines, markers and tinted faces over a picture, to show people where something is.
 
 use std::ops::Range;
 
@@ -9,25 +9,40 @@ use crate::geom::Light;
 use crate::mesh::FaceId;
 use crate::oracle::Oracle;
 use crate::parallel;
-use crate::view::{Camera, Pinhole, Projected, Size, Up};
+use crate::view::{Camera, Projected, Rays, Size, Up};
 
-/// What is to be drawn over a mesh: lines color by color, in the order of the legend, then spots.
+/// Annotations of a mesh: lines color by color, in the order of the legend, then markers.
+///
+/// ```
+/// use umbrage::oracle::Oracle;
+/// use umbrage::render::{Line, Overlay};
+/// use umbrage::testing::shapes;
+/// use umbrage::view::{Size, Up};
+///
+/// let oracle = Oracle::build(&shapes::cube());
+/// let size = Size::new(32, 24).unwrap();
+/// let line = Line { ends: [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], color: [225, 60, 0] };
+/// let overlay = Overlay { lines: vec![line], ..Overlay::default() };
+/// let with_line = overlay.render(&oracle, Up::Y, size, &|_| {})?;
+/// assert_ne!(with_line, Overlay::default().render(&oracle, Up::Y, size, &|_| {})?);
+/// # Ok::<(), umbrage::render::MemoryError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlay {
-    /// Straight lines in world space.
+    /// Straight line segments in world space.
     pub lines: Vec<Line>,
     /// Discs of a fixed size in the picture.
     pub spots: Vec<Marker>,
-    /// Faces in a color (sRGB) of their own; the first entry of a face counts.
+    /// Faces with a color (sRGB) of their own. The first entry of a face counts.
     pub faces: Vec<(FaceId, [u8; 3])>,
     /// Colors (sRGB) to show as swatches in the lower left corner, from left to right.
     pub legend: Vec<[u8; 3]>,
 }
 
-/// A line over a picture.
+/// A line segment over a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// From where to where, in world space.
+    /// The two end points, in world space.
     pub ends: [[f32; 3]; 2],
     /// sRGB.
     pub color: [u8; 3],
@@ -36,7 +51,7 @@ pub struct Line {
 /// A disc over a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Marker {
-    /// Its middle, in world space.
+    /// The center of the disc, in world space.
     pub at: [f32; 3],
     /// sRGB.
     pub color: [u8; 3],
@@ -46,19 +61,21 @@ const LINE_RADIUS_PX: f64 = 1.25;
 const SPOT_RADIUS_PX: f64 = 4.5;
 const SWATCH_PX: usize = 14;
 
-/// How much of a color is laid over what hides it.
+/// Opacity of an annotation behind a face.
 const HIDDEN_ALPHA: f64 = 0.35;
 
-/// What lies less than this part of the box's diagonal behind a face is taken to lie on it. For dimming only.
+/// Depth tolerance, in diagonals of the box: an annotation that lies less than this behind a face is taken to
+/// lie on the face. Affects dimming only.
 const SKIN: f64 = 1.0 / 256.0;
 
 impl Overlay {
-    /// Draws the faces of `oracle` in light gray from a fitted camera, and everything of `self` over them: dimmed
-    /// where it is hidden. `progress` hears of 2 × height steps, from any thread.
+    /// Draws the faces of `oracle` in light gray from a fitted camera, and the annotations over them, dimmed
+    /// where a face hides them. `progress` is called with the number of steps done, 2 × height in all, from
+    /// any thread.
     ///
     /// # Errors
     ///
-    /// [`MemoryError`] if 12 bytes a pixel are not to be had.
+    /// [`MemoryError`] if 12 bytes per pixel cannot be allocated.
     pub fn render(
         &self,
         oracle: &Oracle,
@@ -79,28 +96,25 @@ impl Overlay {
         let mut picture = render(oracle, &view, progress)?;
         let depths = depths(oracle, &camera, size, progress)?;
         let skin = SKIN * oracle.bounds().diagonal();
-        self.draw(
-            Canvas { picture: &mut picture, depths: &depths, skin, mask },
-            &Pinhole::new(&camera, size),
-        );
+        self.draw(Canvas { picture: &mut picture, depths: &depths, skin, mask }, &camera.rays(size));
         Ok(picture)
     }
 
-    fn draw(&self, mut canvas: Canvas<'_>, pinhole: &Pinhole) {
+    fn draw(&self, mut canvas: Canvas<'_>, rays: &Rays) {
         // A margin of 5 % keeps the round ends of cut lines outside of the picture.
         let mut lines = self.lines.clone();
         let rank = |color| self.legend.iter().position(|&other| other == color);
         lines.sort_by_key(|line| (rank(line.color), line.color));
         for lines in lines.chunk_by(|a, b| a.color == b.color) {
             for line in lines {
-                if let Some([a, b]) = pinhole.project_segment(line.ends, 0.05) {
+                if let Some([a, b]) = rays.project_segment(line.ends, 0.05) {
                     canvas.stroke(a, b, LINE_RADIUS_PX);
                 }
             }
             canvas.paint(lines[0].color, 0..canvas.mask.len());
         }
         for spot in &self.spots {
-            if let Some([at, _]) = pinhole.project_segment([spot.at; 2], 0.05) {
+            if let Some([at, _]) = rays.project_segment([spot.at; 2], 0.05) {
                 for (radius, color) in [(SPOT_RADIUS_PX + 1.5, [30; 3]), (SPOT_RADIUS_PX, spot.color)] {
                     let touched = canvas.stroke(at, at, radius);
                     canvas.paint(color, touched);
@@ -113,7 +127,7 @@ impl Overlay {
     }
 }
 
-/// Two lights that leave no side of the visible surface without form: from the upper left and the right of the eye.
+/// Two lights, from the upper left and from the right of the eye, that shade every visible surface.
 fn headlights(camera: &Camera) -> Vec<ShadedLight> {
     let (forward, up) = (camera.forward, camera.up);
     let right = forward.cross(up).normalize_or_zero();
@@ -122,20 +136,21 @@ fn headlights(camera: &Camera) -> Vec<ShadedLight> {
     ShadedLight::equal(&lights.collect::<Vec<_>>())
 }
 
-/// The depth along the camera's forward direction of what the middle of each pixel sees; infinite for nothing.
+/// Depth of the first hit through each pixel's center, along the camera's forward direction; infinite for
+/// none.
 fn depths(
     oracle: &Oracle,
     camera: &Camera,
     size: Size,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Vec<f32>, MemoryError> {
-    let pinhole = Pinhole::new(camera, size);
+    let rays = camera.rays(size);
     let mut depths = buffer(size, f32::INFINITY)?;
     parallel::rows(&mut depths, size.width() as usize, |y, row| {
         for (x, depth) in row.iter_mut().enumerate() {
-            let direction = pinhole.ray(x as f64 + 0.5, y as f64 + 0.5);
-            if let Some(hit) = oracle.first_hit(pinhole.eye(), direction) {
-                *depth = (hit.t * f64::from(camera.forward.dot(direction.into()))) as f32;
+            let ray = rays.ray(x as f64 + 0.5, y as f64 + 0.5);
+            if let Some(hit) = oracle.first_hit(ray.origin, ray.direction) {
+                *depth = hit.t as f32;
             }
         }
         progress(1);
@@ -143,18 +158,18 @@ fn depths(
     Ok(depths)
 }
 
-/// A picture with its depths, to draw on.
+/// A picture with its depths.
 struct Canvas<'a> {
     picture: &'a mut Picture,
     depths: &'a [f32],
     skin: f64,
-    /// How much of a color is to be laid over each pixel: so that strokes of one color join without beads.
+    /// Coverage per pixel of the current color: overlapping strokes of one color are blended once.
     mask: Vec<f32>,
 }
 
 impl Canvas<'_> {
-    /// Masks a line with round ends, or a disc where both ends are one; soft over one pixel. Returns a range that
-    /// holds all pixels touched.
+    /// Adds a line with round ends to the mask, or a disc if both ends are equal. The edge is soft over one
+    /// pixel. Returns a range that contains all pixels touched.
     fn stroke(&mut self, a: Projected, b: Projected, radius: f64) -> Range<usize> {
         let width = self.picture.size.width() as usize;
         let (from, to) = (DVec2::new(a.x_px, a.y_px), DVec2::new(b.x_px, b.y_px));
@@ -163,7 +178,7 @@ impl Canvas<'_> {
         let (low, high) = (from.min(to) - reach, from.max(to) + reach);
         let rows = pixels(low.y, high.y, self.picture.size.height());
         for y in rows.clone() {
-            // Only the part of the row that the line comes near: where it is within reach above or below.
+            // Only the part of the row that is near the line: where the line is within reach above or below.
             let (mut left, mut right) = (low.x, high.x);
             if along.y.abs() > along.x.abs() {
                 let middle = from.x + along.x * (y as f64 + 0.5 - from.y) / along.y;
@@ -196,7 +211,7 @@ impl Canvas<'_> {
         rows.start * width..rows.end * width
     }
 
-    /// Lays a color over the masked pixels of a range, and clears their mask.
+    /// Blends a color over the masked pixels of a range, and clears their mask.
     fn paint(&mut self, color: [u8; 3], range: Range<usize>) {
         let pixels = &mut self.picture.pixels[range.clone()];
         for (pixel, mask) in pixels.iter_mut().zip(&mut self.mask[range]) {
@@ -206,8 +221,8 @@ impl Canvas<'_> {
         }
     }
 
-    /// Whether the mesh is nearer than `depth` at a pixel and all around it: at a silhouette, half of the pixels
-    /// beneath a line see what is behind.
+    /// Whether the mesh is nearer than `depth` at a pixel and at all its neighbors. (At a silhouette, half of
+    /// the pixels beneath a line see what lies behind the mesh.)
     fn hides(&self, x: usize, y: usize, depth: f64) -> bool {
         let (width, height) = (self.picture.size.width() as usize, self.picture.size.height() as usize);
         let mut near = (y.saturating_sub(1)..(y + 2).min(height))
@@ -216,7 +231,7 @@ impl Canvas<'_> {
     }
 }
 
-/// The `i`-th square of a legend, in the lower left corner, with a dark rim.
+/// The `i`-th square of the legend, in the lower left corner, with a dark rim.
 pub(super) fn swatch(picture: &mut Picture, i: usize, color: [u8; 3]) {
     let (width, height) = (picture.size.width() as usize, picture.size.height() as usize);
     let left = SWATCH_PX / 2 + i * (SWATCH_PX + SWATCH_PX / 2);
@@ -235,7 +250,7 @@ fn blend(pixel: &mut [u8; 4], color: [u8; 3], alpha: f32) {
     }
 }
 
-/// The pixels that a range touches, within `0..side`.
+/// The pixels that an interval touches, within `0..side`.
 fn pixels(low: f64, high: f64, side: u32) -> Range<usize> {
     let within = |x: f64| x.clamp(0.0, f64::from(side)) as usize;
     within(low.floor())..within(high.ceil())

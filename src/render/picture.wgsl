@@ -23,6 +23,10 @@ struct Lamp {
     outer: f32,
     spot: vec3f,
     slope: f32,
+    // Physical falloff: 1 over the distance at which the color holds, 0 for plain falloff, and 1 over the distance at
+    // which the light ends, 0 for none; both in lengths of the direction from a place to the lamp.
+    per_full: f32,
+    per_range: f32,
 }
 
 @group(0) @binding(6) var<uniform> scene: Scene;
@@ -94,6 +98,19 @@ fn unit(v: vec3f) -> vec3f {
     return normalize(v / most);
 }
 
+// The factor that falloff has, `to_lamp` away from the lamp. Lengths are cut where the result is known, so that no
+// power leaves the range.
+fn falloff(to_lamp: vec3f) -> f32 {
+    if lamp.per_full == 0.0 { return 1.0; }
+    let most = max(abs(to_lamp.x), max(abs(to_lamp.y), abs(to_lamp.z)));
+    if most == 0.0 { return MOST_FALLOFF; }
+    let distance = most * length(to_lamp / most);
+    let part = min(distance * lamp.per_range, 2.0);
+    let window = clamp(1.0 - part * part * part * part, 0.0, 1.0);
+    let full = min(distance * lamp.per_full, 1e18);
+    return window / max(full * full, window / MOST_FALLOFF);
+}
+
 // What needs no lamp.
 @fragment
 fn ambient(@builtin(position) position: vec4f) -> @location(0) vec4f {
@@ -111,13 +128,14 @@ fn lit(position: vec2f) -> vec4f {
     // From behind, the face itself is in the way.
     if sides[id - 1u] == 0 { return vec4f(0.0); }
     let seen = look(position, id - 1u);
-    let to_light = unit(lamp.towards - seen.place * lamp.approach);
+    let to_lamp = lamp.towards - seen.place * lamp.approach;
+    let to_light = unit(to_lamp);
     let cone = clamp((dot(-lamp.spot, to_light) - lamp.outer) * lamp.slope, 0.0, 1.0);
     let half_way = unit(to_light - unit(seen.direction));
     var highlight = max(dot(seen.normal, half_way), 0.0);
     for (var i = 0u; i < SPECULAR_SQUARINGS; i++) { highlight *= highlight; }
     let diffuse = max(dot(seen.normal, to_light), 0.0);
-    let light = lamp.color * (cone * cone) * (seen.base * diffuse + SPECULAR * highlight);
+    let light = lamp.color * (cone * cone * falloff(to_lamp)) * (seen.base * diffuse + SPECULAR * highlight);
     return vec4f(light * (1.0 - seen.fade), 0.0);
 }
 

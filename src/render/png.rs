@@ -1,4 +1,4 @@
-//! Pictures as PNG files.
+//! PNG encoding of pictures.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -7,8 +7,8 @@ use super::Picture;
 use crate::write::{WriteError, write_atomic};
 
 impl Picture {
-    /// Writes a PNG file, 8 bits of red, green, blue and alpha, marked as sRGB; whole or not at all. The same
-    /// picture gives the same bytes.
+    /// Writes a PNG file, 8 bits of red, green, blue and alpha, marked as sRGB. The file is written
+    /// atomically. The same picture gives the same bytes.
     ///
     /// # Errors
     ///
@@ -17,11 +17,11 @@ impl Picture {
         write_atomic(path, |out| self.encode_png(out))
     }
 
-    /// The bytes of a PNG file.
+    /// Encodes the bytes of a PNG file.
     ///
     /// # Errors
     ///
-    /// Those of `out`.
+    /// The errors of `out`.
     pub fn encode_png(&self, out: impl Write) -> io::Result<()> {
         let mut encoder = png::Encoder::new(out, self.size.width(), self.size.height());
         encoder.set_color(png::ColorType::Rgba);

@@ -1,7 +1,8 @@
-//! Shading: hemispheric ambient light, Lambert's diffuse term and Blinn's highlight, on flat faces of two sides.
+//! Shading of flat, two-sided faces: hemispheric ambient light, Lambert's diffuse term and Blinn's specular
+//! term.
 //!
-//! Bui Tuong Phong, *Illumination for Computer Generated Pictures*, 1975, with the half vector of James F. Blinn,
-//! *Models of Light Reflection for Computer Synthesized Pictures*, 1977.
+//! Bui Tuong Phong, *Illumination for Computer Generated Pictures*, 1975, with the half vector of James F.
+//! Blinn, *Models of Light Reflection for Computer Synthesized Pictures*, 1977.
 
 use glam::{DVec3, Vec3};
 
@@ -9,94 +10,155 @@ use super::View;
 use crate::geom::predicate::{Sign, side_of_light};
 use crate::geom::{Aabb, Light};
 use crate::oracle::{Oracle, PrimaryHit, Verdict};
-use crate::scene::{SceneLight, SpotCone};
+use crate::scene::{Lamp, SpotCone};
 
-/// What all lamps of a picture together give to a white surface: one lamp alone this much, several of equal share
-/// `KEY / √n` each, since few places face them all.
+/// Total light on a white surface. One lamp alone gives this much, n equal lamps `KEY / √n` each, since few
+/// surfaces face all of them.
 const KEY: f32 = 0.95;
 
-/// Ambient light on faces that look sideways, and what looking straight up adds or straight down takes.
+/// Ambient light on faces that look sideways, and the amount added for faces that look straight up or
+/// subtracted for those that look straight down.
 pub(super) const AMBIENT: f32 = 0.17;
 pub(super) const AMBIENT_SLOPE: f32 = 0.07;
 
-/// The highlight's strength, and its exponent as a number of squarings: 2⁵ = 32.
+/// Strength of the specular highlight, and its exponent as a number of squarings: 2⁵ = 32.
 pub(super) const SPECULAR: f32 = 0.12;
 pub(super) const SPECULAR_SQUARINGS: u32 = 5;
 
-/// A light as a picture uses it: the same strength at any distance, so that nothing burns out or drowns.
+/// A light for rendering: its strength does not depend on distance, so that nothing is over- or underexposed.
+///
+/// ```
+/// use umbrage::geom::Light;
+/// use umbrage::render::ShadedLight;
+///
+/// let lights = [Light::point([3.0, 5.0, 4.0])?, Light::directional([0.0, -1.0, 0.0])?];
+/// let one = ShadedLight::equal(&lights[..1])[0];
+/// let two = ShadedLight::equal(&lights);
+/// assert!(two[0].color == two[1].color && two[0].color[0] < one.color[0]);
+/// # Ok::<(), umbrage::geom::LightError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadedLight {
-    /// What casts the shadow.
+    /// The light, as it casts shadows.
     pub light: Light,
-    /// Linear red, green, blue that it gives to a white surface facing it.
+    /// The light's contribution to a white surface facing it, in linear red, green, blue.
     pub color: [f32; 3],
-    /// Where a spot light shines; nothing beyond its cone.
-    pub spot: Option<SpotCone>,
+    /// The cone of a spot light; nothing shines beyond it.
+    pub cone: Option<SpotCone>,
+    /// How the light weakens with the distance.
+    pub falloff: Falloff,
 }
 
+/// How light weakens with the distance from a lamp at a position. A directional lamp is as strong everywhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Falloff {
+    /// It does not.
+    #[default]
+    Plain,
+    /// With the inverse square of the distance, windowed as KHR_lights_punctual recommends: at the distance
+    /// `d` a lamp of the range `r` gives `1/d² · clamp(1 − (d/r)⁴, 0, 1)`.
+    Physical {
+        /// The distance at which the color of the lamp holds, without the window; above 0.
+        full_at: f64,
+        /// The distance at which the light ends, above 0.
+        range: Option<f32>,
+    },
+}
+
+/// The most that falloff may strengthen the color of a lamp, so that a half float of the device holds the
+/// product with the color, at most 1, and with what a surface reflects, at most 1 + [`SPECULAR`].
+pub(super) const MOST_FALLOFF: f32 = 32_768.0;
+
 impl ShadedLight {
-    /// White lamps of equal strength.
+    /// White lights of equal strength.
     #[must_use]
-    pub fn equal(lights: &[Light]) -> Vec<Self> {
-        let color = [KEY / (lights.len() as f32).sqrt(); 3];
-        lights.iter().map(|&light| Self { light, color, spot: None }).collect()
+    pub fn equal<L: Clone + Into<Lamp>>(lamps: &[L]) -> Vec<Self> {
+        let color = [KEY / (lamps.len() as f32).sqrt(); 3];
+        let shaded =
+            |lamp: Lamp| Self { light: *lamp.light(), color, cone: lamp.cone, falloff: Falloff::Plain };
+        lamps.iter().map(|lamp| shaded(lamp.clone().into())).collect()
     }
 
-    /// Lamps for the lights of a file, whose candela and lux say nothing about exposure.
+    /// Lights of a file, balanced in exposure, since candela and lux do not determine the exposure.
     ///
-    /// A lamp's share is its illuminance at the center of `bounds`: lux as they are, candela over the square of
-    /// the distance (taken as no less than a quarter of the diagonal). Shares are scaled so that the root of
-    /// their squares' sum is fixed: one light alone is always equally bright. A light whose intensity is not
-    /// above 0 gives nothing.
+    /// A light's share is its illuminance at the center of `bounds`: lux as given, candela divided by the
+    /// square of the distance (taken as no less than a quarter of the diagonal). Shares are scaled so that
+    /// the square root of the sum of their squares is fixed: one light alone is always equally bright. A
+    /// light whose intensity is not above 0 gives nothing.
     #[must_use]
-    pub fn balanced(lights: &[SceneLight], bounds: &Aabb) -> Vec<Self> {
-        let center = wide(bounds.center());
-        let near = 0.25 * bounds.diagonal();
-        let illuminance = |light: &SceneLight| {
-            let distance = match light.light.is_directional() {
-                true => 1.0,
-                false => wide(light.light.xyz()).distance(center).max(near),
-            };
-            let strongest = light.color.iter().fold(0.0_f32, |most, &x| most.max(x));
-            let share = f64::from(light.intensity) * f64::from(strongest) / distance.powi(2);
+    pub fn balanced(lamps: &[Lamp], bounds: &Aabb) -> Vec<Self> {
+        let illuminance = |lamp: &Lamp| {
+            let distance = distance(lamp.light(), bounds);
+            let strongest = lamp.color.iter().fold(0.0_f32, |most, &x| most.max(x));
+            let share = f64::from(lamp.intensity) * f64::from(strongest) / distance.powi(2);
             if share.is_finite() && share > 0.0 { share } else { 0.0 }
         };
-        let shares: Vec<f64> = lights.iter().map(illuminance).collect();
+        let shares: Vec<f64> = lamps.iter().map(illuminance).collect();
         let most = shares.iter().fold(0.0_f64, |most, &x| most.max(x));
         let relative = |share: f64| if most > 0.0 { share / most } else { 0.0 };
         let norm = shares.iter().map(|&share| relative(share).powi(2)).sum::<f64>().sqrt().max(1.0);
-        let lamp = |(light, &share): (&SceneLight, &f64)| {
-            let strongest = light.color.iter().fold(f32::MIN_POSITIVE, |most, &x| most.max(x));
+        let shaded = |(lamp, &share): (&Lamp, &f64)| {
+            let strongest = lamp.color.iter().fold(f32::MIN_POSITIVE, |most, &x| most.max(x));
             let strength = KEY * (relative(share) / norm) as f32;
-            let color = light.color.map(|x| strength * (x.max(0.0) / strongest).min(1.0));
-            Self { light: light.light, color, spot: light.spot }
+            let color = lamp.color.map(|x| strength * (x.max(0.0) / strongest).min(1.0));
+            Self { light: *lamp.light(), color, cone: lamp.cone, falloff: Falloff::Plain }
         };
-        lights.iter().zip(&shares).map(lamp).collect()
+        lamps.iter().zip(&shares).map(shaded).collect()
     }
 
-    /// The unit vector from `point` towards the lamp, and what arrives of its color if nothing is between.
+    /// The same lamp with physical falloff, as strong as before at the center of `bounds` (no nearer than a
+    /// quarter of the diagonal) if `range` reaches that far.
+    #[must_use]
+    pub fn with_physical_falloff(self, range: Option<f32>, bounds: &Aabb) -> Self {
+        let full_at = distance(&self.light, bounds).max(f64::from(f32::MIN_POSITIVE));
+        Self { falloff: Falloff::Physical { full_at, range }, ..self }
+    }
+
+    /// The unit vector from `point` towards the light, and the unoccluded color that arrives there.
     fn reach(&self, point: DVec3) -> (Vec3, Vec3) {
         let to_light = wide(self.light.xyz()) - if self.light.is_directional() { DVec3::ZERO } else { point };
+        let color = Vec3::from(self.color) * self.strength(to_light.length());
         let to_light = to_light.normalize_or_zero().as_vec3();
-        let color = Vec3::from(self.color);
-        (to_light, self.spot.map_or(color, |cone| color * within(cone, to_light)))
+        (to_light, self.cone.map_or(color, |cone| color * within(cone, to_light)))
+    }
+
+    /// The factor that falloff has at this distance, at most [`MOST_FALLOFF`].
+    fn strength(&self, distance: f64) -> f32 {
+        match self.falloff {
+            Falloff::Physical { full_at, range } if !self.light.is_directional() => {
+                let part = range.map_or(0.0, |range| distance / f64::from(range));
+                let window = (1.0 - part.powi(4)).clamp(0.0, 1.0);
+                ((full_at / distance).powi(2) * window).min(MOST_FALLOFF.into()) as f32
+            }
+            _ => 1.0,
+        }
     }
 }
 
-/// The cosine of the angle where a spot light ends, and how much more it is where it is full; never 0.
+/// The distance from a light to the center of `bounds`, no less than a quarter of the diagonal; 1 for a
+/// directional light.
+fn distance(light: &Light, bounds: &Aabb) -> f64 {
+    match light.is_directional() {
+        true => 1.0,
+        false => wide(light.xyz()).distance(wide(bounds.center())).max(0.25 * bounds.diagonal()),
+    }
+}
+
+/// The cosine of a spot light's outer angle, and the difference to the cosine of its inner angle; never 0.
 pub(super) fn cosines(cone: SpotCone) -> (f32, f32) {
     let (inner, outer) = (cone.inner_rad.cos(), cone.outer_rad.cos());
     (outer, (inner - outer).max(1e-3))
 }
 
-/// How much of a spot light goes this way: the curve that KHR_lights_punctual recommends.
+/// Fraction of a spot light in the direction of a point: the curve that KHR_lights_punctual recommends.
 fn within(cone: SpotCone, to_light: Vec3) -> f32 {
     let cosine = -Vec3::from(cone.direction).dot(to_light);
     let (outer, width) = cosines(cone);
     ((cosine - outer) / width).clamp(0.0, 1.0).powi(2)
 }
 
-/// The light that goes from what is seen to the eye, without what is between. A grazing verdict counts as lit.
+/// The light reflected from a visible point towards the eye. A grazing verdict counts as lit.
 pub(super) fn shade(
     oracle: &Oracle,
     view: &View<'_>,
@@ -112,7 +174,7 @@ pub(super) fn shade(
     let up = normal[view.up.axis()];
     let mut light = base * (AMBIENT + AMBIENT_SLOPE * up);
     for lamp in view.lamps {
-        // From behind, the face itself is in the way.
+        // The light is behind the seen side of the face: the face itself blocks it.
         if side_of_light(seen.corners, &lamp.light) != seen.side {
             continue;
         }
@@ -135,9 +197,8 @@ fn wide(p: [f32; 3]) -> DVec3 {
 mod tests {
     use super::*;
 
-    fn scene_light(light: &str, intensity: f32) -> SceneLight {
-        let light = light.parse().unwrap();
-        SceneLight { name: String::new(), light, color: [1.0, 0.5, 0.0], intensity, spot: None }
+    fn scene_light(light: &str, intensity: f32) -> Lamp {
+        Lamp { color: [1.0, 0.5, 0.0], intensity, ..light.parse().unwrap() }
     }
 
     #[test]
@@ -164,6 +225,28 @@ mod tests {
             }
         }
         assert_eq!(ShadedLight::balanced(&[], &bounds), []);
+    }
+
+    #[test]
+    fn physical_falloff_is_the_inverse_square_within_its_window_and_1_at_the_center() {
+        let bounds = Aabb { low: [-1.0; 3], high: [1.0; 3] };
+        let [lamp] = ShadedLight::equal(&[Light::point([0.0, 4.0, 0.0]).unwrap()])[..] else {
+            panic!("one lamp")
+        };
+        let [endless, ending] = [None, Some(8.0)].map(|range| lamp.with_physical_falloff(range, &bounds));
+        for distance in [1.0, 2.0, 4.0, 6.0, 8.0, 9.0] {
+            assert_eq!(lamp.strength(distance), 1.0);
+            let inverse_square = 16.0 / (distance * distance);
+            assert_eq!(endless.strength(distance), inverse_square as f32);
+            let window = 1.0 - (distance / 8.0).powi(4);
+            assert_eq!(ending.strength(distance), (inverse_square * window.max(0.0)) as f32);
+        }
+        assert_eq!((endless.strength(4.0), ending.strength(8.0), ending.strength(1e300)), (1.0, 0.0, 0.0));
+        assert_eq!((ending.strength(0.0), endless.strength(1e-300)), (MOST_FALLOFF, MOST_FALLOFF));
+        let [sun] = ShadedLight::equal(&[Light::directional([0.0, -1.0, 0.0]).unwrap()])[..] else {
+            panic!("a sun")
+        };
+        assert_eq!(sun.with_physical_falloff(Some(1.0), &bounds).strength(100.0), 1.0);
     }
 
     #[test]

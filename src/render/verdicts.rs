@@ -1,18 +1,17 @@
-//! A comparison of pixels as a picture: what agrees in gray, what does not in colors that stand out.
+//! A pixel comparison as a picture: gray for agreement, colors that stand out for the rest.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::overlay::swatch;
 use super::{ABOVE, BELOW, MemoryError, Picture, buffer, color};
 use crate::oracle::Oracle;
 use crate::parallel;
 use crate::verify::pixels::{Comparison, PixelVerdict};
-use crate::view::Projection;
-use crate::view::Size;
+use crate::view::{Projection, Rays};
 
-/// A color's name and its sRGB bytes: grays for what agrees, light blue for the sky; for the others hues that
-/// differ in brightness too, so that nobody needs to tell red from green. (Masataka Okabe and Kei Ito, *Color
-/// Universal Design*, 2002.)
+/// Name and sRGB bytes of a verdict's color: grays for agreement, light blue for the sky. The hues of the
+/// others differ in brightness too, so that nobody needs to distinguish red from green (Masataka Okabe and
+/// Kei Ito, *Color Universal Design*, 2002).
 #[must_use]
 pub fn verdict_color(verdict: PixelVerdict) -> (&'static str, [u8; 3]) {
     match verdict {
@@ -26,23 +25,26 @@ pub fn verdict_color(verdict: PixelVerdict) -> (&'static str, [u8; 3]) {
     }
 }
 
-/// How dark what an eye sees edge-on is drawn against what faces it.
+/// Brightness of a surface seen edge-on, relative to one seen from the front.
 const EDGE_ON: f32 = 0.55;
 
-/// Half the sides of the squares and of the rings that are drawn around pixels, in pixels.
+/// Half the side of the square drawn at a pixel, in pixels.
 const DOT_PX: u32 = 1;
+/// Outer radius of the ring drawn around a real mismatch, in pixels.
 const RING_PX: u32 = 7;
 
-/// Draws the pixels of `comparison`: the faces of `oracle` as `projection` sees them, light where both agree on lit,
-/// dark where they agree on shadowed; every other pixel as a square of 3 × 3 in its verdict's color, the gravest on
-/// top, those that nothing explains with a dark-rimmed ring around them. Swatches in the lower left corner show the
-/// colors of the verdicts that occur, in the order of [`PixelVerdict::ALL`], the sky left out.
+/// Draws the pixels of `comparison`. The faces of `oracle` are seen by `projection`, light where both methods
+/// agree on lit, dark where they agree on shadowed. Every other pixel is a square of 3 × 3 in its verdict's
+/// color, the most serious on top. A real mismatch also gets a ring with dark rims. Swatches in the lower
+/// left corner show the colors of the verdicts that occur, in the order of [`PixelVerdict::ALL`], without the
+/// sky.
 ///
-/// `progress` hears of rows done, from any thread. One ray a pixel; 4 bytes a pixel.
+/// `progress` is called with the number of rows done, from any thread. Cost: one ray per pixel. Memory: 4
+/// bytes per pixel.
 ///
 /// # Errors
 ///
-/// [`MemoryError`] if those bytes are not to be had.
+/// [`MemoryError`] if this memory cannot be allocated.
 pub fn verdicts(
     oracle: &Oracle,
     projection: &Projection,
@@ -51,11 +53,16 @@ pub fn verdicts(
 ) -> Result<Picture, MemoryError> {
     let size = comparison.size;
     let width = size.width() as usize;
+    let rays = Rays::new(projection, size);
+    let near = f64::from(projection.near);
     let mut picture = Picture { size, pixels: buffer(size, [0; 4])? };
     parallel::rows(&mut picture.pixels, width, |y, row| {
         for (x, pixel) in row.iter_mut().enumerate() {
             let verdict = comparison.verdicts[y * width + x];
-            *pixel = agreeing(oracle, projection, size, [x, y], verdict);
+            let position = [x, y].map(|i| i as f64 + 0.5);
+            let part = position[1] / f64::from(size.height());
+            *pixel = agreeing(oracle, &rays, near, position, verdict)
+                .unwrap_or_else(|| color::encode(BELOW.lerp(ABOVE, (1.0 - part) as f32)));
         }
         progress(1);
     });
@@ -63,7 +70,7 @@ pub fn verdicts(
         let places = (0..).zip(&comparison.verdicts).filter(move |(_, other)| **other == verdict);
         places.map(move |(place, _): (u32, _)| [place % size.width(), place / size.width()])
     };
-    // The rims of all rings first: they must not cover each other's color.
+    // The rims of all rings come first: they must not cover the colored part of another ring.
     let reach = i64::from(RING_PX);
     for (color, radii) in
         [([30; 3], reach - 3..reach + 1), (verdict_color(PixelVerdict::Real).1, reach - 2..reach)]
@@ -85,30 +92,25 @@ pub fn verdicts(
     Ok(picture)
 }
 
-/// What is seen through the middle of a pixel, shaded by the angle it is seen at.
+/// The surface seen through a pixel's center, shaded by the angle between surface and ray.
 fn agreeing(
     oracle: &Oracle,
-    projection: &Projection,
-    size: Size,
-    [x, y]: [usize; 2],
+    rays: &Rays,
+    near: f64,
+    [x, y]: [f64; 2],
     verdict: PixelVerdict,
-) -> [u8; 4] {
-    let place = [x, y].map(|i| i as f64 + 0.5);
-    let (width, height) = (f64::from(size.width()), f64::from(size.height()));
-    let ray = projection.ray(DVec2::new(2.0 * place[0] / width - 1.0, 1.0 - 2.0 * place[1] / height));
-    let seen = oracle.first_visible_beyond(projection.eye, ray.as_vec3().into(), projection.near.into());
-    let Some(seen) = seen else {
-        return color::encode(BELOW.lerp(ABOVE, (1.0 - place[1] / height) as f32));
-    };
+) -> Option<[u8; 4]> {
+    let ray = rays.ray(x, y);
+    let seen = oracle.first_visible_beyond(ray.origin, ray.direction, near)?;
     let [a, b, c] = seen.corners.map(|corner| DVec3::from(corner.map(f64::from)));
     let normal = (b - a).cross(c - a).normalize_or_zero();
-    let facing = normal.dot(ray.normalize_or_zero()).abs() as f32;
+    let facing = normal.dot(rays.direction(x, y).normalize_or_zero()).abs() as f32;
     let gray = verdict_color(if verdict == PixelVerdict::Shadowed { verdict } else { PixelVerdict::Lit }).1;
     let [r, g, b] = (Vec3::from(gray.map(f32::from)) * (EDGE_ON + (1.0 - EDGE_ON) * facing)).to_array();
-    [r as u8, g as u8, b as u8, 255]
+    Some([r as u8, g as u8, b as u8, 255])
 }
 
-/// Sets the pixels up to `reach` away in both directions whose squared distance is asked for.
+/// Sets the pixels within `reach` in both directions whose squared distance is `wanted`.
 fn draw(picture: &mut Picture, [x, y]: [u32; 2], reach: u32, color: [u8; 3], wanted: impl Fn(i64) -> bool) {
     let side = |at: u32, most: u32| at.saturating_sub(reach)..(at + reach + 1).min(most);
     let (width, height) = (picture.size.width(), picture.size.height());
@@ -127,7 +129,7 @@ fn draw(picture: &mut Picture, [x, y]: [u32; 2], reach: u32, color: [u8; 3], wan
 mod tests {
     use super::*;
     use crate::testing::shapes;
-    use crate::view::{Camera, Up};
+    use crate::view::{Camera, Size, Up};
 
     #[test]
     fn verdicts_stand_out_of_what_agrees_and_the_gravest_is_on_top() {
@@ -151,7 +153,7 @@ mod tests {
         let count = |color: [u8; 3]| picture.pixels.iter().filter(|pixel| pixel[..3] == color).count();
         let [real, grazing] = [PixelVerdict::Real, PixelVerdict::Grazing].map(|v| verdict_color(v).1);
         assert!(count(real) > 100, "{}", count(real));
-        // A column of the grazing dot is seen beside the real one, and its swatch.
+        // One column of the grazing square shows beside the real one, and the swatch of grazing.
         assert_eq!(count(grazing), 3 + 12 * 12);
         assert_eq!(picture.pixels[at(51, 40)][..3], real);
     }

@@ -46,7 +46,7 @@ impl Format {
         }
     }
 
-    /// The format that a file name's extension stands for.
+    /// The format of a file name's extension.
     #[must_use]
     pub fn from_extension(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();

@@ -1,17 +1,23 @@
-//! A scene: meshes, where their instances stand, lights and a camera; baked once into world space.
+//! A scene: meshes and their instances, materials, lamps and cameras; baked once into world space.
 
 mod format;
-mod light;
+mod lamp;
+mod material;
+mod pattern;
+mod visible;
 
 use glam::Mat4;
 
 pub use format::Format;
-pub use light::{SceneLight, SpotCone};
+pub use lamp::{Lamp, LampError, LampShape, Rectangle, SpotCone};
+pub use material::{AlphaMode, Material};
+pub use pattern::Pattern;
+pub use visible::PlacedPart;
 
 use crate::mesh::{Mesh, MeshError, Part};
 use crate::view::{Camera, Up};
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// What the file was read as; `None` for a generated scene.
@@ -20,44 +26,55 @@ pub struct Scene {
     pub up: Up,
     /// The meshes, each once, in their own space.
     pub meshes: Vec<Mesh>,
-    /// Where meshes stand in the world.
+    /// The meshes placed in the world.
     pub instances: Vec<Instance>,
-    /// The file's own lights, in world space.
-    pub lights: Vec<SceneLight>,
-    /// The file's own camera, in world space.
-    pub camera: Option<Camera>,
-    /// What the reader did that a person should know of: n-gons cut into fans, lines ignored.
+    /// What the parts of meshes are made of.
+    pub materials: Vec<Material>,
+    /// The file's own lamps, in world space.
+    pub lamps: Vec<Lamp>,
+    /// The file's own cameras, in world space.
+    pub cameras: Vec<NamedCamera>,
+    /// What the reader changed or left out, for people: n-gons cut into fans, lines ignored.
     pub notes: Vec<String>,
 }
 
-/// One standing of a mesh in the world.
+/// A camera of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedCamera {
+    /// The name in the file, or else that of the node; may be empty.
+    pub name: String,
+    /// The camera.
+    pub camera: Camera,
+}
+
+/// A mesh placed in the world.
 #[derive(Clone, Debug)]
 pub struct Instance {
     /// Index into [`Scene::meshes`].
     pub mesh: usize,
-    /// What the file calls the node; may be empty.
+    /// The name of the node in the file; may be empty.
     pub name: String,
     /// Column-major, column vectors; may mirror and scale unevenly.
     pub world_from_mesh: Mat4,
 }
 
-/// How far welding and counting reach.
+/// The extent of one mesh in welding and counting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scope {
-    /// Every part (primitive, group) of a mesh for itself.
+    /// Every part (primitive, group) of a mesh is a mesh of its own.
     Primitive,
-    /// Every mesh instance for itself.
+    /// Every instance is a mesh of its own.
     #[default]
     Mesh,
     /// The whole file as one mesh.
     Scene,
 }
 
-/// How many triangles or vertices instancing may multiply a scene to: 2²⁷, some gigabytes.
+/// The most triangles, or vertices, that a scene may have through instancing: 2²⁷, some gigabytes.
 pub const MOST_INSTANCED: usize = 1 << 27;
 
 impl Scene {
-    /// A scene of one mesh where it is.
+    /// A scene of one mesh, in place.
     #[must_use]
     pub fn of(mesh: Mesh) -> Self {
         let instance = Instance { mesh: 0, name: String::new(), world_from_mesh: Mat4::IDENTITY };
@@ -67,13 +84,14 @@ impl Scene {
     /// The meshes in world space, one for each `scope`. From here on everything is exact with respect to
     /// these positions. A mirrored instance has its winding turned, so that its front stays its front.
     ///
-    /// A mesh whose only instance stands at the identity is moved, not copied.
+    /// A mesh with a single instance, at the identity, is moved, not copied.
     ///
     /// # Errors
     ///
     /// [`MeshError`] if a transform carries a position beyond `f32`, if all instances together have more than
-    /// [`MOST_INSTANCED`] triangles or vertices (those of all frames), or a sixteenth of that in parts, where the meshes themselves have fewer (a small file must not fill
-    /// the memory), or if a scene-wide mesh has too many for 32-bit ids.
+    /// [`MOST_INSTANCED`] triangles or vertices (those of all frames), or a sixteenth of that in parts, where
+    /// the meshes themselves have fewer (a small file must not fill the memory), or if a scene-wide mesh has
+    /// too many for 32-bit ids.
     pub fn bake(mut self, scope: Scope) -> Result<Vec<Mesh>, MeshError> {
         // Every frame has all vertices again.
         let vertices = |mesh: &Mesh| mesh.vertex_count() * (1 + mesh.frames().len());
@@ -117,7 +135,7 @@ impl Scene {
     }
 }
 
-/// `mesh` where `instance` stands, named after the node (and the mesh, where the two differ).
+/// `mesh` transformed by `instance`, and named after the node (and the mesh, where the two differ).
 fn place(mesh: Mesh, instance: &Instance) -> Result<Mesh, MeshError> {
     let name = match (instance.name.as_str(), mesh.name.as_str()) {
         ("", name) | (name, "") => name.to_owned(),
@@ -145,29 +163,36 @@ fn split(mesh: Mesh) -> Result<Vec<Mesh>, MeshError> {
     let mut new_of_old = vec![u32::MAX; mesh.vertex_count()];
     let mut pieces = Vec::with_capacity(mesh.parts().len());
     for part in mesh.parts() {
-        let mut old_of_new: Vec<u32> = Vec::new();
         let faces = &mesh.triangles()[part.faces.start as usize..part.faces.end as usize];
-        let triangles = faces
-            .iter()
-            .map(|corners| {
-                corners.map(|old| {
-                    let new = &mut new_of_old[old as usize];
-                    if *new == u32::MAX {
-                        *new = old_of_new.len() as u32; // at most three a face, and faces fit 32 bits
-                        old_of_new.push(old);
-                    }
-                    *new
-                })
-            })
-            .collect();
-        let pick = |from: &[[f32; 3]]| old_of_new.iter().map(|&old| from[old as usize]).collect::<Vec<_>>();
         let name = [mesh.name.as_str(), part.name.as_str()].into_iter().filter(|name| !name.is_empty());
-        let piece = Mesh::new(pick(mesh.positions()), triangles)?
+        let piece = pick(&mesh, faces, &mut new_of_old)?
             .with_name(name.collect::<Vec<_>>().join(" / "))
-            .with_parts(vec![Part { name: part.name.clone(), faces: 0..faces.len() as u32 }])
-            .with_frames(mesh.frames().iter().map(|frame| pick(frame)).collect())?;
-        old_of_new.iter().for_each(|&old| new_of_old[old as usize] = u32::MAX);
+            .with_parts(vec![Part { faces: 0..faces.len() as u32, ..part.clone() }]);
         pieces.push(piece);
     }
     Ok(pieces)
+}
+
+/// Some faces of `mesh` with only the vertices that they use, in the order of their first use. `new_of_old`
+/// has an entry per vertex, `u32::MAX`, and is left so.
+fn pick(mesh: &Mesh, faces: &[[u32; 3]], new_of_old: &mut [u32]) -> Result<Mesh, MeshError> {
+    let mut old_of_new: Vec<u32> = Vec::new();
+    let triangles = faces
+        .iter()
+        .map(|corners| {
+            corners.map(|old| {
+                let new = &mut new_of_old[old as usize];
+                if *new == u32::MAX {
+                    *new = old_of_new.len() as u32; // at most three per face, and faces fit 32 bits
+                    old_of_new.push(old);
+                }
+                *new
+            })
+        })
+        .collect();
+    let pick = |from: &[[f32; 3]]| old_of_new.iter().map(|&old| from[old as usize]).collect::<Vec<_>>();
+    let picked = Mesh::new(pick(mesh.positions()), triangles)?
+        .with_frames(mesh.frames().iter().map(|frame| pick(frame)).collect())?;
+    old_of_new.iter().for_each(|&old| new_of_old[old as usize] = u32::MAX);
+    Ok(picked)
 }

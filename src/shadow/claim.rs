@@ -1,18 +1,20 @@
-//! What a technique promises of its answers.
+//! The claim of a technique: what its values promise.
 
 use std::fmt;
 
-/// What a [`Visibility`](super::Visibility) promises. Each claim has a test that fails where it is false.
+/// The promise that comes with a [`Visibility`](super::Visibility). Each claim has a test that fails if the
+/// claim is false.
 ///
 /// A *judged* sample is front-lit, and its exact verdict is not grazing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Claim {
-    /// At every judged sample the value equals the truth.
+    /// The value equals the truth at every judged sample.
     Exact,
-    /// The same but for samples within the rasterizer's footprint of a boundary: counting on a device.
+    /// The value equals the truth at every judged sample outside the rasterizer's footprint of a boundary:
+    /// counting on a device.
     WithinFootprint,
-    /// At most this fraction of the judged samples differs from the truth.
+    /// The value differs from the truth at no more than this fraction of the judged samples.
     Bounded(f32),
     /// Nothing is promised.
     Approximate,

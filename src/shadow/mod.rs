@@ -1,8 +1,8 @@
-//! Shadows: one contract for every technique, one room per technique.
+//! Shadows: one contract for every technique, one module per technique.
 //!
 //! A [`Technique`] answers a [`Request`]: how much of a light reaches each visible point ([`Samples`]), as a
-//! [`Visibility`] with a [`Claim`]. [`Technique::ALL`] lists the built techniques; measuring, rendering and testing
-//! iterate it, so that one that is added there is measured, drawn and held against the truth at once.
+//! [`Visibility`] with a [`Claim`]. [`Technique::ALL`] lists the built techniques. Measurements, pictures and
+//! tests iterate this list, so that every new technique is measured, rendered and compared with the truth.
 //!
 //! ```
 //! use umbrage::caster::{Caster, CasterGroup};

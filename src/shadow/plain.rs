@@ -1,9 +1,9 @@
-//! No shadows, and no light: the two answers that cost nothing.
+//! Constant visibility: everything lit, or everything dark.
 
 use super::{Claim, Samples, Visibility};
 use crate::geom::Light;
 
-/// One value for every sample that is asked about.
+/// One value for every front-lit sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Plain {
     Lit,

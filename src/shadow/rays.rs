@@ -5,7 +5,7 @@ use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::oracle::{Oracle, Verdict};
 
-/// The ray cast over all casters.
+/// Ray-cast technique over all casters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rays<'a> {
     oracle: &'a Oracle,
@@ -16,7 +16,7 @@ impl<'a> Rays<'a> {
         Self { oracle: casters.oracle() }
     }
 
-    /// A grazing segment counts as lit.
+    /// One exact shadow ray per front-lit sample. A grazing ray counts as lit.
     pub(super) fn shade(&self, light: &Light, samples: &Samples) -> Visibility {
         let mut visibility = Visibility::of(samples, light, Claim::Exact, |_| (1.0, false));
         let points: Vec<[f32; 3]> = asked_points(&visibility, samples);
@@ -27,7 +27,7 @@ impl<'a> Rays<'a> {
     }
 }
 
-/// The points that are asked about, in their order.
+/// The points of the front-lit samples, in sample order.
 fn asked_points(visibility: &Visibility, samples: &Samples) -> Vec<[f32; 3]> {
     let asked = samples.hits().iter().zip(visibility.asked()).filter(|(_, asked)| **asked);
     asked.filter_map(|(hit, _)| hit.as_ref().map(|hit| hit.point)).collect()

@@ -1,13 +1,13 @@
-//! The visible points that techniques are asked about.
+//! Samples: the visible points at which techniques compute visibility.
 
 use crate::caster::CasterGroup;
 use crate::oracle::PrimaryHit;
-use crate::view::{Projection, Size};
+use crate::view::{Projection, Rays, Size};
 
-/// The visible points of a view: an exact primary hit per sample, `samples²` of them per pixel.
+/// The visible points of a view: one exact primary hit per sample, `per_side`² samples per pixel.
 ///
-/// Samples come in rows from the top, each from the left, as pixels of a picture that is `samples` times as wide and as
-/// high.
+/// Samples are stored in rows from the top, each row from the left, like the pixels of a picture that is
+/// `per_side` times as wide and as high.
 #[derive(Clone, Debug)]
 pub struct Samples {
     projection: Projection,
@@ -16,20 +16,20 @@ pub struct Samples {
     hits: Vec<Option<PrimaryHit>>,
 }
 
-/// Why there are no [`Samples`]: they do not fit the memory.
+/// Error of [`Samples`] that do not fit the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0} visible points do not fit the memory; choose a smaller size, or fewer samples per pixel")]
 pub struct TooManySamples(pub usize);
 
 impl Samples {
-    /// Casts a ray through the middle of each sample. What is nearer than the near plane is not seen.
+    /// Casts a ray through the center of each sample. Surfaces nearer than the near plane are not seen.
     ///
-    /// About 1 µs per sample and thread for a mesh of 10⁵ faces; 72 bytes per sample. On several threads with the
-    /// feature `parallel`.
+    /// Cost: about 1 µs per sample and thread for a mesh of 10⁵ faces. Memory: 72 bytes per sample. With the
+    /// feature `parallel`, rows are shared among threads.
     ///
     /// # Errors
     ///
-    /// [`TooManySamples`] if those bytes are not to be had.
+    /// [`TooManySamples`] if this memory cannot be allocated.
     pub fn of_view(
         casters: &CasterGroup<'_>,
         projection: &Projection,
@@ -41,25 +41,26 @@ impl Samples {
         let mut hits = Vec::new();
         hits.try_reserve_exact(count).map_err(|_| TooManySamples(count))?;
         hits.resize(count, None);
-        let [width, height] = [size.width(), size.height()].map(|side| side as usize * per_side as usize);
+        let width = size.width() as usize * per_side as usize;
+        let rays = Rays::new(projection, size);
         let oracle = casters.oracle();
         crate::parallel::rows(&mut hits, width, |y, row| {
             for (x, hit) in row.iter_mut().enumerate() {
-                let [x, y] = [(x, width), (y, height)].map(|(i, n)| 2.0 * (i as f64 + 0.5) / n as f64 - 1.0);
-                let direction = projection.ray([x, -y].into()).as_vec3().into();
-                *hit = oracle.first_visible_beyond(projection.eye, direction, projection.near.into());
+                let [x, y] = [x, y].map(|i| (i as f64 + 0.5) / f64::from(per_side));
+                let ray = rays.ray(x, y);
+                *hit = oracle.first_visible_beyond(ray.origin, ray.direction, projection.near.into());
             }
         });
         Ok(Self { projection: *projection, size, per_side, hits })
     }
 
-    /// The camera.
+    /// The projection of the view.
     #[must_use]
     pub fn projection(&self) -> &Projection {
         &self.projection
     }
 
-    /// How many pixels the view has.
+    /// Size of the view in pixels.
     #[must_use]
     pub fn size(&self) -> Size {
         self.size
@@ -71,25 +72,25 @@ impl Samples {
         self.per_side
     }
 
-    /// One entry per sample; `None` where nothing is seen.
+    /// Primary hits, one entry per sample; `None` where nothing is seen.
     #[must_use]
     pub fn hits(&self) -> &[Option<PrimaryHit>] {
         &self.hits
     }
 
-    /// How many samples there are.
+    /// Number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
         self.hits.len()
     }
 
-    /// Never, since a picture has a pixel.
+    /// Always false, since a view has at least one pixel.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.hits.is_empty()
     }
 
-    /// Samples in a row.
+    /// Number of samples per row.
     pub(crate) fn row_len(&self) -> usize {
         self.size.width() as usize * self.per_side as usize
     }

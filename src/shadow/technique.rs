@@ -1,4 +1,4 @@
-//! The closed list of techniques, and the two steps that each of them takes.
+//! The closed list of techniques, and the two steps of each: prepare for a light, shade samples.
 
 use std::fmt;
 use std::str::FromStr;
@@ -11,9 +11,9 @@ use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::shadow::stencil::StencilMethod;
 
-/// A way to compute the shadows of one light.
+/// A technique that computes the shadows of one light.
 ///
-/// Displays and parses as on the command line.
+/// `Display` and `FromStr` use the name on the command line.
 ///
 /// ```
 /// use umbrage::shadow::Technique;
@@ -26,22 +26,23 @@ use crate::shadow::stencil::StencilMethod;
 pub enum Technique {
     /// An exact shadow ray per sample.
     Rays,
-    /// Shadow volumes, counted by z-pass where that is proven to be right and by z-fail elsewhere, shell by shell.
+    /// Shadow volumes, counted shell by shell: by z-pass where this is proven correct, otherwise by z-fail.
     Stencil,
-    /// Shadow volumes, counted by z-fail.
+    /// Shadow volumes, counted by z-fail for every shell.
     ZFail,
-    /// Shadow volumes, counted by z-pass: wrong if the eye is in a shadow.
+    /// Shadow volumes, counted by z-pass for every shell: wrong if the near rectangle of the camera is in a
+    /// shadow.
     ZPass,
-    /// No shadows: whatever faces the light is lit.
+    /// No shadows: every front-lit sample is lit.
     None,
-    /// No light.
+    /// No light: every sample is dark.
     Dark,
 }
 
-/// What a technique is asked.
+/// Input of a technique: casters, light and samples.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
-    /// What casts.
+    /// The shadow casters.
     pub casters: &'a CasterGroup<'a>,
     /// The light.
     pub light: &'a Light,
@@ -49,14 +50,14 @@ pub struct Request<'a> {
     pub samples: &'a Samples,
 }
 
-/// Why a text is no [`Technique`].
+/// Error of a text that names no [`Technique`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TechniqueError {
-    /// The name is that of a technique that is planned.
+    /// The technique of this name is planned, but not built yet.
     #[error("not built yet: {0}")]
     NotBuilt(String),
-    /// No technique has that name.
+    /// No technique has this name.
     #[error("`{0}` is not a technique; write one of {names}", names = names())]
     Unknown(String),
     /// The technique has no such option.
@@ -64,12 +65,12 @@ pub enum TechniqueError {
     UnknownKey {
         /// The technique's name.
         technique: &'static str,
-        /// The key.
+        /// The unknown key.
         key: String,
     },
 }
 
-/// Names that are planned.
+/// Names of planned techniques.
 const PLANNED: [&str; 29] = [
     "auto",
     "zpass-plus",
@@ -107,14 +108,14 @@ fn names() -> String {
 }
 
 fn keys(_technique: &str) -> &'static str {
-    "it has none" // none of the built ones has any
+    "it has none" // no built technique has any option
 }
 
 impl Technique {
     /// The built techniques.
     pub const ALL: [Self; 6] = [Self::Rays, Self::Stencil, Self::ZFail, Self::ZPass, Self::None, Self::Dark];
 
-    /// As on the command line and in reports.
+    /// Name on the command line and in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -127,7 +128,8 @@ impl Technique {
         }
     }
 
-    /// What stays valid while only the camera moves: volumes, for those techniques that have any.
+    /// Prepares the data that stays valid while only the camera moves: shadow volumes, for the techniques
+    /// that use them.
     #[must_use]
     pub fn prepare<'a>(self, casters: &'a CasterGroup<'a>, light: &Light) -> Prepared<'a> {
         let counting = |method| Step::Counting(StencilCounting::prepare(casters, light, method));
@@ -142,14 +144,14 @@ impl Technique {
         Prepared { technique: self, light: *light, step }
     }
 
-    /// Both steps at once, on the processor.
+    /// Prepares and shades, on the CPU.
     #[must_use]
     pub fn shade(self, request: &Request<'_>) -> Visibility {
         self.prepare(request.casters, request.light).shade(request.samples)
     }
 }
 
-/// A technique that is prepared for one light, ready for any number of views.
+/// A technique prepared for one light, ready for any number of views.
 #[derive(Debug)]
 pub struct Prepared<'a> {
     technique: Technique,
@@ -165,13 +167,13 @@ enum Step<'a> {
 }
 
 impl Prepared<'_> {
-    /// Which technique it is.
+    /// The technique.
     #[must_use]
     pub fn technique(&self) -> Technique {
         self.technique
     }
 
-    /// How much of the light reaches each sample.
+    /// Fraction of the light that reaches each sample.
     #[must_use]
     pub fn shade(&self, samples: &Samples) -> Visibility {
         match &self.step {
@@ -181,7 +183,7 @@ impl Prepared<'_> {
         }
     }
 
-    /// The bytes that the light takes beside the casters.
+    /// Memory held for the light, in bytes, without the casters.
     #[must_use]
     pub fn bytes(&self) -> usize {
         match &self.step {

@@ -1,14 +1,14 @@
-//! How much of a light reaches each sample.
+//! Visibility: how much of a light reaches each sample.
 
 use super::{Claim, Samples};
 use crate::geom::Light;
 use crate::geom::predicate::side_of_light;
 use crate::oracle::PrimaryHit;
 
-/// How much of one light reaches each sample of a view: 0 in shadow, 1 lit.
+/// Fraction of one light that reaches each sample of a view: 0 in shadow, 1 lit.
 ///
-/// A sample whose face turns away from the light is 0, exactly, and the technique was not asked about it; neither was it
-/// where nothing is seen.
+/// The value is exactly 0 where nothing is seen, and where the face turns away from the light. The technique
+/// is not asked about such a sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visibility {
     values: Vec<f32>,
@@ -18,43 +18,45 @@ pub struct Visibility {
 }
 
 impl Visibility {
-    /// One value per sample, 0 to 1: 0 where nothing is seen.
+    /// One value per sample, from 0 to 1; 0 where nothing is seen.
     #[must_use]
     pub fn values(&self) -> &[f32] {
         &self.values
     }
 
-    /// Whether the technique was asked: something is seen there, and it faces the light.
+    /// Whether the technique was asked, per sample: a surface is seen there, and this surface faces the
+    /// light.
     #[must_use]
     pub fn asked(&self) -> &[bool] {
         &self.asked
     }
 
-    /// What the technique promises of these values.
+    /// The technique's claim about these values.
     #[must_use]
     pub fn claim(&self) -> Claim {
         self.claim
     }
 
-    /// At how many samples the technique had no answer of its own and asked the exact ray cast.
+    /// Number of samples that the technique could not decide and passed to the exact ray cast.
     #[must_use]
     pub fn asked_exactly(&self) -> u64 {
         self.asked_exactly
     }
 
-    /// The bytes that it holds.
+    /// Memory of this visibility, in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.values.len() * size_of::<f32>() + self.asked.len()
     }
 
-    /// Values from elsewhere, such as those read back from a device or spoiled by a test.
+    /// A visibility from given values, such as values read back from a device, or values with a fault
+    /// injected by a test.
     ///
-    /// A value where the technique is not asked is replaced by 0.
+    /// The value of a sample that is not front-lit is replaced by 0.
     ///
     /// # Panics
     ///
-    /// Panics if there is not one value per sample, or a value is not in 0..=1.
+    /// Panics if there is not one value per sample, or if a value is not in 0..=1.
     #[must_use]
     pub fn from_values(samples: &Samples, light: &Light, mut values: Vec<f32>, claim: Claim) -> Self {
         assert_eq!(values.len(), samples.len(), "one value per sample");
@@ -66,7 +68,8 @@ impl Visibility {
         Self { values, asked, claim, asked_exactly: 0 }
     }
 
-    /// Sets to 0 those of the asked samples that `dark` says, in their order.
+    /// Sets to 0 the front-lit samples for which `dark` yields true. `dark` yields one item per front-lit
+    /// sample, in sample order.
     pub(crate) fn darken(&mut self, dark: impl IntoIterator<Item = bool>) {
         let asked = self.values.iter_mut().zip(&self.asked).filter(|(_, asked)| **asked);
         for ((value, _), dark) in asked.zip(dark) {
@@ -76,8 +79,9 @@ impl Visibility {
         }
     }
 
-    /// Asks `answer` about every sample that is front-lit: how much of the light reaches it, and whether that had to be
-    /// decided by the exact ray cast. On several threads with the feature `parallel`.
+    /// Calls `answer` for every front-lit sample. `answer` returns the fraction of the light that reaches the
+    /// sample, and whether the exact ray cast had to decide. With the feature `parallel`, rows are shared
+    /// among threads.
     pub(crate) fn of(
         samples: &Samples,
         light: &Light,
@@ -99,12 +103,12 @@ impl Visibility {
     }
 }
 
-/// Whether the side of the face that is seen is the side that the light is on.
+/// Whether the light lies on the visible side of the face.
 pub(crate) fn is_front_lit(hit: &PrimaryHit, light: &Light) -> bool {
     side_of_light(hit.corners, light) == hit.side
 }
 
-/// Per sample: whether something is seen there that faces the light.
+/// Whether each sample is front-lit: a surface is seen there, and this surface faces the light.
 pub(crate) fn asked(samples: &Samples, light: &Light) -> Vec<bool> {
     samples.hits().iter().map(|hit| hit.as_ref().is_some_and(|hit| is_front_lit(hit, light))).collect()
 }

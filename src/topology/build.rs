@@ -1,18 +1,16 @@
-//! The edge table in linear time, without hashing: half-edges by the smaller vertex, then by the larger one.
+//! The edge table in linear time, without hashing: half-edges by their lower-numbered vertex, then by the
+//! other one.
 //!
-//! At nearly every vertex of nearly every mesh each edge has two half-edges, one in each direction, and there are few
-//! of them. So the lists of many vertices are sorted side by side, by a network that makes the same comparisons whatever
-//! the order, and each is then tested for that. All else goes the long way.
+//! At nearly every vertex of nearly every mesh each edge has two half-edges, one in each direction, and there
+//! are few of them. So the lists of many vertices are sorted side by side, by a network that makes the same
+//! comparisons whatever the order, and each is then tested for that. All other lists are sorted one by one.
 
 use std::sync::{Arc, OnceLock};
 
 use multiversion::multiversion;
 
-use super::bucket::{self, Memory, Receive, SLACK};
-use super::network;
-use super::sort::{self, Blocks};
-use super::star::{self, Arcs, Stars};
-use super::{EdgeCounts, Entry, Topology};
+use super::counting_sort::{BLOCK_BITS, Blocks, Memory, SLACK};
+use super::{EdgeCounts, Entry, Topology, sorting_network};
 use crate::built::note_topology;
 use crate::mesh::MAX_TRIANGLES;
 
@@ -23,13 +21,13 @@ pub(super) fn build(vertex_count: usize, triangles: Arc<Vec<[u32; 3]>>) -> Topol
     topology
 }
 
-/// Builds edge tables one after the other, in memory that is used again.
+/// A builder of edge tables that reuses its memory.
 ///
-/// Memory that a program has not touched before costs more than the work here: the operating system hands it out zeroed,
-/// page by page. A builder keeps what it needs on the way, and takes back the memory of tables that are no longer needed.
+/// First use of memory costs more than the work here: the operating system zeroes it page by page. A builder
+/// keeps its working memory, and takes back the memory of tables that are no longer needed.
 ///
-/// Memory: between builds 8 bytes a vertex or so and what was given back; tables are not cut to size, so that they hold up
-/// to 26 bytes a triangle of a closed mesh instead of 18.
+/// Memory: between builds about 8 bytes per vertex and what was given back; tables are not cut to size, so
+/// that they hold up to 26 bytes per triangle of a closed mesh instead of 18.
 ///
 /// ```
 /// use umbrage::testing::shapes;
@@ -54,11 +52,11 @@ impl TopologyBuilder {
         Self::default()
     }
 
-    /// What [`Topology::build`] gives.
+    /// The edge table, equal to that of [`Topology::build`].
     ///
     /// # Panics
     ///
-    /// As that.
+    /// As [`Topology::build`].
     #[must_use]
     pub fn build(&mut self, vertex_count: usize, triangles: impl Into<Arc<Vec<[u32; 3]>>>) -> Topology {
         let triangles = triangles.into();
@@ -67,11 +65,11 @@ impl TopologyBuilder {
             "{} triangles; at most {MAX_TRIANGLES} fit",
             triangles.len()
         );
-        let blocks = Blocks::for_order_of(vertex_count, &triangles, bucket::BLOCK_BITS);
+        let blocks = Blocks::for_order_of(vertex_count, &triangles, BLOCK_BITS);
         self.build_by(vertex_count, triangles, blocks)
     }
 
-    /// Takes the memory of a table for the next one; gives back the triangles.
+    /// Keeps the memory of a table for the next one; gives back the triangles.
     pub fn recycle(&mut self, topology: Topology) -> Arc<Vec<[u32; 3]>> {
         let Topology { entries, offsets, triangles, .. } = topology;
         self.memory.take_back(entries, offsets);
@@ -81,7 +79,12 @@ impl TopologyBuilder {
     fn build_by(&mut self, vertex_count: usize, triangles: Arc<Vec<[u32; 3]>>, blocks: Blocks) -> Topology {
         note_topology(&triangles);
         let mut table = Table::default();
-        let collapsed_faces = self.memory.by_smaller_vertex(vertex_count, &triangles, blocks, &mut table);
+        let collapsed_faces = self.memory.by_smaller_vertex(
+            vertex_count,
+            &triangles,
+            blocks,
+            |start, ends, entries, offsets| receive(&mut table, start, ends, entries, offsets),
+        );
         let (entries, offsets) = self.memory.table(3 * (triangles.len() - collapsed_faces), table.edges);
         let counts = table.counts;
         let survey = OnceLock::new();
@@ -93,40 +96,15 @@ impl TopologyBuilder {
     }
 }
 
-/// The same with all that the stars of the vertices tell.
-pub(super) fn build_surveyed(vertex_count: usize, triangles: Arc<Vec<[u32; 3]>>) -> Topology {
-    assert!(triangles.len() <= MAX_TRIANGLES, "{} triangles; at most {MAX_TRIANGLES} fit", triangles.len());
-    let blocks = Blocks::for_order_of(vertex_count, &triangles, star::BLOCK_BITS);
-    build_surveyed_by(vertex_count, triangles, blocks)
-}
-
-fn build_surveyed_by(vertex_count: usize, triangles: Arc<Vec<[u32; 3]>>, blocks: Blocks) -> Topology {
-    note_topology(&triangles);
-    let mut stars = Stars::new(vertex_count);
-    let collapsed_faces = sort::by_vertex(vertex_count, &triangles, blocks, Arcs, &mut stars);
-    let (offsets, entries, counts, survey) = stars.finish();
-    let survey = OnceLock::from(survey);
-    let topology = Topology { vertex_count, triangles, offsets, entries, collapsed_faces, counts, survey };
-    #[cfg(debug_assertions)]
-    topology.validate();
-    topology
-}
-
-/// So many vertices are taken together.
+/// Vertices whose lists are sorted side by side.
 const LANES: usize = 32;
 
-/// The edge table as far as it is made.
+/// The edge table as far as it is built.
 #[derive(Default)]
 struct Table {
     edges: usize,
     counts: EdgeCounts,
     keys: Vec<u64>,
-}
-
-impl Receive for Table {
-    fn receive(&mut self, start: u32, ends: &[u32], entries: &mut [u32], offsets: &mut [u32]) {
-        receive(self, start, ends, entries, offsets);
-    }
 }
 
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2"))]
@@ -146,17 +124,18 @@ fn receive(table: &mut Table, mut start: u32, ends: &[u32], entries: &mut [u32],
     }
 }
 
-/// The larger vertex above, the entry below: in the order of signed numbers.
+/// Sort key of a half-edge: the higher-numbered vertex in the upper half, the entry in the lower one, as a
+/// signed number.
 #[inline(always)]
 fn key(larger: u32, entry: u32) -> i64 {
     i64::from(larger as i32 ^ i32::MIN) << 32 | i64::from(entry)
 }
 
-/// Above the keys of all half-edges, as no vertex has the number `u32::MAX`.
+/// Padding, above the keys of all half-edges: no vertex has the number `u32::MAX`.
 const NOTHING: i64 = (i32::MAX as i64) << 32;
 
 impl Table {
-    /// Adds the edges from at most [`LANES`] vertices to larger ones.
+    /// Adds the edges from at most [`LANES`] vertices to higher-numbered ones.
     #[inline(always)]
     fn add<const N: usize>(&mut self, start: u32, ends: &[u32], entries: &mut [u32], offsets: &mut [u32]) {
         let mut keys = [[NOTHING; N]; LANES];
@@ -176,7 +155,8 @@ impl Table {
             self.add_any(start, ends, entries, offsets);
             return;
         }
-        // All places are written, those that count stay; what comes after them is put back.
+        // Store all N lanes per vertex; the next vertex overwrites those past the count, and what the last
+        // one overwrote is restored.
         let end = at;
         let kept: [u32; SLACK] = *entries[end..].first_chunk().expect("slack");
         let mut at = start as usize;
@@ -193,7 +173,7 @@ impl Table {
         self.counts.max_faces = self.counts.max_faces.max(2 * usize::from(count > 0));
     }
 
-    /// Adds any edges from some vertices to larger ones.
+    /// Adds any edges from some vertices to higher-numbered ones.
     #[cold]
     #[inline(never)]
     fn add_any(&mut self, mut start: u32, ends: &[u32], entries: &mut [u32], offsets: &mut [u32]) {
@@ -207,8 +187,8 @@ impl Table {
             for edge in self.keys.chunk_by(|a, b| a >> 32 == b >> 32) {
                 let sum = edge.iter().map(|&key| Entry(key as u32).direction()).sum();
                 self.counts.add(edge.len(), sum);
-                for (place, &key) in entries[start as usize..].iter_mut().zip(edge) {
-                    *place = key as u32;
+                for (entry, &key) in entries[start as usize..].iter_mut().zip(edge) {
+                    *entry = key as u32;
                 }
                 start += edge.len() as u32;
                 self.edges += 1;
@@ -218,14 +198,14 @@ impl Table {
     }
 }
 
-/// Sorts each list; tells whether all are pairs, the half-edges of an edge and nothing else, in both directions.
-// A loop over the lists whose body has no branch becomes vector instructions.
+/// Sorts each list; gives whether every edge has exactly two half-edges, in opposite directions.
+// The body of the outer loop has no branch, so that the compiler vectorizes over the lists.
 #[inline(always)]
 fn sort_pairs<const N: usize>(lists: &[[i64; N]; LANES], sorted: &mut [[u32; N]; LANES]) -> bool {
     let mut wrong = 0;
     for lane in 0..LANES {
         let mut keys = lists[lane];
-        network::sort(&mut keys);
+        sorting_network::sort(&mut keys);
         for i in (0..N).step_by(2) {
             let differ = keys[i] ^ keys[i + 1];
             wrong |= differ >> 32 | differ & 1 ^ 1;
@@ -241,15 +221,15 @@ fn sort_pairs<const N: usize>(lists: &[[i64; N]; LANES], sorted: &mut [[u32; N];
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::random::SplitMix64;
     use crate::testing::shapes;
+    use crate::topology::counting_sort::is_scattered;
     use crate::topology::has_collapsed;
-    use crate::topology::sort::is_scattered;
 
-    fn surveyed_by(vertex_count: usize, triangles: Vec<[u32; 3]>, blocks: Blocks) -> Topology {
-        build_surveyed_by(vertex_count, triangles.into(), blocks)
+    fn build(vertex_count: usize, triangles: Vec<[u32; 3]>) -> Topology {
+        Topology::build(vertex_count, triangles)
     }
 
     fn build_by(vertex_count: usize, triangles: Vec<[u32; 3]>, blocks: Blocks) -> Topology {
@@ -274,7 +254,7 @@ mod tests {
 
     /// Triangles over few vertices, so that edges of many faces, collapsed faces and pinched vertices abound,
     /// among the triangles of a sound surface.
-    fn defective(seed: u64) -> (usize, Vec<[u32; 3]>) {
+    pub(in crate::topology) fn defective(seed: u64) -> (usize, Vec<[u32; 3]>) {
         let mut random = SplitMix64(seed);
         let torus = shapes::shuffled(&shapes::torus(12, 9, 2.0, 0.75), seed);
         let vertices = torus.vertex_count() + 20;
@@ -293,16 +273,14 @@ mod tests {
         for seed in 0..200 {
             let (vertices, mut triangles) = defective(seed);
             let (offsets, entries) = naive(&triangles);
-            let mut surveys = Vec::new();
+            let mut counts = Vec::new();
             for bits in [0, 1, 4, 16] {
-                for build in [build_by, surveyed_by] {
-                    let topology = build(vertices, triangles.clone(), Blocks { bits });
-                    assert_eq!((&topology.offsets, &topology.entries), (&offsets, &entries), "seed {seed}");
-                    surveys.push((topology.counts, topology.survey().clone()));
-                }
+                let topology = build_by(vertices, triangles.clone(), Blocks { bits });
+                assert_eq!((&topology.offsets, &topology.entries), (&offsets, &entries), "seed {seed}");
+                counts.push(topology.counts);
             }
-            assert!(surveys.iter().all(|survey| *survey == surveys[0]), "seed {seed}");
-            // The sabotage: a face turned over.
+            assert!(counts.iter().all(|other| *other == counts[0]), "seed {seed}");
+            // Fault injected: a face turned over.
             let kept = triangles.iter().position(|&triangle| !has_collapsed(triangle)).unwrap();
             triangles[kept].swap(0, 1);
             assert_ne!(build_by(vertices, triangles, Blocks { bits: 4 }).entries, entries);
@@ -315,7 +293,7 @@ mod tests {
         let mixed = shapes::shuffled(&torus, 7);
         assert!(!is_scattered(torus.vertex_count(), torus.triangles()));
         assert!(is_scattered(mixed.vertex_count(), mixed.triangles()));
-        let built = build(mixed.vertex_count(), mixed.shared_triangles());
+        let built = Topology::of(&mixed);
         assert_eq!((built.offsets.clone(), built.entries.clone()), naive(mixed.triangles()));
         assert_eq!(built, build_by(mixed.vertex_count(), mixed.triangles().to_vec(), Blocks { bits: 0 }));
         assert_eq!((built.shells().count, built.non_manifold_vertices().len()), (1, 0));
@@ -326,7 +304,7 @@ mod tests {
         let (mut builder, mut random) = (TopologyBuilder::new(), SplitMix64(3));
         let mut waiting: Vec<Topology> = Vec::new();
         for round in 0..120 {
-            // Larger, smaller, of none at all; in order and not; given back at once, later, or never.
+            // Larger, smaller, empty; in order and not; given back at once, later, or never.
             let (vertices, triangles) = match round % 4 {
                 0 => defective(round),
                 1 => (0, Vec::new()),
@@ -351,7 +329,7 @@ mod tests {
                 let expected = other.triangles.clone();
                 assert_eq!(builder.recycle(other), expected);
             }
-            // The sabotage: a face less.
+            // Fault injected: a face less.
             if let Some((_, fewer)) = triangles.split_last().filter(|(last, _)| !has_collapsed(**last)) {
                 assert_ne!(
                     builder.build_by(vertices, fewer.to_vec().into(), Blocks { bits }).entries,
@@ -363,8 +341,8 @@ mod tests {
 
     #[test]
     fn build_takes_vertices_of_every_number_of_edges() {
-        // Fans around a vertex among sound ones: 1 to 40 faces, closed and open, so that lists of all lengths lie
-        // beside each other, at every place of those that are sorted together.
+        // Fans around a vertex among sound ones: 1 to 40 faces, closed and open, so that lists of all lengths
+        // lie side by side, in every lane of those that are sorted together.
         for faces in 1..=40_u32 {
             for closed in [false, true] {
                 let torus = shapes::torus(12, 9, 2.0, 0.75);
@@ -373,64 +351,16 @@ mod tests {
                 let middle = faces % first;
                 let end = |i: u32| first + if closed { i % faces } else { i };
                 triangles.extend((0..faces).map(|i| [middle, end(i), end(i + 1)]));
-                let built = build((first + faces + 1) as usize, triangles.clone().into());
+                let built = build((first + faces + 1) as usize, triangles.clone());
                 assert_eq!((built.offsets, built.entries), naive(&triangles), "{faces} faces, {closed}");
             }
         }
     }
 
-    /// By union-find over the corners of the faces, which no star has a part in.
-    fn naive_fans(topology: &Topology) -> Vec<(u32, u32)> {
-        let corners = 3 * topology.face_count();
-        let mut sets = crate::topology::Components::new(corners);
-        let at = |half_edge: crate::mesh::HalfEdgeId, vertex| {
-            let other = topology.next(half_edge);
-            if topology.tail(half_edge) == vertex { half_edge.0 } else { other.0 }
-        };
-        for edge in topology.edges() {
-            for vertex in topology.vertices(edge) {
-                let first = topology.half_edges(edge).next().unwrap();
-                for half_edge in topology.half_edges(edge) {
-                    sets.join(at(first, vertex), at(half_edge, vertex));
-                }
-            }
-        }
-        let mut fans = vec![0; topology.vertex_count()];
-        for (corner, vertex) in (0..).zip(topology.triangles().as_flattened()) {
-            let collapsed = has_collapsed(topology.triangles()[corner as usize / 3]);
-            fans[*vertex as usize] += u32::from(!collapsed && sets.find(corner) == corner);
-        }
-        (0..).zip(fans).filter(|&(_, fans)| fans > 1).collect()
-    }
-
-    #[test]
-    fn build_finds_the_fans_of_rings_and_tangles() {
-        let mut found = 0;
-        for seed in 0..200 {
-            let (vertices, triangles) = defective(seed);
-            let topology = build_by(vertices, triangles, Blocks { bits: 0 });
-            let fans: Vec<_> = topology.non_manifold_vertices().iter().map(|&(v, n)| (v.0, n)).collect();
-            assert_eq!(fans, naive_fans(&topology), "seed {seed}");
-            found += fans.len();
-        }
-        assert!(found > 100, "{found} vertices of several fans");
-        // Closed fans alone: every end is met once coming and once going, yet there are two rings.
-        for (n, degree) in [(3_u32, 6), (8, 16), (9, 18)] {
-            let ring = |first: u32| (0..n).map(move |i| [0, first + i, first + (i + 1) % n]);
-            let cone: Vec<[u32; 3]> = ring(1).chain(ring(n + 1)).collect();
-            assert_eq!(cone.len(), degree);
-            let topology = build(2 * n as usize + 1, cone.into());
-            assert_eq!(topology.non_manifold_vertices(), [(crate::mesh::VertexId(0), 2)]);
-            assert_eq!(topology.shells().count, 2);
-            let topology = build(n as usize + 1, ring(1).collect::<Vec<_>>().into());
-            assert_eq!((topology.non_manifold_vertices(), topology.shells().count), (vec![], 1));
-        }
-    }
-
     #[test]
     fn build_takes_for_pairs_only_what_is_pairs() {
-        // Faces around vertex 0, each with two edges there: all ways for up to six of them to have one other end
-        // of four, or none, on either side. Single edges in one direction, pairs in the same one, triples.
+        // Faces around vertex 0, each with two edges there, whose other ends are drawn from two sets of four.
+        // Single edges in one direction, pairs in the same one, triples.
         let ends = |code: u32, i: u32| [1 + (code >> (4 * i) & 3), 5 + (code >> (4 * i + 2) & 3)];
         let mut random = SplitMix64(1);
         for faces in 1..=8 {
@@ -442,7 +372,7 @@ mod tests {
                         if random.below(2) == 0 { [0, a, b] } else { [0, b, a] }
                     })
                     .collect();
-                let built = build(9, triangles.clone().into());
+                let built = build(9, triangles.clone());
                 assert_eq!((built.offsets, built.entries), naive(&triangles), "{triangles:?}");
             }
         }

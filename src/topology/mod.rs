@@ -1,38 +1,38 @@
-//! Who is whose neighbor: half-edges and edges of a triangle list, whatever its defects.
+//! Adjacency: half-edges and edges of a triangle list, whatever its defects.
 //!
 //! Topology never sees a position. Half-edge `h` is corner `h` of the triangle list, so its face is `h / 3`,
-//! its tail is the index there and `next` is arithmetic; what is stored is one table from each undirected edge
-//! to its half-edges. An edge of a bad mesh may have one of them, three or eighteen, so the table is a list of
-//! lists (offsets and entries) and [`Topology::twin`] is an `Option`.
+//! its tail is the index stored there and `next` is arithmetic. What is stored is one table from each
+//! undirected edge to its half-edges. An edge of a bad mesh may have one half-edge, three or eighteen, so the
+//! table is a list of lists (offsets and entries) and [`Topology::twin`] is an `Option`.
 //!
 //! Terms follow the field: Kevin Weiler, *Edge-Based Data Structures for Solid Modeling in Curved-Surface
 //! Environments*, 1985; Swen Campagna, Leif Kobbelt, Hans-Peter Seidel, *Directed Edges*, 1998 (implicit
 //! half-edges in a triangle list).
 
-mod bucket;
+mod boundary;
 mod build;
-pub(crate) mod fan;
+mod components;
+mod counting_sort;
 #[cfg(feature = "gpu")]
 mod gpu;
-mod network;
-mod part;
-mod shell;
-mod sort;
-mod star;
+mod shells;
+mod sorting_network;
+mod survey;
 mod validate;
+mod vertex_link;
 
 pub use build::TopologyBuilder;
 #[cfg(feature = "gpu")]
 pub use gpu::{GpuTopology, GpuTopologyBuilder};
-pub(crate) use shell::FacesByShell;
-pub use shell::{Components, Shells};
+pub(crate) use shells::FacesByShell;
+pub use shells::Shells;
 
 use std::sync::{Arc, OnceLock};
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::mesh::{EdgeId, FaceId, HalfEdgeId, Mesh, VertexId};
-use fan::Fans;
+use survey::Survey;
 
 /// Half-edges and edges of a triangle list.
 ///
@@ -42,25 +42,17 @@ use fan::Fans;
 pub struct Topology {
     vertex_count: usize,
     triangles: Arc<Vec<[u32; 3]>>,
-    /// Where each edge's entries start; one more than there are edges.
+    /// Index of each edge's first entry; one more than there are edges.
     offsets: Vec<u32>,
     /// Half-edges by edge, ascending within an edge, as [`Entry`]s.
     entries: Vec<u32>,
     collapsed_faces: usize,
     counts: EdgeCounts,
-    /// Made when it is first asked for.
+    /// Computed on first use.
     survey: OnceLock<Survey>,
 }
 
-/// What the stars of the vertices tell.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Survey {
-    fans: Fans,
-    /// Sets of vertices connected by edges; those without a face do not count.
-    components: usize,
-}
-
-/// Two are equal if they are made of the same faces; all else follows from these.
+/// Equal if built of the same faces, from which everything else follows.
 impl PartialEq for Topology {
     fn eq(&self, other: &Self) -> bool {
         self.vertex_count == other.vertex_count
@@ -71,7 +63,8 @@ impl PartialEq for Topology {
 
 impl Eq for Topology {}
 
-/// A half-edge in the edge table: its id, and whether it runs from the edge's larger vertex to its smaller.
+/// A half-edge in the edge table: its id, and whether it runs from the edge's higher-numbered vertex to its
+/// lower one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(crate) struct Entry(u32);
@@ -93,31 +86,40 @@ impl Entry {
         HalfEdgeId(self.0 >> 1)
     }
 
-    /// +1 along the edge (smaller to larger vertex), −1 against it.
+    /// +1 along the edge (lower- to higher-numbered vertex), −1 against it.
     #[inline]
     pub(crate) fn direction(self) -> i32 {
         1 - 2 * (self.0 & 1) as i32
     }
 }
 
-/// How an edge is used, summed over a mesh. Linear time.
+/// Counts of how the edges of a mesh are used by its faces.
+///
+/// ```
+/// use umbrage::testing::shapes;
+/// use umbrage::topology::Topology;
+/// let counts = Topology::of(&shapes::open_cube()).edge_counts();
+/// assert!(!counts.watertight());
+/// assert_eq!((counts.boundary, counts.non_manifold, counts.misoriented), (4, 0, 0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct EdgeCounts {
     /// Edges with exactly one face.
     pub boundary: usize,
     /// Edges with three faces or more.
     pub non_manifold: usize,
-    /// Edges with exactly two faces that run along it in the same direction.
+    /// Edges with exactly two faces that run along the edge in the same direction.
     pub misoriented: usize,
     /// The most faces that any edge has.
     pub max_faces: usize,
-    /// At every edge the two directions are used equally often: the mesh is a cycle.
+    /// At every edge the two directions are used equally often: the mesh is a cycle in the sense of homology.
     pub balanced: bool,
     /// Every edge is used an even number of times.
     pub even: bool,
 }
 
-/// Of no edges.
+/// The counts of no edges.
 impl Default for EdgeCounts {
     fn default() -> Self {
         Self::NONE
@@ -128,7 +130,7 @@ impl EdgeCounts {
     const NONE: Self =
         Self { boundary: 0, non_manifold: 0, misoriented: 0, max_faces: 0, balanced: true, even: true };
 
-    /// Counts an edge with so many faces, whose directions add up to `sum`.
+    /// Counts an edge with `faces` faces, whose directions add up to `sum`.
     #[inline]
     fn add(&mut self, faces: usize, sum: i32) {
         self.boundary += usize::from(faces == 1);
@@ -139,7 +141,7 @@ impl EdgeCounts {
         self.even &= faces.is_multiple_of(2);
     }
 
-    /// Every edge has exactly two faces, in opposite directions.
+    /// Whether every edge has exactly two faces, in opposite directions.
     #[must_use]
     pub fn watertight(&self) -> bool {
         self.boundary == 0 && self.non_manifold == 0 && self.misoriented == 0
@@ -147,24 +149,23 @@ impl EdgeCounts {
 }
 
 impl Topology {
-    /// Builds the edge table of `triangles` over `vertex_count` vertices.
+    /// The edge table of `triangles` over `vertex_count` vertices.
     ///
-    /// A counting sort of the half-edges by their smaller vertex, then a small sort of each vertex's by the larger one.
-    /// No hashing; linear time (a vertex of k half-edges that are not pairs takes k·log k). The sorted half-edges lie where
-    /// the table will stand, so that little is needed besides: the result holds 18 bytes a triangle of a closed mesh,
-    /// building needs 8 more for a while.
+    /// Algorithm: a counting sort of the half-edges by their lower-numbered vertex, then a small sort of each
+    /// vertex's half-edges by the other one. No hashing. Linear time, except that a vertex whose k half-edges
+    /// are not all in pairs takes k·log k.
     ///
-    /// What memory has to move: the triangles are read twice (24 bytes a triangle), the sorted half-edges written and
-    /// read (48), the table written (18): 90 bytes, and 60 more for the first digit of the sort where the order of the
-    /// faces is random. Of these 26 bytes, or 32, lie on pages that nobody touched before, unless they are used again:
-    /// see [`TopologyBuilder`].
+    /// Memory: 26 bytes per triangle of a closed mesh at the peak, of which 18 are the result. If the order
+    /// of the faces is random: 32, and half a megabyte. At most 120 for any mesh with at most three vertices
+    /// per face. An allocator that cannot shrink a list in place takes 6 more for a moment.
     ///
-    /// Shells, vertex fans and the crack report need the star of each vertex as well, which the first of them to be
-    /// asked for makes: see [`Topology::build_surveyed`].
+    /// Memory traffic: the triangles are read twice (24 bytes per triangle), the sorted half-edges written
+    /// and read (48), the table written (18): 90 bytes, and 60 more for the first digit of the sort if the
+    /// order of the faces is random. Of these, 26 bytes or 32 are on pages touched for the first time, unless
+    /// they are reused: see [`TopologyBuilder`].
     ///
-    /// Memory: so 26 bytes a triangle of a closed mesh at the peak, 32 and half a megabyte where the order of the faces is
-    /// random, and at most 120 for any mesh whose vertices are at most three a face; 6 more for a moment with an allocator
-    /// that cannot cut a list to size where it stands.
+    /// [`Topology::shells`], [`Topology::non_manifold_vertices`] and the crack report also need the one-ring
+    /// of each vertex; the first of them to be called computes it.
     ///
     /// # Panics
     ///
@@ -184,7 +185,7 @@ impl Topology {
         build::build(vertex_count, triangles.into())
     }
 
-    /// The edge table of a mesh, with which it shares its triangles: [`Topology::build`] without a copy.
+    /// The edge table of a mesh, whose triangles it shares: [`Topology::build`] without a copy.
     ///
     /// ```
     /// use umbrage::testing::shapes;
@@ -196,56 +197,40 @@ impl Topology {
         Self::build(mesh.vertex_count(), mesh.shared_triangles())
     }
 
-    /// Whether it was built from the triangles of `mesh`; at once if they share them.
+    /// Whether it was built from the triangles of `mesh`. Constant time if they are shared.
     pub(crate) fn is_of(&self, mesh: &Mesh) -> bool {
         Arc::ptr_eq(&self.triangles, &mesh.shared_triangles()) || self.triangles() == mesh.triangles()
     }
 
-    /// The same table, for those who will also ask for shells, fans or a [`CrackReport`]: the corners are sorted
-    /// instead, and what a vertex and its faces decide is found out at once, which takes less than to build the table
-    /// and then to look.
-    ///
-    /// The triangles are read five times (60 bytes a triangle), the sorted corners written and read (72), the table
-    /// written (18): 150 bytes, and 96 more where the order of the faces is random. Memory: 32 bytes a triangle of a
-    /// closed mesh at the peak, 40 where the order of the faces is random, and at most 120.
-    ///
-    /// # Panics
-    ///
-    /// As [`Topology::build`].
-    #[must_use]
-    pub fn build_surveyed(vertex_count: usize, triangles: impl Into<Arc<Vec<[u32; 3]>>>) -> Self {
-        build::build_surveyed(vertex_count, triangles.into())
-    }
-
-    /// How many vertices there are, used or not.
+    /// The number of vertices, used or not.
     #[inline]
     #[must_use]
     pub fn vertex_count(&self) -> usize {
         self.vertex_count
     }
 
-    /// The faces as given, collapsed ones included; shared with the mesh if that was [`Topology::of`].
+    /// The faces as given, collapsed ones included; shared with the mesh if built by [`Topology::of`].
     #[inline]
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// How many faces there are, collapsed ones included.
+    /// The number of faces, collapsed ones included.
     #[inline]
     #[must_use]
     pub fn face_count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// How many edges there are.
+    /// The number of edges.
     #[inline]
     #[must_use]
     pub fn edge_count(&self) -> usize {
         self.offsets.len() - 1
     }
 
-    /// How many faces have two equal corners, and so no edges.
+    /// The number of faces with two equal corners, which have no edges.
     #[must_use]
     pub fn collapsed_face_count(&self) -> usize {
         self.collapsed_faces
@@ -274,27 +259,28 @@ impl Topology {
         self.entries(edge).iter().map(|entry| entry.half_edge())
     }
 
-    /// The faces at an edge, each with +1 if it runs from the edge's smaller to its larger vertex, else −1.
+    /// The faces at an edge, each with +1 if it runs from the edge's lower- to its higher-numbered vertex,
+    /// else −1.
     #[inline]
     pub fn uses(&self, edge: EdgeId) -> impl ExactSizeIterator<Item = (FaceId, i32)> + Clone + '_ {
         self.entries(edge).iter().map(|entry| (self.face(entry.half_edge()), entry.direction()))
     }
 
-    /// How many faces an edge has.
+    /// The number of faces at an edge.
     #[inline]
     #[must_use]
     pub fn valence(&self, edge: EdgeId) -> usize {
         (self.offsets[edge.index() + 1] - self.offsets[edge.index()]) as usize
     }
 
-    /// Whether an edge has exactly two faces that run along it in the same direction.
+    /// Whether an edge has exactly two faces, which run along it in the same direction.
     #[inline]
     #[must_use]
     pub fn is_misoriented(&self, edge: EdgeId) -> bool {
         matches!(self.entries(edge), [a, b] if a.direction() == b.direction())
     }
 
-    /// The vertices of an edge, the smaller one first.
+    /// The vertices of an edge, the lower-numbered one first.
     #[inline]
     #[must_use]
     pub fn vertices(&self, edge: EdgeId) -> [VertexId; 2] {
@@ -329,7 +315,8 @@ impl Topology {
         None
     }
 
-    /// The half-edge on the other side: present exactly when the edge has two faces in opposite directions.
+    /// The half-edge of the other face at the edge: present exactly when the edge has two faces in opposite
+    /// directions.
     #[must_use]
     pub fn twin(&self, half_edge: HalfEdgeId) -> Option<HalfEdgeId> {
         match *self.entries(self.edge(half_edge)?) {
@@ -354,40 +341,35 @@ impl Topology {
         HalfEdgeId(if half_edge.0 % 3 == 2 { half_edge.0 - 2 } else { half_edge.0 + 1 })
     }
 
-    /// The half-edge before it around its face.
+    /// The previous half-edge around its face.
     #[inline]
     #[must_use]
     pub fn prev(&self, half_edge: HalfEdgeId) -> HalfEdgeId {
         HalfEdgeId(if half_edge.0.is_multiple_of(3) { half_edge.0 + 2 } else { half_edge.0 - 1 })
     }
 
-    /// The vertex that a half-edge leaves.
+    /// The vertex at which a half-edge starts.
     #[inline]
     #[must_use]
     pub fn tail(&self, half_edge: HalfEdgeId) -> VertexId {
         VertexId(self.triangles[half_edge.index() / 3][half_edge.index() % 3])
     }
 
-    /// The vertex that a half-edge reaches.
+    /// The vertex at which a half-edge ends.
     #[inline]
     #[must_use]
     pub fn head(&self, half_edge: HalfEdgeId) -> VertexId {
         self.tail(self.next(half_edge))
     }
 
-    /// How the edges are used.
+    /// Counts of how the edges are used. Constant time: they are made with the table.
     #[must_use]
     pub fn edge_counts(&self) -> EdgeCounts {
         self.counts
     }
 
-    /// What the stars of the vertices tell. Where they were not looked at before, that takes twice as long as the
-    /// build did.
-    fn survey(&self) -> &Survey {
-        self.survey.get_or_init(|| star::survey(self.vertex_count, &self.triangles))
-    }
-
-    /// The edge table: where each edge's entries start, one more than there are edges; and the entries of all edges.
+    /// The edge table: the index of each edge's first entry, one more than there are edges; and the entries
+    /// of all edges.
     pub(crate) fn table(&self) -> (&[u32], &[Entry]) {
         (&self.offsets, bytemuck::cast_slice(&self.entries))
     }

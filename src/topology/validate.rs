@@ -1,11 +1,12 @@
-//! Every invariant of the edge table, checked from the outside.
+//! Invariants of the edge table, checked against the triangles.
 
 use super::{EdgeCounts, Topology};
 
 impl Topology {
-    /// Checks every invariant: each half-edge of a face that has not collapsed stands in the table once, at
-    /// the edge of its two vertices, with its direction; edges ascend and none is empty; they are counted rightly. Debug builds run it
-    /// after every build. Linear time.
+    /// Checks every invariant; debug builds run it after every build. Linear time.
+    ///
+    /// Each half-edge of a face that has not collapsed is in the table once, at the edge of its two vertices,
+    /// with its direction. Edges ascend, and none is empty. The counts are those of the table.
     ///
     /// # Panics
     ///
@@ -36,7 +37,7 @@ impl Topology {
                     "{half_edge:?} belongs to a collapsed face"
                 );
                 let (word, bit) = (&mut seen[half_edge.index() / 64], 1 << (half_edge.index() % 64));
-                assert_eq!(*word & bit, 0, "{half_edge:?} stands twice");
+                assert_eq!(*word & bit, 0, "{half_edge:?} is in the table twice");
                 *word |= bit;
             }
         }

@@ -1,9 +1,10 @@
-//! A visibility against the truth, by kind of error.
+//! Errors of a visibility against exact truth, by kind.
 //!
-//! A *judged* sample is front-lit, its exact verdict is not grazing, and it lies outside the footprint of the technique
-//! that drew it. A judged sample is wrong where the value is on the other side of one half than the truth. Kinds: where
-//! the exact verdict changes within two texels of a map, on the plane of the sample's face, the error is aliasing, dark
-//! or lit; elsewhere a false shadow is acne, and false light is a leak. Techniques without texels have no aliasing.
+//! A *judged* sample is front-lit, its exact verdict is not grazing, and it lies outside the footprint of the
+//! technique that drew it. A judged sample is wrong if its value and the truth lie on different sides of one
+//! half. The kind of a wrong sample depends on its surroundings: if the exact verdict changes within two
+//! texels of a map, measured on the plane of the sample's face, the error is aliasing, dark or lit. Otherwise
+//! a false shadow is acne, and false light is a leak. Techniques without texels have no aliasing.
 
 use glam::DVec3;
 
@@ -15,12 +16,12 @@ use crate::shadow::{Claim, Request, Visibility};
 /// The exact verdict of every sample of a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Truth {
-    /// Per sample: `None` where nothing is seen, or the face turns from the light.
+    /// Per sample: `None` where nothing is seen, or where the face turns from the light.
     verdicts: Vec<Option<Verdict>>,
 }
 
 impl Truth {
-    /// Asks the exact ray cast about every sample that is front-lit.
+    /// Exact verdicts for the samples of `request`: one exact shadow ray per front-lit sample.
     #[must_use]
     pub fn of(request: &Request<'_>) -> Self {
         let front_lit = |hit: &&PrimaryHit| crate::shadow::is_front_lit(hit, request.light);
@@ -33,65 +34,93 @@ impl Truth {
         Self { verdicts: hits.iter().map(|hit| hit.and_then(|_| next.next())).collect() }
     }
 
-    /// Per sample: `None` where nothing is seen, or the face turns from the light.
+    /// Per sample: `None` where nothing is seen, or where the face turns from the light.
     #[must_use]
     pub fn verdicts(&self) -> &[Option<Verdict>] {
         &self.verdicts
     }
 }
 
-/// What is known of how a visibility was made, for [`Errors::of`].
+/// What [`Errors::of`] has to know about the technique that made a visibility.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Made<'a> {
-    /// Samples within the rasterizer's footprint, which are not judged: one entry per sample. Empty for none.
+    /// Which samples lie within the rasterizer's footprint and are therefore not judged: one entry per
+    /// sample. Empty for none.
     pub footprint: &'a [bool],
-    /// The side of a shadow map's texel at the scene, in mesh units; `None` for a technique without texels.
+    /// The side of a shadow map's texel, projected onto the scene, in mesh units. `None` for a technique
+    /// without texels.
     pub texel: Option<f64>,
 }
 
-/// Errors of a visibility under a hard light, by kind.
+/// Error counts and magnitudes of a visibility under a hard light, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Errors {
-    /// All samples.
+    /// Number of samples.
     pub samples: u64,
-    /// Those that are judged.
+    /// Number of judged samples: the denominator of every rate.
     pub judged: u64,
-    /// Front-lit samples that are not judged: their exact verdict is grazing, or they lie within the footprint.
+    /// Front-lit samples that are not judged: their exact verdict is grazing, or they lie within the
+    /// footprint.
     pub excused: u64,
-    /// Judged samples on the wrong side of one half.
+    /// Judged samples whose value lies on the wrong side of one half.
     pub wrong: u64,
-    /// False shadows away from any boundary.
+    /// False shadows away from any shadow boundary.
     pub acne: u64,
-    /// False light away from any boundary.
+    /// False light away from any shadow boundary.
     pub leak: u64,
-    /// False shadows within two texels of a boundary.
+    /// False shadows within two texels of a shadow boundary.
     pub alias_dark: u64,
-    /// False light within two texels of a boundary.
+    /// False light within two texels of a shadow boundary.
     pub alias_lit: u64,
-    /// Samples whose face turns from the light, and whose value is not 0.
+    /// Samples whose face turns from the light although their value is not 0.
     pub turned_away: u64,
     /// Mean of |value − truth| over the judged samples.
     pub mean: f64,
-    /// Mean of value − truth: above 0 where too much is lit.
+    /// Mean of value − truth over the judged samples: above 0 if too much is lit.
     pub mean_signed: f64,
-    /// The 99th percentile of |value − truth|.
+    /// The 99th percentile of |value − truth| over the judged samples.
     pub p99: f64,
-    /// The largest |value − truth|.
+    /// The largest |value − truth| over the judged samples.
     pub max: f64,
 }
 
-/// Rings of directions around a sample in which a boundary is searched, in texels.
+/// Radii of the rings around a sample that are searched for a shadow boundary, in texels.
 const RINGS: [f64; 2] = [1.0, 2.0];
-/// Directions per ring.
+/// Directions searched per ring.
 const DIRECTIONS: u32 = 16;
 
 impl Errors {
-    /// Compares every sample. Only wrong ones take up to 32 more shadow rays, for their kind.
+    /// Compares every sample with the truth. A wrong sample costs up to 32 more shadow rays, which decide its
+    /// kind.
     ///
     /// # Panics
     ///
-    /// Panics if `visibility`, `truth` and the footprint are not of the samples of `request`.
+    /// Panics if `visibility`, `truth` or the footprint has another number of samples than `request`.
+    ///
+    /// ```
+    /// use umbrage::caster::{Caster, CasterGroup};
+    /// use umbrage::geom::Light;
+    /// use umbrage::shadow::{Claim, Request, Samples, Technique};
+    /// use umbrage::testing::shapes;
+    /// use umbrage::verify::errors::{Errors, Made, Truth};
+    /// use umbrage::view::{Camera, Size, Up};
+    ///
+    /// let caster = Caster::new(shapes::cube());
+    /// let casters = CasterGroup::new(vec![&caster]);
+    /// let size = Size::new(32, 24).unwrap();
+    /// let projection = Camera::look_at([4.0, -6.0, 5.0], [0.0; 3], 0.9, Up::Z)?.projection(size, 0.1);
+    /// let samples = Samples::of_view(&casters, &projection, size, 1)?;
+    /// let light = Light::point([2.0, -5.0, 8.0])?;
+    /// let request = Request { casters: &casters, light: &light, samples: &samples };
+    ///
+    /// let truth = Truth::of(&request);
+    /// let rays = Technique::Rays.shade(&request);
+    /// let errors = Errors::of(&request, &rays, &truth, &Made::default());
+    /// assert_eq!(errors.wrong, 0);
+    /// assert!(errors.hold(Claim::Exact));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn of(request: &Request<'_>, visibility: &Visibility, truth: &Truth, made: &Made<'_>) -> Self {
         let samples = request.samples;
@@ -136,8 +165,8 @@ impl Errors {
         errors
     }
 
-    /// Whether a claim is true of what was compared. [`Claim::WithinFootprint`] needs the footprint to have been left
-    /// out.
+    /// Whether the compared visibility meets a claim. For [`Claim::WithinFootprint`] the comparison must have
+    /// excluded the footprint ([`Made::footprint`]).
     #[must_use]
     pub fn hold(&self, claim: Claim) -> bool {
         let exact = self.turned_away == 0;
@@ -151,7 +180,7 @@ impl Errors {
     }
 }
 
-/// The value that 99 of 100 do not exceed, and the largest.
+/// The 99th percentile (the value that 99 of 100 do not exceed), and the maximum.
 fn percentile_and_max(differences: &mut [f32]) -> (f64, f64) {
     let Some(last) = differences.len().checked_sub(1) else { return (0.0, 0.0) };
     let at = (differences.len() * 99).div_ceil(100) - 1;
@@ -161,7 +190,7 @@ fn percentile_and_max(differences: &mut [f32]) -> (f64, f64) {
     (f64::from(p99), f64::from(max))
 }
 
-/// Whether the exact verdict changes within two texels of a sample, on the plane of its face.
+/// Whether the exact verdict changes within two texels of a sample, on the plane of the sample's face.
 fn changes_nearby(oracle: &Oracle, light: &Light, hit: &PrimaryHit, verdict: Verdict, texel: f64) -> bool {
     let [a, b, c] = hit.corners.map(|corner| DVec3::from(corner.map(f64::from)));
     let normal = (b - a).cross(c - a).normalize_or_zero();
@@ -177,8 +206,9 @@ fn changes_nearby(oracle: &Oracle, light: &Light, hit: &PrimaryHit, verdict: Ver
     })
 }
 
-/// A point beside a sample, moved off the plane until it lies strictly on the side that is seen: by doubled steps from
-/// one unit in the last place on, as [`PrimaryHit::point`] is. `None` where `f32` has no such point.
+/// A point near a sample, moved off the face's plane until the point lies strictly on the visible side. The
+/// steps start at one unit in the last place and double, as for [`PrimaryHit::point`]. `None` if `f32` has no
+/// such point.
 fn lifted(hit: &PrimaryHit, normal: DVec3, beside: DVec3) -> Option<[f32; 3]> {
     let away = normal * f64::from(hit.side.value());
     let largest = beside.abs().max_element().min(f64::from(f32::MAX)) as f32;
@@ -202,7 +232,7 @@ mod tests {
     use crate::testing::shapes;
     use crate::view::{Camera, Size, Up};
 
-    /// A plate over a floor, seen from above at an angle.
+    /// Scene: a plate over a floor, seen from above at an angle.
     fn scene() -> Caster {
         let floor = shapes::scaled(&shapes::sheet(1), 8.0);
         let plate = shapes::translated(&shapes::scaled(&shapes::sheet(1), 2.0), [3.0, 3.0, 2.0]);
@@ -237,13 +267,13 @@ mod tests {
                 assert!(!errors.hold(Claim::Exact) && !errors.hold(Claim::WithinFootprint));
                 assert_eq!([errors.acne, errors.leak], kind);
                 assert!(errors.hold(Claim::Bounded(0.01)) && !errors.hold(Claim::Bounded(1e-7)));
-                // Within the footprint it is not judged.
+                // A sample within the footprint is not judged.
                 let mut footprint = vec![false; request.samples.len()];
                 footprint[at] = true;
                 let made = Made { footprint: &footprint, ..Made::default() };
                 assert!(Errors::of(request, &spoiled, &truth, &made).hold(Claim::WithinFootprint));
             }
-            // A value of its own where the face turns from the light.
+            // Negative test: a sample that turns from the light must have the value 0.
             let away = Light::directional([0.0, 0.0, 1.0]).unwrap();
             let turned = Request { light: &away, ..*request };
             let truth = Truth::of(&turned);
@@ -257,7 +287,8 @@ mod tests {
         let [light, moved] = [light, moved].map(|travel| Light::directional(travel).unwrap());
         with_request(&scene(), &light, |request| {
             let truth = Truth::of(request);
-            // The shadow of a light that is a little off: wrong in stripes 0.06 wide along the shadow's rim.
+            // The shadow of a slightly displaced light is wrong in stripes 0.06 wide along the shadow's
+            // boundary.
             let off = Technique::Rays.shade(&Request { light: &moved, ..*request });
             let errors =
                 |texel| Errors::of(request, &off, &truth, &Made { texel: Some(texel), ..Made::default() });
@@ -265,10 +296,11 @@ mod tests {
             assert!(found.alias_dark > 5 && found.alias_lit > 5, "{found:?}");
             assert_eq!([found.acne, found.leak], [0, 0], "{found:?}");
             assert_eq!(found.wrong, found.alias_dark + found.alias_lit);
-            // Texels far smaller than the stripes explain few of them.
+            // Texels far smaller than the stripes explain few of the errors.
             let fine = errors(0.0005);
             assert!(fine.acne + fine.leak > found.wrong / 2, "{fine:?}");
-            // The mean is the share of the wrong, and the sign is that of what is missing.
+            // With values 0 and 1 the mean error is the fraction of wrong samples. The signed mean is
+            // positive if shadow is missing, negative if light is missing.
             assert!((found.mean - found.wrong as f64 / found.judged as f64).abs() < f64::EPSILON);
             let lit = Errors::of(request, &Technique::None.shade(request), &truth, &Made::default());
             let dark = Errors::of(request, &Technique::Dark.shade(request), &truth, &Made::default());

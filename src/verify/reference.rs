@@ -1,7 +1,8 @@
-//! The judge of the judges: the same question answered in whole numbers, sharing no code with the predicates.
+//! Big-integer reference for shadow rays and face sides, sharing no code with the predicates.
 //!
-//! Coordinates become integers (multiples of 2⁻¹⁴⁹); where the line meets a face's plane is a fraction; whether
-//! that point is inside is told from the face's own cross product. Slow, and written to be obviously right.
+//! Coordinates become integers (multiples of 2⁻¹⁴⁹). The point where the segment's line meets a face's plane
+//! is a fraction. Whether this point lies inside the face is decided from the face's own cross product. Slow,
+//! and written to be obviously right.
 
 use num_bigint::{BigInt, Sign};
 
@@ -13,16 +14,18 @@ use crate::oracle::{Crossings, Oracle, Verdict};
 
 type Vector = [BigInt; 3];
 
-/// What the reference found.
+/// Result of the big-integer reference for one shadow ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reference {
-    /// The crossings and touches.
+    /// The crossings and touches of the shadow ray.
     pub crossings: Crossings,
-    /// How many faces were looked at in whole numbers; the others lie apart from the segment's box.
+    /// Number of faces decided with big integers. The bounding boxes of all other faces are disjoint from the
+    /// segment's box.
     pub looked_at: usize,
 }
 
-/// All faces between `p` and `light`, in whole numbers. Some microseconds a face near the way.
+/// Crossings of the segment from `p` to `light` with all faces, decided with big integers. Cost: a few
+/// microseconds per face whose box meets the segment's box.
 #[must_use]
 pub fn reference(mesh: &Mesh, p: [f32; 3], light: &Light) -> Reference {
     let mut found = Reference { crossings: Crossings::default(), looked_at: 0 };
@@ -44,8 +47,8 @@ pub fn reference(mesh: &Mesh, p: [f32; 3], light: &Light) -> Reference {
 }
 
 impl Oracle {
-    /// As [`Oracle::verdict`], with every face that the tree leaves over judged in whole numbers: the two share the tree,
-    /// but no sign. Some microseconds a face near the way.
+    /// As [`Oracle::verdict`], but every face that the tree does not cull is decided with big integers. The
+    /// two methods share the tree, but no sign. Cost: a few microseconds per face near the segment.
     #[must_use]
     pub fn verdict_in_whole_numbers(&self, p: [f32; 3], light: &Light) -> Verdict {
         let (start, step, endless) = way(p, light);
@@ -65,10 +68,10 @@ impl Oracle {
     }
 }
 
-/// The plane of a face in whole numbers, for any number of lights.
+/// The plane of a face in big integers, for any number of lights.
 pub(crate) struct WholePlane {
     normal: Vector,
-    /// The normal times a corner.
+    /// The dot product of the normal and a corner.
     offset: BigInt,
 }
 
@@ -80,7 +83,7 @@ impl WholePlane {
         Self { normal, offset }
     }
 
-    /// The side that a light is on.
+    /// The side of the plane that a light lies on.
     pub(crate) fn side(&self, light: &WholeLight) -> Facing {
         let mut height = dot(&self.normal, &light.xyz);
         if !light.is_directional {
@@ -94,7 +97,7 @@ impl WholePlane {
     }
 }
 
-/// A light in whole numbers.
+/// A light in big integers.
 pub(crate) struct WholeLight {
     xyz: Vector,
     is_directional: bool,
@@ -106,14 +109,14 @@ impl From<&Light> for WholeLight {
     }
 }
 
-/// The way to the light: start + t·step for 0 < t, and t < 1 unless it is endless.
+/// The shadow ray: start + t·step for 0 < t, and t < 1 unless the ray is unbounded (`endless`).
 fn way(p: [f32; 3], light: &Light) -> (Vector, Vector, bool) {
     let (start, to_light) = (vector(p), vector(light.xyz()));
     let step = if light.is_directional() { to_light } else { minus(&to_light, &start) };
     (start, step, light.is_directional())
 }
 
-/// Whether the box of the way and the box of the triangle have no point in common.
+/// Whether the bounding boxes of the shadow ray and of the triangle are disjoint.
 fn apart(p: [f32; 3], light: &Light, corners: [[f32; 3]; 3]) -> bool {
     (0..3).any(|i| {
         let towards = light.xyz()[i];
@@ -127,7 +130,8 @@ fn apart(p: [f32; 3], light: &Light, corners: [[f32; 3]; 3]) -> bool {
     })
 }
 
-/// `None`: apart. `Some(1)`, `Some(-1)`: crossed, with the light in front or behind. `Some(0)`: touched.
+/// Intersection of a shadow ray and a triangle. `None`: disjoint. `Some(1)`, `Some(-1)`: crossed, with the
+/// light in front of or behind the face. `Some(0)`: touched.
 fn meeting(start: &Vector, step: &Vector, endless: bool, [a, b, c]: &[Vector; 3]) -> Option<i32> {
     if is_zero(step) {
         return None;
@@ -142,13 +146,13 @@ fn meeting(start: &Vector, step: &Vector, endless: bool, [a, b, c]: &[Vector; 3]
         return (sign(&above) == 0 && touches_in_plane(start, step, endless, [a, b, c], &normal))
             .then_some(0);
     }
-    // t = −above / climb, made with a positive denominator.
+    // t = −above / climb, with a positive denominator.
     let (numerator, denominator) =
         if sign(&climb) > 0 { (-above, climb.clone()) } else { (above, -climb.clone()) };
     if sign(&numerator) <= 0 || (!endless && numerator >= denominator) {
         return None;
     }
-    // denominator · (point − a), and on which hand of each edge it lies.
+    // denominator · (point − from), and the side of each edge on which the point lies.
     let hands = [(a, b), (b, c), (c, a)].map(|(from, to)| {
         let reach = plus(&times(&minus(start, from), &denominator), &times(step, &numerator));
         sign(&dot(&cross(&minus(to, from), &reach), &normal))
@@ -156,12 +160,12 @@ fn meeting(start: &Vector, step: &Vector, endless: bool, [a, b, c]: &[Vector; 3]
     match (hands.contains(&-1), hands.contains(&0)) {
         (true, _) => None,
         (false, true) => Some(0),
-        // The way climbs out of the front where the light is in front.
+        // A ray towards a light in front of the face leaves the face on its front side: climb > 0.
         (false, false) => Some(sign(&climb)),
     }
 }
 
-/// In the face's plane: the stretch of the way that each edge leaves over.
+/// Whether a ray in the face's plane touches the face: clips the ray's interval against each edge.
 fn touches_in_plane(
     start: &Vector,
     step: &Vector,
@@ -169,7 +173,8 @@ fn touches_in_plane(
     [a, b, c]: [&Vector; 3],
     normal: &Vector,
 ) -> bool {
-    // Stretches as fractions; `None` for no bound. The way's own bounds are open, the edges' closed.
+    // Interval bounds are fractions, `None` for no bound. The ray's own bounds are open, the edges' bounds
+    // closed.
     let mut from = (BigInt::from(0), BigInt::from(1));
     let mut to = (!endless).then(|| (BigInt::from(1), BigInt::from(1)));
     let (mut from_open, mut to_open) = (true, true);
@@ -197,7 +202,7 @@ fn touches_in_plane(
     to.is_none_or(|to| less(&from, &to) || (!less(&to, &from) && !from_open && !to_open))
 }
 
-/// The face is a closed segment or a point.
+/// Whether the ray touches a face that has collapsed to a closed segment or a point.
 fn touches_line(start: &Vector, step: &Vector, endless: bool, corners: [&Vector; 3]) -> bool {
     let (low, high) = (corners.iter().min().expect("three"), corners.iter().max().expect("three"));
     let along = minus(high, low);

@@ -1,49 +1,72 @@
-//! Where a picture is taken from.
+//! A camera: where a picture is taken from, in which direction, and through which lens.
 
 use std::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::{Pinhole, Size, Up};
+use super::{Projection, ProjectionKind, Ray, Rays, Size, Up};
 use crate::geom::Aabb;
-use crate::view::Projection;
 
-/// A perspective camera in world space.
+/// A camera in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where the eye is.
+    /// The position of the eye; for parallel rays, of the center of the plane that they begin in.
     pub eye: Vec3,
-    /// Where it looks, unit length.
+    /// The direction of view, unit length.
     pub forward: Vec3,
-    /// What is up in the picture; need not be perpendicular to `forward`, only not parallel.
+    /// The direction that is up in the picture; need not be perpendicular to `forward`, only not parallel.
     pub up: Vec3,
-    /// Vertical field of view, radians, in (0, π).
-    pub fov_y_rad: f32,
+    /// Perspective or orthographic.
+    pub lens: Lens,
+    /// The distance of the near plane in mesh units, above 0; `None`: see [`Camera::near`].
+    pub near: Option<f32>,
 }
 
-/// Why a place and a target make no [`Camera`].
+/// The lens of a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Lens {
+    /// Rays through one point.
+    Perspective {
+        /// Vertical field of view, radians, in (0, π).
+        fov_y_rad: f32,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Height of what is seen, in mesh units; finite and above 0.
+        height: f32,
+    },
+}
+
+/// Why numbers make no [`Camera`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CameraError {
     /// A coordinate is NaN or infinite.
     #[error("the camera's eye and target need finite coordinates, not {0}")]
     NotFinite(f32),
-    /// The eye is where it looks to.
+    /// Eye and target are the same.
     #[error("the camera's eye is its target, {0},{1},{2}")]
     EyeIsTarget(f32, f32, f32),
     /// The field of view is not an angle that a plane picture can have.
     #[error("the field of view is {} degrees; it must be more than 0 and less than 180", .0.to_degrees())]
     FieldOfView(f32),
+    /// The height of an orthographic camera is not a length.
+    #[error("the height of the view is {0}; it must be finite and more than 0")]
+    Height(f32),
+    /// The distance of the near plane is not a length.
+    #[error("the near plane is {0} away; it must be finite and more than 0")]
+    Near(f32),
 }
 
-/// The field of view where nothing else is said: 35 degrees, that of a mild telephoto lens.
+/// The default field of view: 35 degrees, that of a mild telephoto lens.
 const FOV_Y_RAD: f32 = 35.0 * PI / 180.0;
 
-/// From the middle of things towards the eye of a fitted camera, as right, up, back: three-quarter from the
-/// front, 21 degrees above the horizon.
+/// The direction from the center towards the eye of a fitted camera, as right, up, back: three-quarter from
+/// the front, 21 degrees above the horizon.
 const THREE_QUARTER: [f64; 3] = [0.6, 0.45, 1.0];
 
-/// How much wider than its content a fitted picture is.
+/// The size of a fitted picture, as a multiple of that of its content.
 const MARGIN: f64 = 1.08;
 
 impl Camera {
@@ -54,7 +77,8 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`CameraError`] if a coordinate is not finite, the two places are one, or `fov_y_rad` is not in (0, π).
+    /// [`CameraError`] if a coordinate is not finite, eye and target are the same, or `fov_y_rad` is not in
+    /// (0, π).
     pub fn look_at(eye: [f32; 3], target: [f32; 3], fov_y_rad: f32, up: Up) -> Result<Self, CameraError> {
         if let Some(&x) = eye.iter().chain(&target).find(|x| !x.is_finite()) {
             return Err(CameraError::NotFinite(x));
@@ -71,14 +95,39 @@ impl Camera {
         if !spans(forward, upright) {
             upright = wide(up.turn([0.0, 0.0, -1.0]).map(|x| x as f32));
         }
-        Ok(Self { eye: eye.into(), forward: forward.as_vec3(), up: upright.as_vec3(), fov_y_rad })
+        let (forward, up) = (forward.as_vec3(), upright.as_vec3());
+        Ok(Self { eye: eye.into(), forward, up, lens: Lens::Perspective { fov_y_rad }, near: None })
     }
 
-    /// A camera that shows all of `bounds`: the default view, three-quarter from the front, from the right and
-    /// from 21 degrees above, 35 degrees of field of view, as near as leaves a margin of 8 %.
+    /// The same camera with parallel rays, which sees this much of the world from bottom to top.
     ///
-    /// `aspect` is width over height. An empty box is taken as the origin, a point as a box one unit around it.
-    /// A box so large that the eye would leave `f32` is seen from the nearest place within.
+    /// # Errors
+    ///
+    /// [`CameraError::Height`].
+    pub fn orthographic(self, height: f32) -> Result<Self, CameraError> {
+        match height > 0.0 && height.is_finite() {
+            true => Ok(Self { lens: Lens::Orthographic { height }, ..self }),
+            false => Err(CameraError::Height(height)),
+        }
+    }
+
+    /// The same camera with a near plane at this distance: nothing nearer is seen.
+    ///
+    /// # Errors
+    ///
+    /// [`CameraError::Near`].
+    pub fn with_near(self, near: f32) -> Result<Self, CameraError> {
+        match near > 0.0 && near.is_finite() {
+            true => Ok(Self { near: Some(near), ..self }),
+            false => Err(CameraError::Near(near)),
+        }
+    }
+
+    /// A camera that shows all of `bounds`: the default view, three-quarter from the front, from the right
+    /// and from 21 degrees above, 35 degrees of field of view, as near as leaves a margin of 8 %.
+    ///
+    /// `aspect` is width over height. An empty box is taken as the origin, a point as a box one unit around
+    /// it. For a box so large that the eye would leave `f32`, the eye is clamped to its range.
     #[must_use]
     pub fn fit(bounds: &Aabb, up: Up, aspect: f64) -> Self {
         let center = wide(bounds.center());
@@ -96,8 +145,8 @@ impl Camera {
                 half * DVec3::new(sign(0), sign(1), sign(2))
             })
         };
-        // Two opposite sides of the picture ask for a distance each, that of their nearest corner. The eye moves
-        // aside until both ask for the same.
+        // Each side of the picture needs a distance, that of its nearest corner. The eye moves sideways until
+        // two opposite sides need the same.
         let fit = |aside: DVec3, tan: f64| {
             let ask = |sign: f64| {
                 corners()
@@ -116,39 +165,68 @@ impl Camera {
             eye: eye.as_vec3(),
             forward: (-towards).as_vec3(),
             up: upright.as_vec3(),
-            fov_y_rad: FOV_Y_RAD,
+            lens: Lens::Perspective { fov_y_rad: FOV_Y_RAD },
+            near: None,
         }
     }
 
-    /// The direction, near unit length, from the eye through the place `x_px`, `y_px` of a picture of `size`: from
-    /// 0, 0 at its upper left corner; the middle of a pixel lies half a pixel further. Many of them: [`Pinhole`].
+    /// The ray through the position `x_px`, `y_px` of a picture of `size`: see [`Rays`], also for many of
+    /// them.
     #[must_use]
-    pub fn ray(&self, x_px: f64, y_px: f64, size: Size) -> [f32; 3] {
-        Pinhole::new(self, size).ray(x_px, y_px)
+    pub fn ray(&self, x_px: f64, y_px: f64, size: Size) -> Ray {
+        self.rays(size).ray(x_px, y_px)
     }
 
-    /// The projection of this camera for a picture of `size`, cut at `near` mesh units before the eye.
+    /// The rays of a picture of `size`.
+    #[must_use]
+    pub fn rays(&self, size: Size) -> Rays {
+        // Rays do not depend on the near plane.
+        Rays::new(&self.projection(size, 1.0), size)
+    }
+
+    /// The projection of this camera for a picture of `size`, cut at `near` mesh units before the eye. An
+    /// orthographic one has its far plane at the end of `f32`: choose another for a depth buffer.
     #[must_use]
     pub fn projection(&self, size: Size, near: f32) -> Projection {
         let (right, up) = self.basis();
-        let tan_y = (0.5 * f64::from(self.fov_y_rad)).tan();
+        let (half, kind) = match self.lens {
+            Lens::Perspective { fov_y_rad } => (tan_half(fov_y_rad), ProjectionKind::InfinitePerspective),
+            Lens::Orthographic { height } => {
+                (0.5 * f64::from(height), ProjectionKind::Orthographic { far: f32::MAX })
+            }
+        };
         Projection {
             eye: self.eye.into(),
-            right: (right / (tan_y * size.aspect())).as_vec3().into(),
-            up: (up / tan_y).as_vec3().into(),
+            right: (right / (half * size.aspect())).as_vec3().into(),
+            up: (up / half).as_vec3().into(),
             forward: self.forward.into(),
             near,
+            kind,
         }
     }
 
-    /// Where the near plane of a [`Camera::projection`] stands if nothing else is said, in mesh units: so that no corner
-    /// of its rectangle is farther from the eye than half the distance to `bounds`, or than 1/1024 of their diagonal for
-    /// an eye that is inside or about to be.
+    /// The distance of the near plane, in mesh units: the camera's own, or else one so near that no corner of
+    /// its rectangle is farther from the eye than half the distance to `bounds`, or than 1/1024 of their
+    /// diagonal for an eye that is inside or almost. With parallel rays it is the plane that is half as far
+    /// as the nearest corner of `bounds`, with the same minimum.
     ///
     /// From outside it cuts nothing that is seen, however wide the view. Finite and above 0 for every box.
     #[must_use]
     pub fn near(&self, bounds: &Aabb, size: Size) -> f32 {
+        if let Some(near) = self.near {
+            return near;
+        }
         let eye = self.eye.as_dvec3();
+        let fov_y_rad = match self.lens {
+            Lens::Perspective { fov_y_rad } => fov_y_rad,
+            Lens::Orthographic { .. } if bounds.is_empty() => return 1.0,
+            Lens::Orthographic { .. } => {
+                let (low, high, forward) = (wide(bounds.low), wide(bounds.high), self.forward.as_dvec3());
+                let nearest = DVec3::select(forward.cmpge(DVec3::ZERO), low, high);
+                let near = (0.5 * forward.dot(nearest - eye)).max(bounds.diagonal() / 1024.0);
+                return (near as f32).clamp(f32::MIN_POSITIVE, f32::MAX);
+            }
+        };
         let reach = match bounds.is_empty() {
             true => 1.0,
             false => {
@@ -156,7 +234,7 @@ impl Camera {
                 (0.5 * distance).max(bounds.diagonal() / 1024.0)
             }
         };
-        let tan_y = (0.5 * f64::from(self.fov_y_rad)).tan();
+        let tan_y = tan_half(fov_y_rad);
         let corner = DVec3::new(tan_y * size.aspect(), tan_y, 1.0).length();
         ((reach / corner) as f32).clamp(f32::MIN_POSITIVE, f32::MAX)
     }
@@ -170,8 +248,12 @@ impl Camera {
     }
 }
 
-/// Whether two directions tell right from left. `f32` components of unit length are off by up to 2⁻²⁵: a sine
-/// below 2⁻²⁰ would leave the roll of the picture to rounding.
+fn tan_half(fov_y_rad: f32) -> f64 {
+    (0.5 * f64::from(fov_y_rad)).tan()
+}
+
+/// Whether two directions determine left and right. `f32` components of unit length are off by up to 2⁻²⁵: a
+/// sine below 2⁻²⁰ would leave the roll of the picture to rounding.
 fn spans(forward: DVec3, up: DVec3) -> bool {
     forward.cross(up.normalize_or_zero()).length() >= (-20_f64).exp2()
 }
@@ -208,7 +290,7 @@ mod tests {
         let size = Size::new(64, 48).unwrap();
         for (up, eye) in [(Up::Y, [0.0, 5.0, 0.0]), (Up::Z, [0.0, 0.0, 5.0])] {
             let camera = Camera::look_at(eye, [0.0; 3], 1.0, up).unwrap();
-            let (left, right) = (camera.ray(0.0, 24.0, size), camera.ray(64.0, 24.0, size));
+            let [left, right] = [0.0, 64.0].map(|x| camera.ray(x, 24.0, size).direction);
             assert!(left[0] < -0.1 && right[0] > 0.1, "{left:?} {right:?}");
         }
     }
@@ -226,11 +308,11 @@ mod tests {
             for (up, (width, height)) in [(Up::Y, (960, 540)), (Up::Z, (300, 900))] {
                 let size = Size::new(width, height).unwrap();
                 let bounds = Aabb { low, high };
-                let pinhole = Pinhole::new(&Camera::fit(&bounds, up, size.aspect()), size);
+                let rays = Camera::fit(&bounds, up, size.aspect()).rays(size);
                 let mut widest = 0.0_f64;
                 for corner in 0..8 {
                     let p = std::array::from_fn(|i| if corner >> i & 1 == 0 { low[i] } else { high[i] });
-                    let at = pinhole.project(p).expect("in front of the eye");
+                    let at = rays.project(p).expect("in front of the eye");
                     let (x, y) = (at.x_px / f64::from(width) - 0.5, at.y_px / f64::from(height) - 0.5);
                     widest = widest.max(x.abs()).max(y.abs());
                 }
@@ -265,6 +347,22 @@ mod tests {
     }
 
     #[test]
+    fn near_plane_of_an_orthographic_camera_cuts_nothing_and_one_asked_for_is_taken() {
+        let (bounds, size) = (Aabb { low: [-1.0; 3], high: [1.0; 3] }, Size::new(9, 9).unwrap());
+        let camera = Camera::look_at([0.0, 0.0, 5.0], [0.0; 3], 1.0, Up::Y).unwrap();
+        let parallel = camera.orthographic(2.0).unwrap();
+        assert_eq!(parallel.near(&bounds, size), 2.0);
+        let inside = Camera { eye: Vec3::ZERO, ..parallel };
+        assert_eq!(inside.near(&bounds, size), (bounds.diagonal() / 1024.0) as f32);
+        for camera in [camera, parallel] {
+            assert_eq!(camera.with_near(3.0).unwrap().near(&bounds, size), 3.0);
+        }
+        for x in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert!(camera.orthographic(x).is_err() && camera.with_near(x).is_err(), "{x}");
+        }
+    }
+
+    #[test]
     fn near_is_finite_and_above_zero_for_any_box_and_eye() {
         let sizes = [f32::from_bits(1), 1e-30, 1.0, 3.4e38, f32::MAX];
         let boxes = sizes.into_iter().flat_map(|x| {
@@ -275,8 +373,10 @@ mod tests {
             let places = sizes.into_iter().flat_map(|x| [[x; 3], [-x, 0.0, x]]);
             for eye in places.chain([[0.0; 3], Camera::fit(&bounds, Up::Y, 1.0).eye.into()]) {
                 let camera = Camera { eye: eye.into(), ..Camera::fit(&bounds, Up::Y, 1.0) };
-                let near = camera.near(&bounds, Size::new(16, 9).unwrap());
-                assert!(near > 0.0 && near.is_finite(), "{bounds:?} {eye:?}: {near}");
+                for camera in [camera, camera.orthographic(1.0).unwrap()] {
+                    let near = camera.near(&bounds, Size::new(16, 9).unwrap());
+                    assert!(near > 0.0 && near.is_finite(), "{bounds:?} {eye:?}: {near}");
+                }
             }
         }
     }
@@ -285,8 +385,9 @@ mod tests {
     fn ray_through_the_middle_looks_forward_and_y_runs_downwards() {
         let size = Size::new(8, 4).unwrap();
         let camera = Camera::look_at([0.0, 0.0, 5.0], [0.0; 3], 1.0, Up::Y).unwrap();
-        assert_eq!(camera.ray(4.0, 2.0, size), [0.0, 0.0, -1.0]);
-        let [x, y, z] = camera.ray(0.0, 0.0, size);
+        let middle = Ray { origin: [0.0, 0.0, 5.0], direction: [0.0, 0.0, -1.0] };
+        assert_eq!(camera.ray(4.0, 2.0, size), middle);
+        let [x, y, z] = camera.ray(0.0, 0.0, size).direction;
         assert!((y / -z - 0.5_f32.tan()).abs() < 1e-6 && (x / y + 2.0).abs() < 1e-6);
     }
 }

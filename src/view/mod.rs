@@ -1,13 +1,13 @@
-//! Where a picture is taken from: cameras, projections, the rays of pixels.
+//! Views of a scene: cameras, projections, the rays of pixels.
 
 mod camera;
-mod pinhole;
 mod projection;
+mod rays;
 mod size;
 mod up;
 
-pub use camera::{Camera, CameraError};
-pub use pinhole::{Pinhole, Projected};
-pub use projection::Projection;
+pub use camera::{Camera, CameraError, Lens};
+pub use projection::{Projection, ProjectionError, ProjectionKind};
+pub use rays::{Projected, Ray, Rays};
 pub use size::{Size, SizeError};
 pub use up::Up;

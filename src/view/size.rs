@@ -1,4 +1,4 @@
-//! How large a picture is.
+//! The size of a picture.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,7 +10,7 @@ pub struct Size {
     height: u32,
 }
 
-/// Why two numbers are no [`Size`].
+/// The error for numbers that make no [`Size`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is not a size; write WIDTHxHEIGHT, each from 1 to {most} pixels", most = Size::MOST)]
 pub struct SizeError(String);

@@ -1,4 +1,4 @@
-//! Which way is up in a file.
+//! The up axis of a file.
 
 /// The axis that points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -20,7 +20,7 @@ impl Up {
         }
     }
 
-    /// `[right, up, back]` of a y-up model, in the axes of the file: right-handed either way.
+    /// `[right, up, back]` of a y-up model, in the axes of the file; both systems are right-handed.
     #[must_use]
     pub fn turn(self, [right, up, back]: [f64; 3]) -> [f64; 3] {
         match self {

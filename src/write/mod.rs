@@ -243,7 +243,7 @@ fn check(layer: &Layer) -> Result<(), (String, &'static str)> {
         return Err((format!("vertex {index} is named, of {vertex_count}"), "name vertices that exist"));
     }
     let mut end = 0;
-    for Part { name, faces } in &layer.parts {
+    for Part { name, faces, .. } in &layer.parts {
         if faces.start < end || faces.end < faces.start || faces.end as usize > layer.elements.len() {
             let problem = format!("the part {name:?} is {faces:?}, of {}", layer.elements.len());
             return Err((problem, "keep parts ascending, apart and in range"));
@@ -288,7 +288,7 @@ mod tests {
     #[test]
     fn write_of_a_bad_model_leaves_the_old_file() {
         let sound = Layer::from(&shapes::tetrahedron());
-        let part = |faces| Part { name: "p".to_owned(), faces };
+        let part = |faces| Part::new("p", faces);
         #[rustfmt::skip]
         let bad = [
             (Layer { positions: vec![[0.0, f32::INFINITY, 0.0]; 4], ..sound.clone() }, "vertex 0 lies at"),

@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn obj_parts_are_groups_and_gaps_are_the_default_group() {
-        let part = |name: &str, faces| Part { name: name.to_owned(), faces };
+        let part = |name: &str, faces| Part::new(name, faces);
         let parts = vec![part("one", 1..2), part("none", 2..2), part("two\nf 9 9 9", 2..3)];
         let layer = Layer {
             positions: vec![[0.0; 3]],

@@ -24,7 +24,7 @@ fn memory_of_a_check_is_a_few_bytes_a_face_from_file_to_report() {
         let check = || {
             let mesh = read(&path).unwrap().bake(Scope::Mesh).unwrap().remove(0);
             let mesh = weld_in_place(mesh, Weld::Exact).mesh;
-            let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.shared_triangles());
+            let topology = Topology::of(&mesh);
             CrackReport::of(&mesh, &topology).counts
         };
         let (counts, bytes) = peak(check);

@@ -20,7 +20,7 @@ const BOUNDS: [(&str, usize); 20] = [
     ("weld in place", 140),
     ("weld within", 400),
     ("edge table", 120),
-    ("topology", 120),
+    ("survey", 120),
     ("shells", 12),
     ("crack report", 700),
     ("items", 100),
@@ -50,7 +50,7 @@ const ORDINARY: [(&str, usize); 8] = [
     ("weld", 24),
     ("weld in place", 20),
     ("edge table", 41),
-    ("topology", 41),
+    ("survey", 40),
     ("shells", 8),
     ("crack report", 12),
     ("proofs", 129),
@@ -80,8 +80,8 @@ fn memory_of_every_stage_is_what_its_documentation_says() {
         let triangles = mesh.triangles().to_vec();
         let table = peak(|| Topology::build(mesh.vertex_count(), triangles.clone())).1;
         note("edge table", faces, table - 12 * faces); // the copy
-        let (topology, bytes) = peak(|| Topology::build_surveyed(mesh.vertex_count(), triangles));
-        note("topology", faces, bytes);
+        let topology = Topology::build(mesh.vertex_count(), triangles);
+        note("survey", faces, peak(|| topology.non_manifold_vertices()).1);
         let (shells, bytes) = peak(|| topology.shells());
         note("shells", faces, bytes);
         let (report, bytes) = peak(|| CrackReport::of(&mesh, &topology));

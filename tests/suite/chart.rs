@@ -15,7 +15,7 @@ fn curves() -> Vec<Curve> {
     vec![curve("one < two", 2.0), curve("two", 1.0), curve("three", 1.01)]
 }
 
-/// Tags that nest and close, in text that holds no bare `<` or `&`.
+/// Whether tags nest and close, and no text holds a bare `<` or `&`.
 pub(crate) fn well_formed(text: &str) -> bool {
     let mut open = Vec::new();
     let mut rest = text;
@@ -54,7 +54,7 @@ fn chart_is_well_formed_and_small_and_holds_every_point() {
     }
     assert!(text.contains(">one &lt; two</text>") && text.contains("a &lt;card&gt; &amp; driver"));
     assert_eq!(text, svg("a <card> & driver", &curves));
-    // Nothing leaves the picture, and three names fit where curves end side by side.
+    // Nothing lies outside of the picture, and three names fit where curves end side by side.
     let heights: Vec<f64> = text
         .lines()
         .filter(|line| line.ends_with("</text></g>"))

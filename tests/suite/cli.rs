@@ -1,4 +1,4 @@
-//! The command: exit codes, JSON keys, refusals, and what is left behind when something fails.
+//! Command tests: exit codes, JSON keys, refusals, and the files left behind by a failure.
 
 mod accuracy;
 mod check;
@@ -6,6 +6,7 @@ mod demo;
 mod input;
 mod machine;
 mod render;
+mod scene;
 mod silhouette;
 mod torture;
 mod verify;
@@ -22,10 +23,10 @@ use umbrage::write::{Layer, Model, write};
 
 use super::support::real_meshes;
 
-/// A folder with a few meshes, in which the command runs.
+/// A folder with a few meshes in which the command runs.
 struct Folder(tempfile::TempDir);
 
-/// What the command did.
+/// Result of a run: exit code and output.
 struct Run {
     code: i32,
     stdout: String,
@@ -37,7 +38,7 @@ impl Folder {
         Self(tempfile::tempdir().unwrap())
     }
 
-    /// The cube, closed and open, a file that is no mesh, and a folder.
+    /// A folder with the cube, closed and open, a file that is no mesh, and a subfolder.
     fn with_cubes() -> Self {
         let folder = Self::new();
         folder.mesh("cube.obj", &shapes::cube());
@@ -60,7 +61,7 @@ impl Folder {
         self.run_in(&[], arguments)
     }
 
-    /// Runs the command where there is no graphics adapter.
+    /// Runs the command with no graphics adapter visible.
     #[cfg(target_os = "linux")]
     fn run_without_adapter(&self, arguments: &str) -> Run {
         let nowhere = "/no/such/driver.json";
@@ -71,7 +72,7 @@ impl Folder {
     fn run_in(&self, environment: &[(&str, &str)], arguments: &str) -> Run {
         let output = cargo_bin_cmd!("umbrage")
             .current_dir(self.0.path())
-            // Without one Mesa complains on standard error, which is looked at.
+            // Without this variable Mesa complains on standard error, which the test checks.
             .env("XDG_RUNTIME_DIR", self.0.path())
             .envs(environment.iter().copied())
             .args(arguments.split(' '))
@@ -91,7 +92,7 @@ impl Folder {
         self.run(arguments).code
     }
 
-    /// Runs the command, which must be able to, and parses what it prints.
+    /// Runs the command, which must succeed in running, and parses its JSON output.
     fn json(&self, arguments: &str) -> Value {
         let run = self.run(&format!("{arguments} --json"));
         assert_ne!(run.code, 2, "{arguments}: {}", run.stderr);
@@ -107,13 +108,13 @@ impl Folder {
     }
 }
 
-/// The keys of an object, in order, as other programs rely on them.
+/// The keys of an object, in the order that other programs rely on.
 fn keys(value: &Value) -> String {
     let Value::Object(object) = value else { panic!("not an object: {value}") };
     object.keys().map(String::as_str).collect::<Vec<_>>().join(" ")
 }
 
-/// A document with every number, text and truth replaced by its type, and arrays cut to their first entry.
+/// A document with every number, text and boolean replaced by its type, and arrays cut to their first entry.
 fn shape(value: &Value) -> Value {
     match value {
         Value::Null => Value::Null,
@@ -133,7 +134,7 @@ fn assert_shape(name: &str, value: &Value) {
     });
 }
 
-/// A real mesh, if they are there.
+/// The path of a real mesh; `None` if the real meshes are missing.
 fn real(name: &str) -> Option<PathBuf> {
     real_meshes().map(|folder| fs::canonicalize(folder.join(name)).unwrap())
 }
@@ -159,7 +160,7 @@ fn cli_help_names_every_default() {
     for command in ["check", "silhouette", "volume", "verify", "render", "torture", "accuracy"] {
         let run = folder.run(&format!("{command} --help"));
         assert_eq!(run.code, 0);
-        // An option starts a block, which goes on to the next one.
+        // A line with an option starts a block, which ends at the next option.
         let mut blocks: Vec<String> = Vec::new();
         for line in run.stdout.lines() {
             if line.starts_with("      --") || line.starts_with("  -") {
@@ -272,7 +273,7 @@ fn cli_prints_the_same_on_any_number_of_threads() {
         assert_eq!((one.code, &one.stdout), (0, &more.stdout), "{command}: {}", one.stderr);
         assert!(one.stdout.len() > 200, "{command}: {}", one.stdout);
     }
-    // The sabotage: another mesh.
+    // Negative test: another mesh.
     let of = |file: &str| folder.run(&format!("check {file} --json --threads 1")).stdout;
     assert_ne!(of("cube.obj"), of("knot.obj"));
 }
@@ -316,7 +317,7 @@ fn cli_leaves_nothing_half_written() {
 #[test]
 fn cli_is_quiet_when_the_pipe_is_closed() {
     let folder = Folder::new();
-    // More than a pipe holds, so that the command meets the closed end while it writes.
+    // More than a pipe holds, so that the command meets the closed end while writing.
     folder.mesh("soup.obj", &shapes::soup(&shapes::icosphere(4)));
     let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("umbrage"))
         .current_dir(folder.0.path())

@@ -1,4 +1,4 @@
-//! The comparison itself, on masks that no device made: right ones agree, and a single wrong pixel is called so.
+//! Pixel comparison on masks that no device made: correct masks agree, and a single wrong pixel is reported.
 
 use umbrage::caster::Caster;
 use umbrage::facing::{CasterFaces, classify};
@@ -28,7 +28,7 @@ impl Scene {
         Self { caster, projection: camera.projection(size, 0.01), size, signs, light }
     }
 
-    /// The exact count of each pixel, by the oracle's own; `None` for sky.
+    /// The exact count of each pixel, by the oracle; `None` for sky.
     fn exact(&self) -> Vec<Option<i32>> {
         let (width, height) = (self.size.width(), self.size.height());
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -77,7 +77,7 @@ fn compare_agrees_with_the_exact_counts_everywhere() {
 fn compare_calls_a_single_wrong_pixel_real_wherever_no_boundary_is_near() {
     let scene = knot();
     let exact = scene.exact();
-    // A crack of one pixel here and there: one volume more, one less, sky instead of a surface, a surface in the sky.
+    // Cracks of one pixel: one volume more, one less, sky instead of a surface, a surface in the sky.
     type Fault = fn(Option<i32>) -> Option<i32>;
     let faults: [Fault; 3] = [
         |count| count.map(|n| n + 1),
@@ -104,7 +104,7 @@ fn compare_calls_a_single_wrong_pixel_real_wherever_no_boundary_is_near() {
 
 #[test]
 fn compare_tells_overflow_from_other_mismatches() {
-    // Against the light, where most of 300 shells are crossed twice.
+    // Looking towards the light, where most of the 300 shells are crossed twice.
     let mesh = shapes::nested_cubes(300);
     let scene = Scene::new(mesh, Light::point([-900.0, -800.0, -950.0]).unwrap());
     let exact = scene.exact();
@@ -113,7 +113,7 @@ fn compare_tells_overflow_from_other_mismatches() {
     assert!(overflown > 20);
     let result = scene.judge(&wrapped, Counting::Stencil, &[]);
     assert_eq!((result.count(PixelVerdict::Overflow), result.agrees()), (overflown, false));
-    // Whole numbers have no excuse.
+    // Integer counts have no excuse.
     let result = scene.judge(&wrapped, Counting::Integer, &[]);
     assert_eq!(result.count(PixelVerdict::Overflow), 0);
     assert!(result.count(PixelVerdict::Real) > 0);
@@ -133,7 +133,7 @@ fn compare_tells_mismatches_of_unsure_faces_from_real_ones() {
 fn compare_far_from_the_origin_is_as_near_it() {
     let mesh = shapes::icosphere(2);
     let far = [65_536.0, -131_072.0, 32_768.0];
-    // On a coarse grid, so that moving it rounds nothing.
+    // Positions on a coarse grid, so that a translation rounds nothing.
     let coarse = mesh.positions().iter().map(|p| p.map(|x| (x * 16.0).round() / 16.0)).collect();
     let mesh = Mesh::new(coarse, mesh.triangles().to_vec()).unwrap();
     let near = Scene::new(mesh.clone(), Light::point([4.0, 6.0, 3.0]).unwrap());

@@ -1,4 +1,4 @@
-//! Crack reports: tables of counts, naive references for what is fast, and places.
+//! Crack reports: tables of counts, positions, and naive references for the fast algorithms.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -33,7 +33,7 @@ fn random(seed: u32) -> impl FnMut(u32) -> u32 {
     }
 }
 
-/// Small triangles over few vertices of a small lattice: every defect there is, often.
+/// Small triangles over few vertices of a small lattice, so that every kind of defect occurs often.
 fn soup(seed: u32) -> Mesh {
     let mut next = random(seed);
     let vertices = 4 + next(8);
@@ -92,7 +92,7 @@ fn crack_counts_of_generated_meshes() {
     }
 }
 
-/// What naive code finds: all pairs of half-edges, components by repeated passes.
+/// Results of naive code: all pairs of half-edges, components by repeated passes.
 #[derive(Debug, PartialEq)]
 struct Naive {
     edges: usize,
@@ -107,7 +107,7 @@ struct Naive {
     euler: i64,
 }
 
-/// The number of groups of `n` things of which any two for which `joined` holds are in one.
+/// The number of connected groups of `n` items, where `joined` connects two items.
 fn groups(n: usize, joined: impl Fn(usize, usize) -> bool) -> usize {
     let mut label: Vec<usize> = (0..n).collect();
     for _ in 0..n {
@@ -186,7 +186,7 @@ fn crack_counts_of_random_soups_equal_the_naive_ones() {
     for seed in 0..400 {
         let mesh = soup(seed);
         assert_eq!(fast(&mesh), naive(&mesh), "{:?}", mesh.triangles());
-        // The sabotage: without its last face that has not collapsed it is another mesh.
+        // Negative test: without its last face that has not collapsed it is another mesh.
         let (positions, mut triangles, ..) = mesh.clone().into_parts();
         let counted = naive(&mesh);
         pinched += usize::from(counted.pinched > 0);
@@ -200,7 +200,7 @@ fn crack_counts_of_random_soups_equal_the_naive_ones() {
 
 #[test]
 fn crack_fans_of_a_hub_are_counted_like_those_of_a_short_one() {
-    // Two cones of 40 faces on one apex: too many faces for the short way, and two fans.
+    // Two cones of 40 faces on one apex: two fans, and too many faces for the fast path.
     let rim = 40;
     let mut triangles = Vec::new();
     for start in [1, 1 + rim] {
@@ -211,9 +211,9 @@ fn crack_fans_of_a_hub_are_counted_like_those_of_a_short_one() {
     assert_eq!(fans.iter().map(|&(vertex, fans)| (vertex.0, fans)).collect::<Vec<_>>(), [(0, 2)]);
 }
 
-/// All pairs of faces without a common vertex that intersect, by separating axes in whole numbers: two
-/// triangles are apart if and only if their shadows are on one of the normals, the products of two edges, or
-/// the normals of the edges in the planes.
+/// All pairs of intersecting faces without a common vertex, by separating axes in integer arithmetic. Two
+/// triangles are disjoint iff their projections are disjoint on one of these axes: the two normals, the cross
+/// products of two edges, the normals of the edges within the planes.
 fn naive_pairs(mesh: &Mesh) -> Vec<[u32; 2]> {
     type P = [i64; 3];
     let sub = |a: P, b: P| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -270,7 +270,7 @@ fn crack_self_intersections_equal_separating_axes_over_all_pairs() {
         let expected = naive_pairs(&mesh);
         assert_eq!(unshared(&mesh), expected, "{seed}");
         met += expected.len();
-        // The sabotage: a face moved far away intersects nothing.
+        // Negative test: a face moved far away intersects nothing.
         if let Some(&[face, _]) = expected.first() {
             let (mut positions, triangles, ..) = mesh.into_parts();
             triangles[face as usize].iter().for_each(|&v| positions[v as usize][0] += 100.0);
@@ -287,19 +287,19 @@ fn crack_self_intersections_of_neighbors_by_hand() {
         let mesh = mesh(positions, &[[0, 1, 2], g]);
         self_intersections(&mesh, &topology(&mesh)).len()
     };
-    // Sharing an edge: hinged, flat, folded onto each other.
+    // Sharing an edge: hinged, coplanar, folded onto each other.
     assert_eq!(count(&[o, x, y, z], [1, 0, 3]), 0);
     assert_eq!(count(&[o, x, y, [1.0, -3.0, 0.0]], [1, 0, 3]), 0);
     assert_eq!(count(&[o, x, y, [1.0, 3.0, 0.0]], [1, 0, 3]), 1);
-    // Sharing a vertex: apart, beside each other in the plane, through, along a common ray, overlapping.
+    // Sharing a vertex: disjoint, side by side in a plane, crossing, along a common ray, overlapping.
     assert_eq!(count(&[o, x, y, z, [0.0, 1.0, 4.0]], [0, 3, 4]), 0);
     assert_eq!(count(&[o, x, y, [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]], [0, 3, 4]), 0);
     assert_eq!(count(&[o, x, y, [1.0, 1.0, 1.0], [1.0, 1.0, -1.0]], [0, 3, 4]), 1);
     assert_eq!(count(&[o, x, y, [2.0, 0.0, 0.0], [2.0, 0.0, 5.0]], [0, 3, 4]), 1);
     assert_eq!(count(&[o, x, y, [1.0, 2.0, 0.0], [2.0, 1.0, 0.0]], [0, 3, 4]), 1);
-    // The same three vertices are a duplicate, not an intersection.
+    // A face with the same three vertices is a duplicate, not an intersection.
     assert_eq!(count(&[o, x, y], [1, 0, 2]), 0);
-    // A face without area is left out.
+    // A face of zero area is skipped.
     assert_eq!(count(&[o, x, y, [1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 1.0, 2.0]], [3, 4, 5]), 0);
     assert_eq!(count(&[o, x, y, [1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 2.0]], [3, 4, 5]), 1);
 }
@@ -336,7 +336,8 @@ fn crack_nesting_gives_depth_and_parent() {
 
 #[test]
 fn crack_nesting_of_a_shell_that_merely_cuts_another_is_none() {
-    // The small cube's box lies in that of the tetrahedron, and its first corner inside it, but not the rest.
+    // The small cube's box lies in the tetrahedron's box, and the cube's first corner lies inside the
+    // tetrahedron, but not the rest.
     let big = mesh(
         &[[0.0; 3], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [0.0, 0.0, 8.0]],
         &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
@@ -346,7 +347,7 @@ fn crack_nesting_of_a_shell_that_merely_cuts_another_is_none() {
         let shells = report(&both).shell_list;
         assert_eq!((shells[1].depth, shells[1].inside_out), (depth, depth == 1));
     }
-    // In a corner that touches its container it still lies inside.
+    // Touching the container in a corner still counts as inside.
     let touching =
         Mesh::concat(&[shapes::cuboid([0.0; 3], [4.0; 3]), shapes::cuboid([0.0; 3], [2.0; 3])]).unwrap();
     assert_eq!(report(&touching).shell_list[1].depth, 1);
@@ -359,7 +360,7 @@ fn crack_double_sided_sheets_are_not_inside_out() {
     let shell = report_of_sheet.shell_list[0];
     assert!(shell.watertight && !shell.inside_out);
     assert_eq!(report_of_sheet.counts.duplicate_opposite_winding, 1);
-    // One ulp of volume is enough to tell.
+    // One ulp of volume decides the orientation.
     let sliver = report(&shapes::inside_out(&shapes::sliver()));
     assert_eq!(sliver.counts.inside_out_shells, 1);
 }
@@ -371,7 +372,7 @@ fn crack_genus_needs_one_fan_a_vertex() {
     assert_eq!(genus(&shapes::menger_sponge(1)), [Some(5)]);
     assert_eq!(genus(&shapes::cubes_sharing_vertex()), [Some(0), Some(0)]);
     assert_eq!(genus(&shapes::open_cube()), [None]);
-    // An octahedron whose poles are one vertex: one shell with two fans at it, χ 1.
+    // An octahedron whose poles are one vertex: one shell with two fans at this vertex, χ 1.
     let rim = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0; 3]];
     let triangles: Vec<[u32; 3]> =
         (0..4_u32).flat_map(|i| [[i, (i + 1) % 4, 4], [(i + 1) % 4, i, 5]]).collect();
@@ -393,7 +394,8 @@ fn crack_seams_close_at_the_distance_that_is_stated() {
 
 #[test]
 fn crack_t_junctions_exact_and_rounded_are_told_apart() {
-    // A point a third along an edge cannot be exact in f32; one ulp farther off it is none any more.
+    // A point at a third of an edge cannot be exact in f32. One ulp farther off the point is no T-junction
+    // any more.
     let (a, b) = ([0.1_f32, 0.2, 0.3], [1.3_f32, 2.7, 3.1]);
     let third: [f32; 3] =
         std::array::from_fn(|i| (f64::from(a[i]) + (f64::from(b[i]) - f64::from(a[i])) / 3.0) as f32);
@@ -450,7 +452,7 @@ fn crack_items_are_as_many_as_were_counted() {
 
 #[test]
 fn crack_reports_survive_the_ends_of_the_domain() {
-    // Does not panic, and the counts that no position can change are right.
+    // No panic, and the counts that do not depend on positions are right.
     for scale in [1e-45_f32, 1e-38, 1e30, f32::MAX] {
         for mut mesh in [shapes::cube(), shapes::open_cube(), shapes::t_junction(), shapes::nested_cubes(2)] {
             let edges = report(&mesh).counts.boundary_edges;
@@ -491,7 +493,7 @@ fn crack_zero_area_is_decided_exactly() {
 
 #[test]
 fn crack_a_bar_through_a_u_is_not_nested_though_its_corners_are() {
-    // All corners of the bar lie in the two arms; its middle passes through the gap between them.
+    // All corners of the bar lie in the two arms. The bar's middle passes through the gap between the arms.
     let outline =
         [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [2.0, 3.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
     let at = |z: f32| outline.map(|[x, y]: [f32; 2]| [x, y, z]);

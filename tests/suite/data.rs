@@ -1,5 +1,5 @@
-//! The small meshes in `data/`: the committed bytes are what the generators make, and the counts are those of
-//! the table that was written by hand.
+//! The small meshes in `data/`: the committed bytes equal the generators' output, and the counts equal those
+//! of the hand-written table.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -14,8 +14,8 @@ use umbrage::testing::shapes::*;
 use umbrage::topology::Topology;
 use umbrage::write::{Layer, Model, Target, to_bytes, write_atomic};
 
-/// A file, the mesh in it, and the closed form of its vertices as read and its edges, faces and Euler
-/// characteristic after an exact weld, from the generator's documentation.
+/// A file, the mesh in it, and closed forms from the generator's documentation: the vertices as read; edges,
+/// faces and Euler characteristic after an exact weld.
 struct Entry {
     file: &'static str,
     mesh: Mesh,
@@ -64,7 +64,7 @@ fn entries() -> Vec<Entry> {
         entry(
             "degenerate/uv_capsule_8_2.obj",
             uv_capsule(8, 2, 1.0, 1.0),
-            // Of the faces that have not collapsed, 4sq, each has three half-edges, two to an edge.
+            // Each of the 4sq faces that have not collapsed has three half-edges, two per edge.
             [(s + 1) * (2 * q + 2), 3 * (4 * s * q) / 2, 2 * s * (2 * q + 1), 2],
         ),
         entry("nested/hollow_cube.obj", hollow_cube(), [16, 36, 24, 4]),
@@ -77,7 +77,7 @@ fn folder() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/data"))
 }
 
-/// What the file of an entry holds.
+/// The bytes of an entry's file.
 fn bytes(entry: &Entry) -> Vec<u8> {
     let target = match entry.file.rsplit_once('.').unwrap().1 {
         "stl" => return stl(&entry.mesh).into_bytes(),
@@ -86,7 +86,8 @@ fn bytes(entry: &Entry) -> Vec<u8> {
     to_bytes(&Model { layers: vec![Layer::from(&entry.mesh)] }, target).unwrap()
 }
 
-/// Text STL, which the crate reads and does not write. The normals are left to the reader, as the format allows.
+/// Text STL, which the crate reads but does not write. The normals are left to the reader, as the format
+/// allows.
 fn stl(mesh: &Mesh) -> String {
     let mut text = format!("solid {}\n", mesh.name);
     for corners in mesh.triangles() {
@@ -100,7 +101,7 @@ fn stl(mesh: &Mesh) -> String {
     text + &format!("endsolid {}\n", mesh.name)
 }
 
-/// The rows of the table: the file, then (column, value) pairs. Claims hold no comma.
+/// The rows of the table: the file, then (column, value) pairs. No cell holds a comma.
 fn table() -> Vec<(String, Vec<(String, String)>)> {
     let text = fs::read_to_string(folder().join("expected.csv")).unwrap();
     let mut lines = text.lines();
@@ -115,7 +116,7 @@ fn table() -> Vec<(String, Vec<(String, String)>)> {
         .collect()
 }
 
-/// What is counted in a file, by the columns of the table.
+/// The counts of a file, by the columns of the table.
 fn counted(file: &str, scene: Scene) -> Vec<(&'static str, String)> {
     let meshes = scene.bake(Scope::Scene).unwrap();
     let [mesh] = &meshes[..] else { panic!("{file} holds {} meshes", meshes.len()) };
@@ -151,7 +152,7 @@ fn counted(file: &str, scene: Scene) -> Vec<(&'static str, String)> {
         .collect()
 }
 
-/// Where the counts of a file are not those of its row; a column that either lacks is a difference too.
+/// Differences between the counts of a file and its row. A missing column is a difference too.
 fn differences(row: &[(String, String)], counted: &[(&str, String)]) -> Vec<String> {
     let expected = |column: &str| row.iter().find(|(name, _)| name == column).map(|(_, value)| value);
     let mut differences: Vec<String> = counted
@@ -164,7 +165,7 @@ fn differences(row: &[(String, String)], counted: &[(&str, String)]) -> Vec<Stri
     differences
 }
 
-/// With UMBRAGE_REGENERATE=1 in the environment, writes every file anew, once for all tests.
+/// Rewrites every file, once for all tests, if UMBRAGE_REGENERATE=1 is set.
 fn regenerate_if_asked() {
     static ONCE: Once = Once::new();
     if std::env::var_os("UMBRAGE_REGENERATE").is_none_or(|value| value != "1") {
@@ -222,10 +223,10 @@ fn data_table_agrees_with_closed_forms() {
         let truth = |column: &str| row.iter().find(|(name, _)| name == column).unwrap().1 == "true";
         let [vertices, edges, faces] = ["vertices", "edges", "faces"].map(number);
         assert_eq!([vertices, edges, faces, number("euler_characteristic")], entry.closed_form, "{file}");
-        // χ = V − E + F over what has not collapsed, where every welded vertex still has such a face.
+        // χ = V − E + F over the faces that have not collapsed, if every welded vertex still has such a face.
         let kept = faces - number("collapsed_faces");
         assert_eq!(number("euler_characteristic"), number("welded_vertices") - edges + kept, "{file}");
-        // Half-edges by edges: where no edge has more than two faces, 3F = 2E − B.
+        // Half-edges counted by edges: if no edge has more than two faces, 3F = 2E − B.
         if number("max_faces_per_edge") == 2 {
             assert_eq!(3 * kept, 2 * edges - number("boundary_edges"), "{file}");
         }
@@ -256,7 +257,7 @@ fn data_with_one_face_turned_or_lost_is_caught() {
         let counted = counted(file, read_bytes(&broken, file).unwrap());
         assert_ne!(differences(row, &counted), Vec::<String>::new(), "{sabotage}");
     }
-    // A wrong number in the table.
+    // Negative test: a wrong number in the table.
     let mut row = rows[0].1.clone();
     row[3].1 = "19".to_owned();
     let cube = read_bytes(&bytes(&entries()[0]), "cube.obj").unwrap();

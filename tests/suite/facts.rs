@@ -1,7 +1,7 @@
-//! Real meshes against facts that were measured by other programs.
+//! Real meshes against facts measured by other programs.
 //!
-//! Columns that mean the same are compared one to one. Where the definitions differ, the test says how, and
-//! asserts what ours gives.
+//! Columns of equal meaning are compared one to one. Where the definitions differ, the test states the
+//! difference and asserts the value of this crate.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -14,7 +14,7 @@ use umbrage::topology::Topology;
 
 use crate::support::{facts, real_meshes};
 
-/// Each instance in its own space, mirrored ones turned, as the facts were measured.
+/// Each instance in its own space, mirrored instances turned, as the facts were measured.
 fn meshes(file: &Path) -> Vec<Mesh> {
     let scene = umbrage::read::read(file).unwrap();
     let place = |instance: &umbrage::scene::Instance| {
@@ -29,7 +29,7 @@ fn meshes(file: &Path) -> Vec<Mesh> {
     scene.instances.iter().map(place).collect()
 }
 
-/// Counts of all instances together, and their shells.
+/// Sum of the counts of all instances, and their shells.
 fn measure(file: &Path) -> (Counts, Vec<ShellReport>) {
     let mut shells = Vec::new();
     let reports = meshes(file).into_iter().map(|mesh| {
@@ -46,14 +46,14 @@ fn report(mesh: &Mesh) -> CrackReport {
     CrackReport::of(&mesh, &topology)
 }
 
-/// All instances in world space as one mesh, each welded by itself.
+/// All instances in world space as one mesh, each instance welded separately.
 fn world(file: &Path) -> Mesh {
     let meshes = umbrage::read::read(file).unwrap().bake(Scope::Mesh).unwrap();
     let welded: Vec<Mesh> = meshes.iter().map(|mesh| weld(mesh, Weld::Exact).mesh).collect();
     Mesh::concat(&welded).unwrap()
 }
 
-/// Faces of which each has corners strictly on both sides of the other's plane.
+/// Number of faces in pairs whose corners lie strictly on both sides of each other's plane.
 fn crossing_faces(mesh: &Mesh, pairs: &[[FaceId; 2]]) -> usize {
     let parted = |f: FaceId, g: FaceId| {
         let [a, b, c] = mesh.corners(f);
@@ -64,17 +64,18 @@ fn crossing_faces(mesh: &Mesh, pairs: &[[FaceId; 2]]) -> usize {
     crossing.flatten().collect::<BTreeSet<_>>().len()
 }
 
-/// Where ours differs, and why.
+/// Differences between this crate and the facts, with their reasons.
 const DIFFERENCES: [&str; 8] = [
-    // Ours asks for opposite directions too; boeing's windings are mixed.
+    // This crate requires opposite directions too; the windings of boeing are mixed.
     "boeing.obj: components_closed 1, ours 0",
     "boeing.obj: closed_every_edge_2 True, ours False",
-    // Measured in floating point, which errs where faces touch or overlap in one plane; ours are exact.
+    // The facts were measured in floating point, which errs where faces touch or overlap in a plane; the
+    // counts here are exact.
     "office_chair.obj: self_intersecting_faces 172, ours 160",
     "openscad_nonmanifold.obj: self_intersecting_faces 673, ours 650",
-    // Measured as stored; the reader turns the faces of this format, which wind clockwise.
+    // The facts were measured as stored; the reader turns the faces of this format, which wind clockwise.
     "sydney.md2: signed_volume -1346.91, ours 1346.907689",
-    // As above; besides, the patches of strips_mode5 share vertices only if the whole scene is welded.
+    // As above. In addition, the patches of strips_mode5 share vertices only if the whole scene is welded.
     "alien_multiprim.glb: self_intersecting_faces 43, ours 25",
     "strips_mode5.gltf: self_intersecting_faces 740, ours 963",
     "featuretype.stl: self_intersecting_faces 825, ours 864",
@@ -94,7 +95,7 @@ fn facts_of_real_meshes_are_found_again() {
         let in_world = CrackReport::of(&world, &topology);
         let closed = shells.iter().filter(|shell| shell.watertight);
         let negative = closed.filter(|shell| shell.signed_volume < 0.0).count();
-        // The facts count faces that truly cross, in world space; ours counts those that touch as well.
+        // The facts count faces that properly cross, in world space; this crate also counts those that touch.
         let crossing = crossing_faces(&world, &self_intersections(&world, &topology));
         let genus = shells.iter().map(|shell| shell.genus).sum::<Option<u64>>();
         let truth = |value: bool| if value { "True" } else { "False" }.to_owned();

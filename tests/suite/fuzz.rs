@@ -1,4 +1,5 @@
-//! The fuzz targets without a fuzzer: what they found once, ordinary inputs, and a fault that each must see.
+//! The fuzz targets without a fuzzer: past finds, ordinary inputs, and an injected fault that each target
+//! must report.
 
 #[path = "../../fuzz/src/body/mod.rs"]
 mod body;
@@ -20,7 +21,7 @@ use umbrage::testing::generate::Bytes;
 use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 
-/// The files of a folder of the project in the order of their names; none if there is no such folder.
+/// The files of a folder of the project, sorted by name; none if there is no such folder.
 fn files(folder: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
@@ -39,8 +40,8 @@ fn replay(target: &str, path: &Path) {
     }
 }
 
-/// The command itself, where the target has only its parser: it ends by itself, and says in one line what is
-/// wrong.
+/// Runs the command itself, of which the target only has the parser: the command must exit with a proper code
+/// and not panic.
 fn runs_in_a_scratch_folder(data: &[u8]) {
     let arguments = command::arguments(data);
     let folder = tempfile::tempdir().unwrap();
@@ -115,7 +116,7 @@ fn fuzz_readers_pass_ordinary_files() {
 
 #[test]
 fn fuzz_ordinary_bytes_pass() {
-    // Short inputs are the bare solids; long ones soups.
+    // Short inputs are bare solids, long ones are soups.
     for length in [0, 1, 4, 16, 64, 256] {
         for start in 0..16_u32 {
             let byte = |i: u32| ((start + 1).wrapping_mul(2_654_435_761).wrapping_mul(i + 1) >> 17) as u8;
@@ -149,20 +150,20 @@ fn fuzz_a_wrong_answer_fails_its_target() {
         Mesh::new(positions, triangles).unwrap()
     };
 
-    // A face is turned.
+    // Fault injected: a face is turned.
     let turned = with(|triangles| triangles[0].swap(1, 2));
     assert!(!fails(|| topology::judge(&cube, &topology_of(&cube))));
     assert!(fails(|| topology::judge(&cube, &topology_of(&turned))));
 
-    // Nothing is welded, or not as far as it should be.
+    // Fault injected: nothing is welded, or not as far as necessary.
     let soup = shapes::soup(&cube);
     assert!(!fails(|| topology::judge_exact_weld(&soup, &weld(&soup, Weld::Exact))));
     assert!(fails(|| topology::judge_exact_weld(&soup, &weld(&soup, Weld::None))));
     assert!(!fails(|| topology::judge_weld_within(&cube, 2.0, &weld(&cube, Weld::Within(2.0)))));
     assert!(fails(|| topology::judge_weld_within(&cube, 2.0, &weld(&cube, Weld::Exact))));
 
-    // The same triangles elsewhere: mirrored, they enclose the opposite volume; one moved away, it meets no
-    // other.
+    // Fault injected: the same triangles elsewhere. Mirrored, they enclose the opposite volume; moved away,
+    // one intersects no other.
     let elsewhere = |mesh: &Mesh, place: fn([f32; 3]) -> [f32; 3]| {
         let (positions, triangles, ..) = mesh.clone().into_parts();
         Mesh::new(positions.into_iter().map(place).collect(), triangles).unwrap()
@@ -188,18 +189,18 @@ fn fuzz_a_wrong_answer_fails_its_target() {
     assert!(!fails(|| topology::judge_report(&crossed, &topology_of(&crossed), &report(&crossed))));
     assert!(fails(|| topology::judge_report(&crossed, &topology_of(&crossed), &report(&apart))));
 
-    // One face is taken for its opposite.
+    // Fault injected: one face is classified as its opposite.
     let mut facing = classify(&cube, &light);
     assert!(!fails(|| shadow::judge(&cube, &light, &points, &facing)));
     facing[0] = if facing[0] == Facing::Front { Facing::Back } else { Facing::Front };
     assert!(fails(|| shadow::judge(&cube, &light, &points, &facing)));
 
-    // The tree has lost the faces that are crossed.
+    // Fault injected: the tree has lost the faces that are crossed.
     let lost = Oracle::build(&with(|triangles| triangles.truncate(1)));
     assert!(!fails(|| oracle::judge(&cube, &Oracle::build(&cube), points[0], &light)));
     assert!(fails(|| oracle::judge(&cube, &lost, points[0], &light)));
 
-    // A file says another mesh, or an error is two lines.
+    // Fault injected: a file holds another mesh, or an error has two lines.
     assert!(!fails(|| read::is_same(&cube, std::slice::from_ref(&cube), "cube")));
     assert!(fails(|| read::is_same(&cube, std::slice::from_ref(&turned), "cube")));
     assert!(!fails(|| read::is_one_line("a.obj, line 1: is wrong; export it again", "a.obj")));

@@ -1,4 +1,5 @@
-//! glTF and GLB: each feature on a document made here, each defect refused with one line, real files by facts.
+//! glTF and GLB: every feature on a document made here, every defect refused with one line, real files by
+//! their facts.
 
 mod buffer;
 mod defect;
@@ -12,7 +13,7 @@ use serde_json::{Value, json};
 use umbrage::read::read_bytes;
 use umbrage::scene::Scene;
 
-/// A document under construction: accessors and meshes are added, the rest is set in `doc`.
+/// A document under construction: accessors and meshes are added by methods, everything else is set in `doc`.
 struct Builder {
     doc: Value,
     bin: Vec<u8>,
@@ -65,7 +66,7 @@ impl Builder {
         self.accessor(5126, "VEC3", positions.len(), &f32s(positions.as_flattened()))
     }
 
-    /// As .gltf with the buffer embedded.
+    /// The document as .gltf with the buffer embedded.
     fn gltf(&self) -> Vec<u8> {
         let mut doc = self.doc.clone();
         if doc["buffers"] == json!([]) {
@@ -75,7 +76,7 @@ impl Builder {
         serde_json::to_vec(&doc).unwrap()
     }
 
-    /// As .gltf with the buffer under `uri`.
+    /// The document as .gltf with the buffer in the file `uri`.
     fn gltf_beside(&self, uri: &str) -> Vec<u8> {
         let mut doc = self.doc.clone();
         doc["buffers"] = json!([{"byteLength": self.bin.len(), "uri": uri}]);
@@ -101,7 +102,7 @@ impl Builder {
         read_bytes(&self.gltf(), "a.gltf").unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// The message for this document, which must be refused.
+    /// The error message for this document, which must be refused.
     fn refusal(&self) -> String {
         refusal(&self.gltf())
     }

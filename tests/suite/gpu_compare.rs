@@ -1,4 +1,4 @@
-//! The comparison of pixels must find what is wrong, and call it by its name.
+//! Pixel comparison on masks of the device: faults must be found and classified correctly.
 
 use umbrage::caster::Caster;
 use umbrage::facing::{CasterFaces, classify};
@@ -39,7 +39,7 @@ impl<'a> Scene<'a> {
         CasterFaces::All.signs(&classify(self.mesh, &self.light))
     }
 
-    /// What the device counts if faces cast with these signs.
+    /// The device's counts if faces cast with these signs.
     fn mask(&self, gpu: &Gpu, signs: &[i8], counting: Counting) -> ShadowMask {
         let topology = Topology::of(self.mesh);
         let silhouette = Silhouette::extract(&topology, signs);
@@ -91,12 +91,13 @@ fn compare_finds_one_face_that_casts_no_shadow() {
     let mesh = torus();
     let scene = Scene::new(&mesh, [3.0, 4.0, 5.0], [2.0, -5.0, 4.0], [0.0; 3]);
     let signs = scene.signs();
-    // The face that shadows most of what is in view, and one that is nowhere on the way.
+    // The face that shadows most of the view, and a face that lies on no shadow ray.
     let camera = Camera::look_at([2.0, -5.0, 4.0], [0.0; 3], 0.7, Up::Y).unwrap();
     let mut met = vec![0; mesh.face_count()];
     for place in 0..scene.size.pixels() {
         let (x, y) = ((place % 96) as f64 + 0.5, (place / 96) as f64 + 0.5);
-        let seen = scene.caster.oracle().first_visible(camera.eye.into(), camera.ray(x, y, scene.size));
+        let ray = camera.ray(x, y, scene.size);
+        let seen = scene.caster.oracle().first_visible(ray.origin, ray.direction);
         let Some(seen) = seen else { continue };
         met[seen.face.index()] += 1;
         scene.caster.oracle().for_each_meeting(seen.point, &scene.light, |face, _| met[face.index()] += 1);
@@ -117,7 +118,7 @@ fn compare_finds_one_face_that_casts_no_shadow() {
         assert_eq!(mismatch.counted.map(|count| count as u32 + 1), mismatch.exact, "{mismatch:?}");
     }
 
-    // The same pixels are excused, and counted as what they are, where that face's side was left to f32.
+    // The same pixels are excused, and counted as unsure, if that face's side was left to f32.
     let excused = scene.compare(&mask, &signs, &[face]);
     assert_eq!((excused.count(PixelVerdict::Real), excused.count(PixelVerdict::Unsure)), (0, real));
     assert!(!excused.agrees() && excused.mismatches.is_empty());
@@ -128,7 +129,7 @@ fn compare_finds_one_face_that_casts_no_shadow() {
 fn compare_calls_a_wrapped_stencil_an_overflow() {
     let Some(gpu) = gpu() else { return };
     let mesh = shapes::nested_cubes(300);
-    // The eye sees the dark sides of the outermost cube: each cube within is crossed twice.
+    // The eye sees the dark sides of the outermost cube: each inner cube is crossed twice.
     let scene = Scene::new(&mesh, [1000.0, 900.0, 800.0], [-1800.0, -1300.0, -1500.0], [0.0; 3]);
     let signs = scene.signs();
     let casting = scene.caster.stencil_volumes(&scene.light, &scene.projection, Some(CasterFaces::All), None);

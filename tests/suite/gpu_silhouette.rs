@@ -1,4 +1,4 @@
-//! Silhouettes and volumes that the device finds, against the processor's: the same lists, closed all the same.
+//! Silhouettes and volumes of the device against those of the CPU: the same lists, and closed as well.
 
 use umbrage::caster::ShellProof;
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
@@ -27,7 +27,7 @@ fn device() -> Option<Device> {
     Some(Device { gpu, silhouettes, volumes })
 }
 
-/// A mesh on both sides.
+/// A mesh on the host and on the device.
 struct Case<'a> {
     device: &'a Device,
     mesh: &'a Mesh,
@@ -46,7 +46,7 @@ impl<'a> Case<'a> {
         Self { device, mesh, planes, topology, silhouette }
     }
 
-    /// Everything for one light; how many faces were unsure.
+    /// Compares everything for one light. Returns the number of unsure faces.
     fn judge(&self, light: &Light, what: &str) -> usize {
         let facing = self.planes.classify(self.mesh, light);
         self.silhouette.set_masks(&vec![CasterFaces::All.mask(); self.mesh.face_count()]).unwrap();
@@ -60,7 +60,7 @@ impl<'a> Case<'a> {
         found.unsure_faces
     }
 
-    /// What the device found for these signs, and the volume that it extrudes from it.
+    /// Compares the device's silhouette for these signs, and the volume extruded from it.
     fn judge_volume(&self, light: &Light, signs: &[i8], found: &Silhouette, caps: Caps, what: &str) {
         let Self { device, mesh, topology, silhouette, .. } = self;
         let expected = Silhouette::extract(topology, signs);
@@ -74,7 +74,8 @@ impl<'a> Case<'a> {
     }
 }
 
-/// The triangles of a volume on the device; all vertices that a directional light sends to infinity are one.
+/// The triangles of a volume on the device. All vertices that a directional light sends to infinity get one
+/// id.
 fn parts(gpu: &Gpu, volume: &GpuVolume) -> [Vec<[u32; 3]>; 3] {
     let one_far = |id: u32| if volume.light.is_directional() { id.min(volume.vertex_count) } else { id };
     Part::ALL.map(|part| {
@@ -83,7 +84,7 @@ fn parts(gpu: &Gpu, volume: &GpuVolume) -> [Vec<[u32; 3]>; 3] {
     })
 }
 
-/// The triangles of a volume with the ids that [`GpuVolume`] gives them.
+/// The triangles of a volume, with the vertex ids of [`GpuVolume`].
 fn parts_of(mesh: &Mesh, volume: &ShadowVolume) -> [Vec<[u32; 3]>; 3] {
     let count = volume.positions().len() as u32;
     let far = mesh.vertex_count() as u32;
@@ -98,7 +99,7 @@ fn parts_of(mesh: &Mesh, volume: &ShadowVolume) -> [Vec<[u32; 3]>; 3] {
     [part(volume.light_cap()), part(volume.sides()), part(volume.dark_cap())]
 }
 
-/// Outside, on a vertex, and directional along an axis.
+/// Lights: outside, on a vertex, and directional along an axis.
 fn lights(mesh: &Mesh) -> [Light; 3] {
     let [low, high] = mesh.bounds().expect("it has faces");
     let bounds = Aabb { low, high };
@@ -132,7 +133,7 @@ fn gpu_silhouette_and_volume_of_every_real_mesh_equal_the_processors() {
     assert_eq!(judged, 29);
 }
 
-/// Corners on one another, and one face besides.
+/// A mesh with coincident corners, and one more face.
 fn collapsed() -> Mesh {
     let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.7, 0.11]];
     let triangles = vec![[0, 0, 1], [1, 3, 3], [0, 1, 2], [2, 1, 2], [3, 3, 3], [1, 3, 2]];
@@ -160,7 +161,7 @@ fn gpu_silhouette_and_volume_of_hard_meshes_equal_the_processors() {
         Mesh::new(vec![], vec![]).unwrap(),
         Mesh::new(vec![[1.0; 3]; 3], vec![[0, 1, 2]]).unwrap(),
         shapes::scaled(&sphere, 1e-30),
-        shapes::scaled(&sphere, 1e-42), // below the normal range
+        shapes::scaled(&sphere, 1e-42), // subnormal
         shapes::scaled(&sphere, 1e30),
         shapes::scaled(&shapes::cube(), f32::MAX),
         shapes::translated(&shapes::scaled(&sphere, 1e-4), [4096.0, -4096.0, 1.0]),
@@ -199,7 +200,7 @@ fn gpu_silhouette_recorded_with_its_volume_is_closed_even_where_f32_is_wrong() {
     let Some(device) = device() else { return };
     let mesh = shapes::menger_sponge(2);
     let case = Case::new(&device, &mesh);
-    // The light in many planes, of which f32 takes some for one side and some for the other.
+    // The light lies in many planes; f32 puts the light on one side of some and on the other side of others.
     let light = Light::point(mesh.positions()[mesh.vertex_count() / 2]).unwrap();
     let extrusion = GpuExtrusion::new(&device.volumes, &case.silhouette, Caps::Both, None).unwrap();
     let mut encoder = device.gpu.device().create_command_encoder(&Default::default());
@@ -222,7 +223,7 @@ fn gpu_silhouette_recorded_with_its_volume_is_closed_even_where_f32_is_wrong() {
 #[test]
 fn gpu_silhouette_longer_than_one_read_back_is_read_back_whole() {
     let Some(device) = device() else { return };
-    // More faces left open, and more edges found, than come with the first copy.
+    // More unsure faces, and more edges, than the first copy transfers.
     let sponge = shapes::menger_sponge(3);
     let case = Case::new(&device, &sponge);
     let light = "directional:0,0,-1".parse().unwrap();

@@ -1,6 +1,8 @@
-//! The stencil pass against the exact oracle, pixel by pixel: on the real meshes, and on what is hard to draw.
+//! The stencil pass against the exact oracle, pixel by pixel: on the real meshes, and on meshes that are hard
+//! to draw.
 //!
-//! `UMBRAGE_STENCIL_SIZE=512 cargo test --release --test suite stencil_pass_counts -- --nocapture` is the long form.
+//! Long form:
+//! `UMBRAGE_STENCIL_SIZE=512 cargo test --release --test suite stencil_pass_counts -- --nocapture`.
 
 use umbrage::caster::Caster;
 use umbrage::facing::CasterFaces;
@@ -23,7 +25,7 @@ use umbrage::view::{Camera, Size, Up};
 
 use crate::support::{gpu, real_meshes};
 
-/// One mesh, ready to be judged from many sides.
+/// A mesh, ready to be compared from many views.
 struct Stage<'a> {
     gpu: &'a Gpu,
     pass: &'a StencilPass,
@@ -60,8 +62,8 @@ impl<'a> Stage<'a> {
         compare(&rendered, 5, &|_| {})
     }
 
-    /// The pixels of each verdict, by z-fail, and by the chosen method where that is another for any shell. Nothing may
-    /// be real.
+    /// Number of pixels per verdict, by z-fail, and by the chosen method if it differs for any shell. No
+    /// pixel may be real.
     fn judge(&self, light: &Light, projection: &Projection, what: &str) -> [usize; 7] {
         let mut sum = [0; 7];
         for asked in [Some(StencilMethod::ZFail), None] {
@@ -83,7 +85,7 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// A point light outside, one inside the bounding box, and a directional one.
+/// Lights: a point light outside, one inside the bounding box, and a directional one.
 fn lights(bounds: &Aabb) -> [Light; 3] {
     let (center, size) = (bounds.center(), bounds.diagonal() as f32);
     let inside = |i: usize| center[i] + 0.21 * (bounds.high[i] - bounds.low[i]);
@@ -95,7 +97,8 @@ fn lights(bounds: &Aabb) -> [Light; 3] {
     .map(|light| light.expect("finite and not zero"))
 }
 
-/// An eye outside, one in a shadow, one whose near plane cuts the mesh and its volume, and a wide view from close by.
+/// Eyes: outside, in a shadow, with a near plane that cuts the mesh and its volume, and nearby with a wide
+/// view.
 fn projections(oracle: &Oracle, light: &Light, size: Size) -> [(&'static str, Projection); 4] {
     let bounds = oracle.bounds();
     let (center, diagonal) = (bounds.center(), bounds.diagonal() as f32);
@@ -121,7 +124,7 @@ fn projections(oracle: &Oracle, light: &Light, size: Size) -> [(&'static str, Pr
     ]
 }
 
-/// Triangles in all directions over a few vertices, as open, non-manifold and self-intersecting as can be.
+/// Triangles in all directions over a few vertices: open, non-manifold and self-intersecting.
 fn tangle(faces: u32) -> Mesh {
     let noise = |i: u32, k: u32| {
         (i.wrapping_mul(0x9e37_79b1) ^ k.wrapping_mul(0x85eb_ca6b)).wrapping_mul(0xc2b2_ae35)
@@ -146,7 +149,7 @@ fn stencil_pass_counts_what_the_oracle_counts_on_every_real_mesh() {
         let meshes: Vec<Mesh> =
             scene.bake(Scope::Mesh).unwrap().iter().map(|mesh| weld(mesh, Weld::Exact).mesh).collect();
         let mesh = Mesh::concat(&meshes).unwrap();
-        // Half the faces where that is proven, for meshes that are quickly proven.
+        // Half the faces where this is proven, for meshes with quick proofs.
         let faces = if mesh.face_count() < 30_000 { None } else { Some(CasterFaces::All) };
         let stage = Stage::new(&gpu, &pass, &mesh, faces, side);
         for light in lights(&stage.caster.oracle().bounds()) {
@@ -185,7 +188,7 @@ fn stencil_pass_adds_up_to_nothing_around_closed_volumes_and_to_something_withou
         let volume = GpuVolume::upload(&gpu, &casting.volumes[0].1).unwrap();
         let sum = |parts: &[Part]| pass.signed_sum(&projection, stage.size, &[(&volume, parts)]).unwrap();
         assert!(sum(&Part::ALL).iter().all(|&sum| sum == 0));
-        // The sabotage: what is left open shows.
+        // Negative test: an open volume shows.
         assert!(sum(&[Part::Sides]).iter().any(|&sum| sum != 0));
         assert!(sum(&[Part::Sides, Part::DarkCap]).iter().any(|&sum| sum != 0));
     }
@@ -243,8 +246,8 @@ fn stencil_pass_holds_where_drawing_is_hard() {
             .map(Result::unwrap),
         );
         for (number, light) in all.into_iter().enumerate() {
-            // So far away from both, the light cannot be moved together with the mesh without rounding, and the visible
-            // points are judged where the next `f32` is a sixteenth of the mesh away.
+            // The light is so far from both that light and mesh cannot be translated without rounding. The
+            // visible points are then compared where the spacing of `f32` is a sixteenth of the mesh.
             if *what == "far from the origin" && number == 7 {
                 continue;
             }
@@ -266,7 +269,7 @@ fn stencil_pass_counts_beyond_eight_bits_in_whole_numbers() {
     for (shells, wraps) in [(60, false), (128, true), (256, true), (300, true)] {
         let mesh = shapes::nested_cubes(shells);
         let stage = Stage::new(&gpu, &pass, &mesh, Some(CasterFaces::All), 48);
-        // Against the light, so that the dark sides are seen.
+        // Looking towards the light, so that the dark sides are visible.
         let (_, projection) =
             projections(stage.caster.oracle(), &Light::point([0.0; 3]).unwrap(), stage.size)[0];
         let light = Light::point(projection.eye.map(|x| -x)).unwrap();
@@ -278,7 +281,7 @@ fn stencil_pass_counts_beyond_eight_bits_in_whole_numbers() {
         let pixels = (0..48).flat_map(|y| (0..48).map(move |x| (x, y)));
         let most = pixels.filter_map(|(x, y)| mask.count(x, y)).max();
         eprintln!("{shells} nested cubes: the largest count is {most:?}");
-        // Eight bits hold the same, modulo 256; the sabotage is to trust them.
+        // Eight bits hold the same counts, modulo 256. Negative test: trusting these counts.
         let stencil = stage.mask(&projection, &cast.draws(), Counting::Stencil);
         assert!(mask.raw().iter().zip(stencil.raw()).all(|(a, b)| a & 255 == *b));
         let result = stage.compare(&light, &projection, &casting.signs, &stencil);
@@ -297,7 +300,7 @@ fn stencil_pass_of_a_volume_without_a_face_is_caught() {
     let light = lights(&stage.caster.oracle().bounds())[0];
     let (_, projection) = projections(stage.caster.oracle(), &light, stage.size)[0];
     let casting = stage.cast(&light, &projection, Some(StencilMethod::ZFail));
-    // Without the last caster that is seen, the pixels behind it are lit.
+    // Negative test: without the last visible caster, the pixels behind it are lit.
     let whole = stage.caster.topology().triangles();
     let without = Mesh::new(mesh.positions().to_vec(), whole[..whole.len() - 40].to_vec()).unwrap();
     let other = Caster::new(without).stencil_volumes(
@@ -340,7 +343,7 @@ fn stencil_frame_in_a_callers_encoder_counts_as_the_pass_of_our_own() {
     });
     for light in lights(&stage.caster.oracle().bounds()) {
         let (_, projection) = projections(stage.caster.oracle(), &light, stage.size)[0];
-        // One encoder from the light to the counts, submitted once.
+        // A single encoder from the light to the counts, submitted once.
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         silhouette.record(&mut encoder, &light).unwrap();
         let volume = extrusion.record(&mut encoder, &light).unwrap();

@@ -1,33 +1,34 @@
-//! What is hard about shadow volumes, case by case, each with its expected numbers on a generated mesh.
+//! Hard cases of shadow volumes, each with expected numbers on a generated mesh.
 //!
-//! A test is named `hard_`, the number of its case, and what must hold. Its comment says which failure it guards
-//! against. Most have a sabotage, often that very failure, which the same comparison is seen to reject; the others
-//! compare numbers that differ from row to row, so that no one answer suits them all. Expected numbers are closed forms: counts of the generators, crossings that can be told by hand, pixels of a picture whose
-//! middles are half-integers (`screen.rs`).
+//! A test is named `hard_`, the number of its case, and the expected result. The comment above a test names
+//! the failure that the test guards against. Most tests inject a fault, often this very failure, and check
+//! that the same comparison rejects it. The other tests compare numbers that differ from row to row, so that
+//! no single answer fits all rows. Expected numbers are closed forms: counts of the generators, crossings
+//! determined by hand, pixels of a picture whose centers are half-integers (`screen.rs`).
 //!
 //!  1. One sheet, lit from its front and from its back (`sheet.rs`, `camera.rs`).
 //!  2. A light inside a closed shell (`inside.rs`, `camera.rs`).
 //!  3. Three, five, nine and eighteen faces on one edge; solids that share an edge or a vertex (`fan.rs`).
-//!  4. A face twice, wound the same way or the other way (`sheet.rs`).
+//!  4. A face twice, with the same or the opposite winding (`sheet.rs`).
 //!  5. A Möbius strip, mixed windings, all windings inside out (`winding.rs`).
-//!  6. Collinear faces, faces without area, slivers, poles that collapse (`degenerate.rs`).
+//!  6. Collinear faces, zero-area faces, slivers, collapsed poles (`degenerate.rs`).
 //!  7. Seams of a signed zero, of rounding noise, of one ulp; NaN and infinity in a file (`seam.rs`).
 //!  8. T-junctions (`seam.rs`, `layers.rs`).
 //!  9. A light in a plane, on an edge, on a vertex, where all planes meet, and one ulp off each (`tie.rs`).
-//! 10. A light at the eye, behind it, in the near plane, very far away, along an axis of a part (`camera.rs`).
+//! 10. A light at the eye, behind it, in the near plane, very far away, along a part's axis (`camera.rs`).
 //! 11. An eye in the volume; a near plane that cuts a side, a cap, the caster; a wide view (`camera.rs`).
 //! 12. Volumes through w = 0, and geometry behind the eye (`camera.rs`).
 //! 13. More nested shells than eight bits count (`layers.rs`).
-//! 14. Coincident edges of two meshes (`layers.rs`); sides that meet, or end, where the eye sees them edge-on (`fins.rs`).
+//! 14. Coincident edges of two meshes (`layers.rs`); sides seen edge-on that meet, or end (`fins.rs`).
 //! 15. Transforms that mirror, scale unevenly, flatten (`winding.rs`).
 //! 16. More vertices than 16 bits number, more than f32 counts exactly (`large.rs`).
 //! 17. Coordinates at both ends of f32, and far from the origin (`extreme.rs`).
 //! 18. Sky behind an infinite volume (`camera.rs`).
 //! 19. The dark cap of a directional light, which is one point (`camera.rs`).
-//! 20. Nothing, next to nothing, no light, and a light that is none (`sheet.rs`, `camera.rs`).
-//! 21. Shells that cross themselves, lobes of negative winding, parts that interpenetrate (`inside.rs`, `layers.rs`).
+//! 20. An empty mesh, a nearly empty mesh, no light, an invalid light (`sheet.rs`, `camera.rs`).
+//! 21. Self-intersecting shells, lobes of negative winding, overlapping parts (`inside.rs`, `layers.rs`).
 //! 22. Shells in shells, and cavities (`inside.rs`).
-//! 23. Frames in which vertices meet and part (`frame.rs`).
+//! 23. Animation frames in which vertices meet and part (`frame.rs`).
 //! 24. The terminator of a faceted ball (`layers.rs`).
 
 #[cfg(feature = "gpu")]
@@ -58,7 +59,7 @@ fn folder() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/suite/hard"))
 }
 
-/// Case and file, as the list above says.
+/// Case and file of every entry in the list above.
 fn listed() -> BTreeSet<(u32, String)> {
     let text = fs::read_to_string(folder().with_extension("rs")).unwrap();
     let items = text.lines().filter_map(|line| line.strip_prefix("//! ")?.split_once(". "));

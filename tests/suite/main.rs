@@ -1,4 +1,4 @@
-//! Every integration test, one file a stage, named as in `src`.
+//! All integration tests, one file per stage, named as in `src`.
 
 mod chart;
 #[path = "../../src/cli/chart.rs"]

@@ -1,17 +1,19 @@
-//! What must not change, or must change in a known way, when a mesh is stored, placed or cut otherwise.
+//! Metamorphic relations: results that must not change, or must change in a known way, when a mesh is stored,
+//! moved or cut differently.
 //!
-//! Every relation is asked of four families of meshes (soups, closed solids, solids with defects, axis-aligned solids
-//! full of ties), with lights and points that are hard for the very mesh, about facing, silhouettes, certificate,
-//! ray cast and winding number. Each run counts what it has seen, so that no relation holds for want of a case, and
-//! each relation is then given a fault that the same judgement has to reject, and each comparison in it a wrong answer
-//! that it alone can see.
+//! Every relation is tested on four families of meshes (soups, closed solids, solids with defects,
+//! axis-aligned solids full of ties), with lights and points that are hard for the mesh at hand. The results
+//! are facing, silhouettes, certificate, ray cast and winding number. Each run counts the cases of each
+//! outcome, so that no relation holds for lack of cases. Then each relation is given a fault that the same
+//! comparison must reject, and each comparison a wrong answer that no other comparison sees.
 //!
-//! `PROPTEST_CASES=1000 cargo test --test suite metamorphic` is the long form: so many cases a family, and four times
-//! as many soups, which are small.
+//! Long form: `PROPTEST_CASES=1000 cargo test --test suite metamorphic` runs 1000 cases per family, and four
+//! times as many soups, which are small.
 //!
-//! A failure is shrunk and printed, and its seed is appended to `tests/proptest-regressions/metamorphic.txt`, which is
-//! committed with the repair: every later run of every relation tries the seeds of that file before it draws its own.
-//! To replay one alone, run the failing test by its name. (Seeds of the other files of this suite lie beside it.)
+//! A failure is minimized and printed, and its seed is appended to
+//! `tests/proptest-regressions/metamorphic.txt`, which is committed with the fix. Every later run of every
+//! relation tries the seeds of this file before it draws new ones. To replay a single failure, run the
+//! failing test by its name. (The seeds of other test files are in the same folder.)
 
 mod answers;
 mod same;
@@ -29,18 +31,18 @@ use umbrage::testing::strategy::{Case, cad, case, closed, damaged, soup, soup_at
 
 use answers::{Fault, Slip, Tally};
 
-/// What a relation draws beside the case.
+/// Random choices of a relation, in addition to the case.
 #[derive(Clone, Debug)]
 struct Twist {
-    /// Of a power of two.
+    /// Exponent of a power of two.
     exponent: i32,
-    /// A translation, in steps of that power of two.
+    /// A translation, in steps of this power of two.
     shift: ([i8; 3], i32),
     /// One of the six orders of the axes.
     order: usize,
-    /// The axes that are turned round, as bits.
+    /// The axes that are mirrored, as bits.
     mirrored: u8,
-    /// For permutations and choices.
+    /// Seed for permutations and choices.
     seed: u64,
     pick: Index,
     /// A corner and two sides of a parallelogram.
@@ -76,14 +78,14 @@ fn twist() -> impl Strategy<Value = Twist> {
 }
 
 impl Twist {
-    /// A number for `i` without a pattern.
+    /// A pseudo-random number for `i`.
     fn scattered(&self, i: usize) -> u64 {
         let z = (self.seed ^ i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let z = (z ^ (z >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
         z ^ (z >> 32)
     }
 
-    /// For each of `count` things its new number.
+    /// A permutation: the new index of each of `count` items.
     fn permutation(&self, count: usize) -> Vec<u32> {
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by_key(|&i| self.scattered(i));
@@ -93,10 +95,11 @@ impl Twist {
     }
 }
 
-/// Judges one case, with a deliberate fault where that is asked for. `None`: the relation says nothing about it.
+/// A relation: checks one case, with a fault injected if requested. `None` if the relation does not apply to
+/// the case.
 type Relation = fn(&Case, &Twist, fault: Fault) -> Option<Result<Tally, String>>;
 
-/// Names, how many times as many cases as of solids, and meshes.
+/// Name, factor of the number of cases relative to solids, and meshes of each family.
 fn families() -> [(&'static str, u32, BoxedStrategy<Mesh>); 4] {
     let anywhere = || [-3.0_f32..3.0, -3.0_f32..3.0, -3.0_f32..3.0];
     [
@@ -120,11 +123,11 @@ fn found_once() -> Vec<Case> {
         .to_vec()
 }
 
-/// The cases of each family, where `PROPTEST_CASES` does not say: so many that each outcome occurs dozens of times.
+/// Default number of cases per family (overridden by `PROPTEST_CASES`): each outcome occurs dozens of times.
 const CASES: u32 = 60;
 
-/// The relation holds on every case of each family, every outcome occurs, its fault is found, and each of its
-/// `comparisons` finds the wrong answer that is there for it.
+/// Asserts that the relation holds on every case of each family, that every outcome occurs, that its fault is
+/// found, and that each of its `comparisons` finds the wrong answer made for it.
 fn hold(name: &'static str, relation: Relation, comparisons: &[(Slip, &str)]) {
     for case in found_once() {
         let mut runner = TestRunner::deterministic();
@@ -160,7 +163,8 @@ fn hold(name: &'static str, relation: Relation, comparisons: &[(Slip, &str)]) {
             assert!(tally.has_seen_all(), "{name} of {family} has not seen everything: {tally:?}");
         }
 
-        // The same judgement with a fault: found within some hundred cases, and in more than one.
+        // Negative test: the same check with a fault finds the fault within some hundred cases, and in more
+        // than one.
         let found = |fault, said: &str| {
             let mut runner = TestRunner::deterministic();
             let found = (0..400).filter(|_| {

@@ -1,4 +1,4 @@
-//! The ray cast against a loop over all faces, and against whole numbers.
+//! The ray cast against a loop over all faces, and against big integers.
 
 use proptest::prelude::*;
 use umbrage::geom::Facing;
@@ -84,7 +84,7 @@ fn oracle_first_hit_is_the_nearest_of_all_faces() {
             assert_eq!(hit.is_some(), crossed.count() > 0);
             if let Some(hit) = hit {
                 hits += 1;
-                // Seen from a point just beyond the hit, nothing but that face lies before the eye.
+                // Seen from a point just beyond the hit, only this face lies in front of the eye.
                 let past: [f32; 3] = std::array::from_fn(|i| eye[i] + direction[i] * (hit.t as f32) * 1.0001);
                 let before = oracle.crossings(past, &Light::point(eye).unwrap());
                 assert!(before.front + before.back <= 1, "{before:?}");

@@ -1,4 +1,4 @@
-//! Pictures against a renderer that asks every triangle, on known places, and as files.
+//! Pictures against a renderer that tests every triangle, at known positions, and as files.
 
 #[cfg(feature = "gpu")]
 mod stencil;
@@ -11,7 +11,7 @@ use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::{Intersection, Oracle, Verdict, intersect};
 use umbrage::render::{CLAY, Ground, Line, Marker, Overlay, Picture, ShadedLight, View};
 use umbrage::testing::shapes;
-use umbrage::view::{Camera, Pinhole, Size, Up};
+use umbrage::view::{Camera, Ray, Size, Up};
 
 const QUIET: &(dyn Fn(u64) + Sync) = &|_| ();
 
@@ -42,7 +42,7 @@ fn view<'a>(camera: Camera, size: Size, lamps: &'a [ShadedLight]) -> View<'a> {
     View { camera, size, lamps, up: Up::Y, ground: None, paint: &|_| CLAY, edge_samples: 1 }
 }
 
-/// By a loop over all triangles.
+/// The verdict by a loop over all triangles.
 fn naive_verdict(mesh: &Mesh, p: [f32; 3], light: &Light) -> Verdict {
     let faces = (0..mesh.face_count()).map(|face| intersect(p, light, mesh.corners(FaceId::new(face))));
     faces.fold(Verdict::Lit, |verdict, meeting| match (verdict, meeting) {
@@ -56,7 +56,7 @@ fn wide(p: [f32; 3]) -> DVec3 {
     DVec3::from(p.map(f64::from))
 }
 
-/// Which side of its face a naive shadow query stands on.
+/// The side of the face on which a naive shadow ray starts.
 #[derive(Clone, Copy, PartialEq)]
 enum Stand {
     Before,
@@ -64,13 +64,8 @@ enum Stand {
 }
 
 /// The shading model, written down once more: linear light of one ray, or `None` for the background.
-fn naive_light(
-    mesh: &Mesh,
-    view: &View<'_>,
-    eye: [f32; 3],
-    direction: [f32; 3],
-    stand: Stand,
-) -> Option<Vec3> {
+fn naive_light(mesh: &Mesh, view: &View<'_>, ray: Ray, stand: Stand) -> Option<Vec3> {
+    let (eye, direction) = (ray.origin, ray.direction);
     let away = Light::directional(direction.map(|x| -x)).unwrap();
     let (face, t) = (0..mesh.face_count())
         .map(FaceId::new)
@@ -85,7 +80,7 @@ fn naive_light(
     let corners = mesh.corners(face);
     let side = side_of_point(corners, eye);
     let wanted = if stand == Stand::Before { side } else { -side };
-    // Small steps to or from the eye until the point stands where it should.
+    // Small steps along the ray until the point lies on the requested side.
     let step = if stand == Stand::Before { -1e-7 } else { 1e-7 };
     let point = (0..10_000)
         .map(|i| (wide(eye) + wide(direction) * (t + f64::from(i) * step)).as_vec3().to_array())
@@ -105,7 +100,7 @@ fn naive_light(
         }
         let [x, y, z, w] = lamp.light.homogeneous();
         let l = (DVec3::new(x.into(), y.into(), z.into()) - wide(point) * f64::from(w)).normalize().as_vec3();
-        let h = (l - Vec3::from(direction)).normalize();
+        let h = (l - Vec3::from(direction).normalize()).normalize();
         let diffuse = normal.dot(l);
         if diffuse > 0.0 {
             sum += Vec3::from(lamp.color) * (base * diffuse + 0.12 * normal.dot(h).max(0.0).powi(32));
@@ -114,27 +109,27 @@ fn naive_light(
     Some(sum)
 }
 
-/// Linear light from an sRGB byte below the shoulder, at 0.75 (a byte of 225).
+/// Linear light of an sRGB byte below the shoulder, which starts at 0.75 (a byte of 225).
 fn linear(byte: u8) -> f32 {
     let x = f32::from(byte) / 255.0;
     if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Pictures of a test are small.
+/// Renders a small picture, which must fit the memory.
 fn render(oracle: &Oracle, view: &View<'_>, progress: &(dyn Fn(u64) + Sync)) -> Picture {
     umbrage::render::render(oracle, view, progress).unwrap()
 }
 
-/// How many pixels of `picture` the naive renderer contradicts.
+/// Number of pixels of `picture` that the naive renderer contradicts.
 fn contradictions(mesh: &Mesh, view: &View<'_>, picture: &Picture, stand: Stand) -> usize {
-    let pinhole = Pinhole::new(&view.camera, view.size);
+    let rays = view.camera.rays(view.size);
     let empty = render(&Oracle::build(&Mesh::default()), view, QUIET);
     let width = view.size.width() as usize;
     let differs = |at: &usize| {
         let (x, y) = (at % width, at / width);
-        let direction = pinhole.ray(x as f64 + 0.5, y as f64 + 0.5);
+        let ray = rays.ray(x as f64 + 0.5, y as f64 + 0.5);
         let pixel = picture.pixels[*at];
-        match naive_light(mesh, view, pinhole.eye(), direction, stand) {
+        match naive_light(mesh, view, ray, stand) {
             None => pixel != empty.pixels[*at],
             Some(light) => (0..3).any(|i| {
                 let [low, high] = [pixel[i].saturating_sub(1), pixel[i].saturating_add(1)].map(linear);
@@ -160,12 +155,20 @@ fn picture_agrees_with_a_renderer_that_asks_every_triangle() {
         let lights = [Light::point([far, far, 0.3 * far]).unwrap(), light("directional:0.3,-1,-0.2")];
         let lamps = ShadedLight::equal(&lights);
         let size = size("64x48");
-        let view = view(Camera::fit(&bounds, Up::Y, size.aspect()), size, &lamps);
-        let picture = render(&Oracle::build(&mesh), &view, QUIET);
-        assert_eq!(contradictions(&mesh, &view, &picture, Stand::Before), 0);
-        // The sabotage: from behind its face every lit point shadows itself.
-        let acne = contradictions(&mesh, &view, &picture, Stand::Behind);
-        assert!(acne > 300, "{acne} pixels of acne");
+        let fitted = Camera::fit(&bounds, Up::Y, size.aspect());
+        let parallel = fitted.orthographic(1.5 * bounds.diagonal() as f32).unwrap();
+        let pictures = [fitted, parallel].map(|camera| {
+            let view = view(camera, size, &lamps);
+            let picture = render(&Oracle::build(&mesh), &view, QUIET);
+            assert_eq!(contradictions(&mesh, &view, &picture, Stand::Before), 0);
+            // The fault: from behind its face every lit point shadows itself.
+            let acne = contradictions(&mesh, &view, &picture, Stand::Behind);
+            assert!(acne > 150, "{acne} pixels of acne");
+            picture
+        });
+        // The fault: the picture of the other camera.
+        let mixed_up = contradictions(&mesh, &view(fitted, size, &lamps), &pictures[1], Stand::Before);
+        assert!(mixed_up > 300, "{mixed_up}");
     }
 }
 
@@ -178,7 +181,7 @@ fn picture_of_a_sphere_over_a_floor_is_dark_where_the_light_is_hidden() {
     let camera = Camera::look_at([0.0, 7.0, 12.0], [0.0, 1.0, 0.0], 0.7, Up::Y).unwrap();
     let view = view(camera, size, &lamps);
     let picture = render(&Oracle::build(&mesh), &view, QUIET);
-    let pinhole = Pinhole::new(&camera, size);
+    let rays = camera.rays(size);
     // On the line from the light through the sphere's middle the floor is met at (−1/3, 0, −1/3).
     let places = [
         ([-0.33, 0.0, -0.33], Verdict::Shadowed),
@@ -187,11 +190,10 @@ fn picture_of_a_sphere_over_a_floor_is_dark_where_the_light_is_hidden() {
         ([-4.0, 0.0, 2.0], Verdict::Lit),
     ];
     for (place, expected) in places {
-        let at = pinhole.project(place).unwrap();
+        let at = rays.project(place).unwrap();
         let (x, y) = (at.x_px as usize, at.y_px as usize);
-        let eye_sees = Oracle::build(&mesh)
-            .first_visible(pinhole.eye(), pinhole.ray(x as f64 + 0.5, y as f64 + 0.5))
-            .unwrap();
+        let ray = rays.ray(x as f64 + 0.5, y as f64 + 0.5);
+        let eye_sees = Oracle::build(&mesh).first_visible(ray.origin, ray.direction).unwrap();
         assert!(eye_sees.face.index() >= mesh.face_count() - 2, "{place:?} is hidden");
         assert_eq!(naive_verdict(&mesh, eye_sees.point, &lamp), expected);
         let [red, ..] = picture.pixels[y * size.width() as usize + x];
@@ -267,7 +269,7 @@ fn overlay_lines_are_bright_in_front_and_dim_behind() {
     let Aabb { low, high } = oracle.bounds();
     let size = size("160x120");
     let red = [255, 0, 0];
-    // The vertical edge nearest to the fitted camera, and the one that is hidden: a part away from corners.
+    // The vertical edge nearest to the fitted camera, and the hidden one: positions away from their corners.
     let heights = [0.25, 0.5].map(|part| low[1] + part * (high[1] - low[1]));
     let edge = |x: f32, z: f32| Line { ends: heights.map(|y| [x, y, z]), color: red };
     let plain = Overlay::default().render(&oracle, Up::Y, size, QUIET).unwrap();

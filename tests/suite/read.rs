@@ -1,4 +1,4 @@
-//! Reading: what each format means, and that no file whatsoever makes the reader panic or run away.
+//! Readers: the meaning of each format; and no file makes a reader panic or run away.
 
 mod md2;
 mod obj;
@@ -25,7 +25,7 @@ fn mesh(bytes: impl AsRef<[u8]>, name: &str) -> Mesh {
     scene.meshes.remove(0)
 }
 
-/// The whole message that a bad file gives.
+/// The full error message for a bad file.
 fn error(bytes: impl AsRef<[u8]>, name: &str) -> String {
     match read_bytes(bytes.as_ref(), name) {
         Ok(scene) => panic!("{name} was read: {scene:?}"),
@@ -33,7 +33,7 @@ fn error(bytes: impl AsRef<[u8]>, name: &str) -> String {
     }
 }
 
-/// Asserts the message of each bad file, less the advice to export again.
+/// Asserts the message of each bad file, without the advice to export again.
 fn expect_errors(name: &str, table: &[(&[u8], &str)]) {
     for (bytes, problem) in table {
         let message = error(bytes, name);
@@ -47,7 +47,7 @@ fn parts(mesh: &Mesh) -> Vec<(&str, std::ops::Range<u32>)> {
     mesh.parts().iter().map(|part| (part.name.as_str(), part.faces.clone())).collect()
 }
 
-/// A small sound file of each format, with a bit of everything.
+/// A small sound file of each format, with a bit of every feature.
 fn samples() -> Vec<(&'static str, Vec<u8>)> {
     vec![
         ("a.obj", obj::SAMPLE.to_vec()),
@@ -63,7 +63,7 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
-/// Reads a damaged file: whatever comes, no panic, and no more vertices or faces than bytes.
+/// Reads a damaged file: no panic, and no more vertices or faces than bytes.
 fn survives(bytes: &[u8], name: &str) -> bool {
     match read_bytes(bytes, name) {
         Ok(scene) => {
@@ -136,7 +136,7 @@ fn flipping_every_byte_never_panics() {
 
 #[test]
 fn garbage_under_every_extension_never_panics() {
-    // A fixed sequence (Knuth's 64-bit linear congruential generator), so that a failure can be repeated.
+    // A fixed sequence (Knuth's 64-bit linear congruential generator), so that a failure can be reproduced.
     let mut state = 1_u64;
     let mut byte = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -144,7 +144,7 @@ fn garbage_under_every_extension_never_panics() {
     };
     for len in 1..300 {
         let mut bytes: Vec<u8> = (0..len).map(|_| byte()).collect();
-        bytes[0] |= 0x80; // never a brace: these are no glTF
+        bytes[0] |= 0x80; // never a brace: no file is glTF
         for (name, sample) in samples() {
             survives(&bytes, name);
             let head = sample.len().min(len / 2);

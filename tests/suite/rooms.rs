@@ -1,11 +1,11 @@
-//! The order of the modules: none imports one that comes after it.
+//! Module order: no module imports one that comes after it.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The modules of the library, from the ground up. `gpu` is wgpu at work and knows no mesh; `built`, `choice`, `parallel`
-/// and `random` are single files that every room may use.
+/// The modules of the library, lowest first. `gpu` wraps wgpu and knows no mesh. `built`, `choice`,
+/// `parallel` and `random` are single files that every module may use.
 const ORDER: [&str; 24] = [
     "random",
     "parallel",
@@ -47,7 +47,7 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The code of a file without comments and without its unit tests, which may use anything.
+/// The code of a file without comments and without its unit tests, which may import anything.
 fn code(text: &str) -> String {
     let own = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
     let lines = own.lines().map(|line| line.split("//").next().unwrap_or_default());
@@ -61,7 +61,7 @@ fn imports(code: &str) -> Vec<String> {
     code.split("crate::").skip(1).map(name).filter(|module| !module.is_empty()).collect()
 }
 
-/// What files import upwards: "a/b.rs imports c".
+/// Imports of later modules, as "a/b.rs imports c".
 fn upward(sources: &BTreeMap<String, String>) -> Vec<String> {
     let place = |module: &str| ORDER.iter().position(|other| *other == module);
     let mut found = Vec::new();
@@ -71,7 +71,7 @@ fn upward(sources: &BTreeMap<String, String>) -> Vec<String> {
             panic!("{path}: the module `{room}` has no place in the order");
         };
         for module in imports(&code(text)) {
-            // What is no module is a type or a macro of the root.
+            // Other names are types or macros of the crate root.
             if place(&module).is_some_and(|there| there > own) {
                 found.push(format!("{path} imports {module}"));
             }
@@ -90,7 +90,7 @@ fn sources() -> BTreeMap<String, String> {
         (name, fs::read_to_string(path).unwrap())
     };
     let library = |name: &str| !name.starts_with("cli/") && !matches!(name, "main.rs" | "lib.rs");
-    // Files that only tests compile.
+    // Files compiled for tests only.
     let tests = |name: &str| {
         name.ends_with("tests.rs") || name.ends_with("test_support.rs") || name.ends_with("emulation.rs")
     };
@@ -102,7 +102,7 @@ fn rooms_import_nothing_that_comes_after_them() {
     let mut sources = sources();
     assert!(sources.len() > 150, "{}", sources.len());
     assert_eq!(upward(&sources), Vec::<String>::new());
-    // An upward arrow would be seen, however it is written; one in a test or a comment is none.
+    // Negative test: an upward import is found however it is written. In a test or a comment it is none.
     let spoil = |text: &str| BTreeMap::from([("oracle/mod.rs".to_owned(), text.to_owned())]);
     for text in
         ["use crate::topology::Topology;", "fn a() {\n    crate::caster::x();\n}", "pub use crate::check;"]

@@ -11,12 +11,12 @@ use umbrage::topology::Topology;
 
 use super::support::real_meshes;
 
-/// What the edge table says.
+/// The answer of the edge table.
 fn balanced(mesh: &Mesh) -> bool {
     Topology::of(mesh).edge_counts().balanced
 }
 
-/// Compares the screen with the edge table by numbers and by positions; gives the answer by positions.
+/// Compares the screen with the edge table by indices and by positions. Returns the answer by positions.
 fn assert_same(mesh: &Mesh, screen: Screen) -> bool {
     assert_eq!(screen.indices(mesh.triangles()), balanced(mesh), "{}, by indices", mesh.name);
     let welded = weld(mesh, Weld::Exact).mesh;
@@ -85,7 +85,7 @@ proptest! {
     #[test]
     fn screen_equals_the_edge_table_on_random_soups(mesh in soup(60), seed in any::<u64>()) {
         assert_same(&mesh, Screen::new(seed));
-        // Every face with its other side: balanced, wherever they stand.
+        // Every face together with its reverse: balanced, wherever the faces lie.
         let mut triangles = mesh.triangles().to_vec();
         triangles.extend(mesh.triangles().iter().rev().map(|&[a, b, c]| [c, b, a]));
         let closed = Mesh::new(mesh.positions().to_vec(), triangles).unwrap();
@@ -127,7 +127,7 @@ fn screen_takes_every_frame_for_what_parts_vertices() {
 
 #[test]
 fn screen_with_a_hash_that_forgets_directions_would_be_caught() {
-    // The sabotage: a symmetric hash of each edge, which only tells odd edges from even ones.
+    // Negative test: a symmetric hash of each edge, which only separates odd edges from even ones.
     let symmetric = |mesh: &Mesh| {
         let hash = |a: u32, b: u32| {
             (u64::from(a.min(b)) << 32 | u64::from(a.max(b))).wrapping_mul(0x9e37_79b9_7f4a_7c15)

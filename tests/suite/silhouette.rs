@@ -1,4 +1,4 @@
-//! Tree, certificates and the choice between them against the scan, on whole meshes.
+//! Tree, certificates and the finder against the linear scan, on whole meshes.
 
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
 use umbrage::geom::{Aabb, Light};
@@ -13,7 +13,7 @@ use umbrage::topology::Topology;
 
 use crate::support::real_meshes;
 
-/// How often each way was taken.
+/// How often each method was used.
 #[derive(Debug, Default)]
 struct Taken {
     searched: usize,
@@ -21,7 +21,7 @@ struct Taken {
     followed: usize,
 }
 
-/// Outside, inside, on a vertex, in the plane of a face and one unit in the last place off it, far away, directional.
+/// Lights: outside, inside, on a vertex, in the plane of a face and one ulp off, far away, directional.
 fn lights(mesh: &Mesh) -> Vec<Light> {
     let [low, high] = mesh.bounds().expect("it has faces");
     let bounds = Aabb { low, high };
@@ -45,7 +45,7 @@ fn lights(mesh: &Mesh) -> Vec<Light> {
     points.chain(travels.map(|travel| Light::directional(travel).expect("not zero"))).collect()
 }
 
-/// The light `i` of a walk: small steps past a mesh, a rest, a jump and small steps again.
+/// Light `i` of a walk: small steps past a mesh, a rest, a jump, and small steps again.
 fn walk(mesh: &Mesh, i: u16) -> Light {
     let [low, high] = mesh.bounds().expect("it has faces");
     let bounds = Aabb { low, high };
@@ -55,7 +55,7 @@ fn walk(mesh: &Mesh, i: u16) -> Light {
     Light::point([0, 1, 2].map(|axis| center[axis] + way[axis] * size)).expect("finite")
 }
 
-/// Every way against the scan.
+/// Compares every method with the scan.
 fn judge(mesh: &Mesh, taken: &mut Taken) {
     let topology = Topology::of(mesh);
     let planes = FacePlanes::new(mesh);
@@ -121,7 +121,7 @@ fn silhouette_by_every_way_is_that_of_the_scan_on_generated_meshes() {
         shapes::inside_out(&sphere),
         shapes::soup(&shapes::icosphere(2)),
         shapes::scaled(&sphere, 1e-30),
-        shapes::scaled(&sphere, 1e-42), // below the normal range
+        shapes::scaled(&sphere, 1e-42), // subnormal
         shapes::scaled(&sphere, 1e30),
         shapes::scaled(&shapes::cube(), f32::MAX),
         shapes::translated(&shapes::scaled(&sphere, 1e-4), [4096.0, -4096.0, 1.0]),

@@ -1,4 +1,5 @@
-//! The choice between z-pass and z-fail, and the bound on the layers, against samples that are judged exactly.
+//! The choice between z-pass and z-fail, and the bound of the depth complexity, against samples with exact
+//! answers.
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
@@ -33,9 +34,10 @@ fn wide(p: [f32; 3]) -> DVec3 {
     DVec3::from(p.map(f64::from))
 }
 
-/// Looks along −z from `eye`, with a square picture whose sides are as far off as they are deep.
+/// A camera at `eye` that looks along −z, with a square picture and a field of view of 90 degrees.
 fn ahead(eye: [f32; 3], near: f32) -> Projection {
-    Projection { eye, right: [1.0, 0.0, 0.0], up: [0.0, 1.0, 0.0], forward: [0.0, 0.0, -1.0], near }
+    let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
+    Projection { eye, right, up, forward, near, kind: Default::default() }
 }
 
 fn turned(projection: &Projection, by: DQuat) -> Projection {
@@ -44,7 +46,7 @@ fn turned(projection: &Projection, by: DQuat) -> Projection {
     Projection { right, up, forward, ..*projection }
 }
 
-/// Places of the near rectangle, its corners included; exact for a camera along an axis on small whole numbers.
+/// Points of the near rectangle, its corners included; exact for a camera along an axis at small integers.
 fn near_places(projection: &Projection, steps: usize) -> Vec<[f32; 3]> {
     let [a, b, _, d] = projection.near_corners();
     let at =
@@ -52,8 +54,8 @@ fn near_places(projection: &Projection, steps: usize) -> Vec<[f32; 3]> {
     (0..=steps).flat_map(|i| (0..=steps).map(move |j| (i, j))).map(|(i, j)| narrow(at(i, j))).collect()
 }
 
-/// Whether the way from a place of a face away from the light meets the near rectangle: the same question from the
-/// other end, in plain `f64`.
+/// Whether the shadow ray that continues away from the light, from a point of a face, meets the near
+/// rectangle: the converse question, in plain `f64`.
 fn shadow_meets(projection: &Projection, light: &Light, place: DVec3) -> bool {
     let away = if light.is_directional() { -wide(light.xyz()) } else { place - wide(light.xyz()) };
     let from = projection.clip(place.extend(1.0).to_array());
@@ -68,7 +70,7 @@ fn shadow_meets(projection: &Projection, light: &Light, place: DVec3) -> bool {
     }
 }
 
-/// Whether a sample says that z-pass would miscount a shell.
+/// Whether a sample proves that z-pass would miscount a shell.
 fn harmful(mesh: &Mesh, shells: &Shells, shell: usize, projection: &Projection, light: &Light) -> bool {
     let places = near_places(projection, 8);
     let faces = (0..mesh.face_count()).filter(|&face| shells.of_face[face] == Some(shell as u32));
@@ -81,7 +83,7 @@ fn harmful(mesh: &Mesh, shells: &Shells, shell: usize, projection: &Projection, 
     })
 }
 
-/// The first shell that a plan counts with z-pass against the samples.
+/// The first shell that a plan counts with z-pass although a sample forbids it.
 fn miscounted(mesh: &Mesh, projection: &Projection, light: &Light, plan: &ShellMethods) -> Option<usize> {
     let shells = shells(mesh);
     (0..shells.count).find(|&shell| {
@@ -89,7 +91,7 @@ fn miscounted(mesh: &Mesh, projection: &Projection, light: &Light, plan: &ShellM
     })
 }
 
-/// Along an axis, where contact is often exact; or any way round.
+/// Cameras along an axis, where contact is often exact, or in any orientation.
 fn camera() -> impl Strategy<Value = Projection> {
     let near = prop_oneof![Just(0.25_f32), Just(0.5), Just(1.0)];
     let grid = prop_oneof![Just(DQuat::IDENTITY), Just(DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5))];
@@ -109,7 +111,8 @@ proptest! {
     }
 }
 
-/// Small casters around a camera, generically placed; `between` puts them near the way of the light.
+/// Small casters around a camera, in general position; `between` puts them near the segment between light and
+/// eye.
 fn generic(count: u64, between: bool) -> impl Iterator<Item = (Mesh, Projection, Light)> {
     let mut state = 7_u64;
     let mut unit = move || {
@@ -156,7 +159,8 @@ fn zpass_faults_are_seen_by_the_samples() {
             })
             .count()
     };
-    // Everything is z-pass; the rectangle is a point; the light is on the other side; half of the faces are skipped.
+    // Everything is z-pass; the rectangle is a point; the light is on the other side; half of the faces are
+    // skipped.
     let shell_of = |mesh: &Mesh| shells(mesh);
     assert!(
         seen(&|mesh, p, l| ShellMethods::choose(mesh, &shell_of(mesh), p, l, Some(StencilMethod::ZPass)))
@@ -271,7 +275,7 @@ fn zpass_does_not_depend_on_the_size_of_the_scene_until_numbers_leave_f32() {
         assert_eq!(method([0.0, 9.0, 2.0]), StencilMethod::ZPass, "2^{k}");
         assert_eq!(method([0.0, 0.0, -9.0]), StencilMethod::ZFail, "2^{k}");
     }
-    // Nothing is claimed where a shader's numbers may overflow, or of a projection that is none.
+    // Nothing is claimed if a shader's numbers may overflow, or if the projection is invalid.
     let huge = shapes::cuboid([-3e38; 3], [3e38, 3e38, -1e38]);
     let light = Light::directional([0.0, 0.0, -1.0]).unwrap();
     assert_eq!(auto(&huge, &ahead([0.0; 3], 1.0), &light).choices[0].what, StencilMethod::ZFail);
@@ -311,7 +315,8 @@ fn zpass_is_decided_for_each_shell_by_itself() {
     assert_eq!(auto(&empty, &projection, &light).summary(), "nothing casts");
 }
 
-/// The most faces that any of many rays from the light crosses: those through places of every face.
+/// The largest number of faces that any of many rays from the light crosses: rays through points of every
+/// face.
 fn most_seen(mesh: &Mesh, light: &Light) -> u32 {
     let oracle = Oracle::build(mesh);
     let mut most = 0;
@@ -368,17 +373,17 @@ fn layers_nested_cubes_reach_the_limit_when_they_do() {
         for (count, below) in [(100, true), (128, false), (256, false), (300, false)] {
             let mesh = shapes::nested_cubes(count);
             let bound = layers(&mesh, &light, 256);
-            // Both sides of every cube are crossed on the way through the middle.
+            // A ray through the center crosses both sides of every cube.
             assert_eq!(most_seen(&mesh, &light).max(2 * count), 2 * count);
             assert!(bound.at_most() >= 2 * count, "{count}: {bound:?}");
             assert_eq!(bound.is_below(), below, "{count}: {bound:?}");
-            // Half of them with front faces alone.
+            // With front faces alone, half of them.
             let front =
                 max_depth_complexity(&mesh, &CasterFaces::Front.signs(&classify(&mesh, &light)), &light, 256);
             assert!(front.at_most() >= count);
             assert_eq!(front.is_below(), count < 256, "{count}: {front:?}");
         }
-        // The light in the middle: every cube once.
+        // With the light in the center, a ray crosses every cube once.
         let inside = Light::point([0.1, 0.2, 0.3]).unwrap();
         assert!(layers(&shapes::nested_cubes(60), &inside, 256).is_below());
         assert!(!layers(&shapes::nested_cubes(256), &inside, 256).is_below());
@@ -387,7 +392,7 @@ fn layers_nested_cubes_reach_the_limit_when_they_do() {
 
 #[test]
 fn layers_a_face_that_is_left_out_is_seen_by_the_rays() {
-    // Ten triangles one above the other, and forty that have no other behind them.
+    // Ten triangles above each other, and forty with no other triangle behind them.
     let at = |x: f32, z: f32| [[x, 0.0, z], [x + 1.0, 0.0, z], [x, 1.0, z]];
     let stack = (0..10).map(|k| at(0.0, k as f32));
     let corners: Vec<[f32; 3]> = stack.chain((1..=40).map(|k| at(2.0 * k as f32, 0.0))).flatten().collect();

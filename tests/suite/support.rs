@@ -1,4 +1,4 @@
-//! What several stages' tests need: a graphics adapter, and where the real meshes are.
+//! Test support of several stages: the graphics adapter, and the real meshes.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::Gpu;
 
-/// The graphics adapter; without one says aloud that the test is skipped, or fails where one is demanded.
+/// The graphics adapter. Without one, prints that the test is skipped, or fails if an adapter is required.
 #[cfg(feature = "gpu")]
 pub(crate) fn gpu() -> Option<Gpu> {
     static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
@@ -25,14 +25,14 @@ pub(crate) fn gpu() -> Option<Gpu> {
     .clone()
 }
 
-/// A build without graphics has none.
+/// A build without the feature `gpu` has no adapter.
 #[cfg(not(feature = "gpu"))]
 pub(crate) fn gpu() -> Option<()> {
     eprintln!("SKIPPED: built without the feature gpu");
     None
 }
 
-/// The folder of real meshes; says aloud that it is missing where it is.
+/// The folder of real meshes; prints a message if the folder is missing.
 pub(crate) fn real_meshes() -> Option<PathBuf> {
     let folder = std::env::var_os("UMBRAGE_MESHES").map_or_else(
         || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes")),
@@ -45,9 +45,9 @@ pub(crate) fn real_meshes() -> Option<PathBuf> {
     None
 }
 
-/// The rows of `facts.csv` by column name: what other programs measured of the real meshes.
+/// The rows of `facts.csv` by column name: measurements of the real meshes by other programs.
 pub(crate) fn facts(folder: &Path) -> Vec<HashMap<String, String>> {
-    // A field in quotes may hold commas.
+    // A quoted field may hold commas.
     let fields = |line: &str| -> Vec<String> {
         let (mut fields, mut quoted) = (vec![String::new()], false);
         for c in line.chars() {

@@ -1,4 +1,4 @@
-//! Every technique against the truth: a claim that is false fails here.
+//! Every technique against the truth: a false claim fails here.
 
 use umbrage::caster::{Caster, CasterGroup};
 use umbrage::geom::{Facing, Light};
@@ -9,7 +9,7 @@ use umbrage::testing::shapes;
 use umbrage::verify::errors::{Errors, Made, Truth};
 use umbrage::view::{Camera, Size, Up};
 
-/// Casters with a name: sound, inside out, open, not orientable, nested, meeting itself, and several at once.
+/// Named casters: sound, inside out, open, not orientable, nested, self-intersecting, and several at once.
 fn scenes() -> Vec<(&'static str, Vec<Caster>)> {
     let one = |name, mesh: Mesh| (name, vec![Caster::new(mesh)]);
     let ground = shapes::translated(&shapes::scaled(&shapes::cube(), 9.0), [0.0, -6.5, 0.0]);
@@ -69,7 +69,7 @@ fn technique_claims_hold_on_every_scene() {
         }
     });
     assert!(judged > 50_000, "{judged}");
-    // What z-pass does not claim it does not keep: so the views show where it fails.
+    // The views include those where z-pass, which claims nothing, is wrong.
     assert!(zpass_wrong > 100, "{zpass_wrong}");
 }
 
@@ -81,13 +81,13 @@ fn technique_claims_that_are_false_are_seen() {
         let holds = |visibility: &Visibility, claim| {
             Errors::of(request, visibility, &truth, &Made::default()).hold(claim)
         };
-        // z-pass everywhere, said to be exact.
+        // False claim: z-pass everywhere, claimed exact.
         let zpass = Technique::ZPass.shade(request);
         seen[0] += usize::from(!holds(&zpass, Claim::Exact));
-        // No shadows, said to be wrong at one sample in a thousand at most.
+        // False claim: no shadows, claimed to be wrong at one sample in a thousand at most.
         let none = Technique::None.shade(request);
         seen[1] += usize::from(!holds(&none, Claim::Bounded(0.001)));
-        // A single sample of the rays turned.
+        // Fault injected: one sample of the rays is flipped.
         let rays = Technique::Rays.shade(request);
         let judged = truth.verdicts().iter().position(|verdict| *verdict == Some(Verdict::Lit));
         if let Some(at) = judged {
@@ -101,7 +101,7 @@ fn technique_claims_that_are_false_are_seen() {
     assert!(seen.iter().all(|&count| count > 5), "{seen:?}");
 }
 
-/// The reference: every sample by itself, all faces tried one by one.
+/// Reference: every sample separately, against all faces one by one.
 #[test]
 fn technique_rays_equal_the_loop_over_all_faces() {
     for_each_request(|name, request| {

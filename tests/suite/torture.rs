@@ -1,7 +1,7 @@
-//! Adversarial queries, all methods against each other.
+//! Adversarial queries, every method against every other.
 //!
-//! `UMBRAGE_TORTURE_QUERIES=1000000000 cargo test --release --test suite torture_all -- --nocapture` is the
-//! long form.
+//! Long form:
+//! `UMBRAGE_TORTURE_QUERIES=1000000000 cargo test --release --test suite torture_all -- --nocapture`.
 
 use umbrage::testing::torture::{Effort, run};
 
@@ -18,7 +18,7 @@ fn torture_all_judges_agree_and_plain_f32_does_not() {
     let [generic, adversarial @ ..] = found.strata.as_slice() else { panic!("no strata") };
     assert_eq!(generic.name, "generic");
     for row in adversarial {
-        // Ties are mostly where everything is aligned, and plain f32 is wrong in a percent of the others and
+        // Ties occur mostly in aligned strata; of the other queries plain f32 gets one percent wrong, or
         // more.
         let most = match row.name {
             "cad_ties" => 0.5,
@@ -31,6 +31,6 @@ fn torture_all_judges_agree_and_plain_f32_does_not() {
         assert!(row.plain_f32_faces_wrong > 0 && row.judged_by_whole_numbers > 0, "{row:?}");
         assert!(row.abstained > 0, "no point stands on a volume: {row:?}");
     }
-    // Where nothing is aimed at, nothing is hit: uniform sampling shows next to no errors.
+    // Uniform sampling aims at nothing and hits nothing: it shows next to no errors.
     assert!((generic.plain_f32_wrong as f64) < 0.001 * tries(generic), "{generic:?}");
 }

@@ -1,6 +1,6 @@
-//! Every judge against every other on the real meshes, with the lights that are hardest.
+//! Every method against every other on the real meshes, with the hardest lights.
 //!
-//! `UMBRAGE_VERIFY_POINTS=100000 cargo test --release --test suite verify_all -- --nocapture` is the long form.
+//! Long form: `UMBRAGE_VERIFY_POINTS=100000 cargo test --release --test suite verify_all -- --nocapture`.
 
 use umbrage::caster::Caster;
 use umbrage::geom::{Aabb, Light};
@@ -10,7 +10,7 @@ use umbrage::verify::points::{Options, Stratum, Verifier};
 
 use crate::support::real_meshes;
 
-/// Outside, inside the bounding box, on a vertex, and directional along an axis.
+/// Lights: outside, inside the bounding box, on a vertex, and directional along an axis.
 fn lights(mesh: &Mesh) -> [Light; 4] {
     let [low, high] = mesh.bounds().expect("a real mesh has faces");
     let bounds = Aabb { low, high };

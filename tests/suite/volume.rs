@@ -1,4 +1,5 @@
-//! Volumes: closed for every input, and their winding number is the number of faces between point and light.
+//! Volumes: closed for every input, and with a winding number equal to the number of faces between point and
+//! light.
 
 use std::cell::Cell;
 
@@ -51,7 +52,7 @@ proptest! {
             let winding = winding_number(&volume, p);
             let crossings = oracle.crossings(p, &light);
             if let Some(winding) = winding {
-                // A face that is touched here may or may not be crossed from the points around.
+                // A face that is touched from this point may or may not be crossed from the points nearby.
                 let crossed = (crossings.front + crossings.back) as i32;
                 prop_assert!((crossed..=crossed + crossings.touching as i32).contains(&winding));
             }
@@ -65,7 +66,8 @@ proptest! {
 
 #[test]
 fn volume_winding_index_of_points_in_the_plane_of_a_cap_does_not_abstain() {
-    // A box without height around a face and points in its plane: a way between two of them runs in the cap.
+    // A box of height 0 around a face, and points in the face's plane: a segment between two of them runs in
+    // the cap.
     let mesh = Mesh::new(vec![[0.0, 1.0, 1.0], [-2.5, 1.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
     let light = Light::point([0.0, 2.0, 0.0]).unwrap();
     let volume = volume(&mesh, &light, &[1]);
@@ -78,7 +80,7 @@ fn volume_winding_index_of_points_in_the_plane_of_a_cap_does_not_abstain() {
     }
 }
 
-/// `UMBRAGE_SOUPS=1000000 cargo test --test suite volume_of_random_soups -- --nocapture` is the long form.
+/// Long form: `UMBRAGE_SOUPS=1000000 cargo test --test suite volume_of_random_soups -- --nocapture`.
 #[test]
 fn volume_of_random_soups_with_random_signs_is_never_open_and_one_torn_face_opens_it() {
     let soups = std::env::var("UMBRAGE_SOUPS").map_or(20_000, |n| n.parse().expect("a number of soups"));
@@ -95,7 +97,7 @@ fn volume_of_random_soups_with_random_signs_is_never_open_and_one_torn_face_open
         };
         prop_assert!(is_closed(&signs));
         closed.set(closed.get() + 1);
-        // The caps by another sign of one face than the sides.
+        // Negative test: the caps use another sign of one face than the sides.
         let faces: Vec<_> = topology.faces().filter(|&face| !topology.is_collapsed(face)).collect();
         if let Some(face) = faces.get(pick.index(faces.len().max(1))) {
             let sign = &mut signs[face.index()];
@@ -126,7 +128,7 @@ fn volume_of_the_wrong_signs_is_not_closed_and_a_dropped_triangle_changes_the_wi
     assert!(!torn.boundary_sum().is_closed());
     let open = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::None);
     assert!(!open.boundary_sum().is_closed());
-    // With silhouette edges left out, a path through the gap misses a crossing.
+    // Negative test: with silhouette edges missing, a path through the gap misses a crossing.
     let half = Silhouette { edges: silhouette.edges[..silhouette.edges.len() / 2].to_vec() };
     signs[17] = -signs[17];
     let gap = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &half, Caps::Both);
@@ -135,7 +137,7 @@ fn volume_of_the_wrong_signs_is_not_closed_and_a_dropped_triangle_changes_the_wi
     assert!(points.into_iter().any(|p| winding_number(&gap, p) != winding_number(&sound, p)));
 }
 
-/// One row a mesh and light: faces that cast, silhouette edges of all faces and of front faces, loops.
+/// One row per mesh and light: casting faces, silhouette edges of all faces and of front faces, loops.
 #[test]
 fn silhouette_of_solids_has_the_counts_of_its_closed_form() {
     let sun = |x, y, z| Light::directional([x, y, z]).unwrap();
@@ -174,7 +176,7 @@ fn silhouette_multiplicity_counts_every_page_of_a_book() {
         assert!(volume.boundary_sum().is_closed(), "{pages} pages");
         let casting = signs.iter().filter(|&&sign| sign != 0).count();
         assert_eq!(volume.light_cap().len(), casting);
-        // All pages run along the spine in the same direction, so it counts fronts minus backs.
+        // All pages run along the spine in the same direction, so the spine counts fronts minus backs.
         let sum: i32 = signs.iter().map(|&sign| i32::from(sign)).sum();
         let topology = topology(&mesh);
         let silhouette = Silhouette::extract(&topology, &signs);
@@ -211,7 +213,8 @@ fn plan_halves_only_what_is_proven() {
         let plan = ShellFaces::choose(&mesh, &shells, &proofs, &light, None);
         assert!(plan.choices.iter().all(|choice| choice.what == expected), "{name}: {:?}", plan.choices);
 
-        // Whatever was chosen, the volume is closed and says in or out as the ray cast does.
+        // Whatever faces were chosen, the volume is closed and decides inside or outside as the ray cast
+        // does.
         let signs = plan.signs(&shells, &classify(&mesh, &light));
         let volume = volume(&mesh, &light, &signs);
         assert!(volume.boundary_sum().is_closed(), "{name}");
@@ -229,7 +232,7 @@ fn plan_halves_only_what_is_proven() {
 
 #[test]
 fn plan_goes_by_the_exact_sign_of_a_volume_that_rounding_gets_wrong() {
-    // Six times the volume is −7; summed in f64 it is +1024.
+    // Six times the volume is −7; summed in f64 the result is +1024.
     let [b, c, d] = [
         [-3_067_175.0, 580_525.0, 2_914_486.0],
         [2_535_584.0, 2_212_702.0, -3_664_925.0],
@@ -245,7 +248,7 @@ fn plan_goes_by_the_exact_sign_of_a_volume_that_rounding_gets_wrong() {
 
 #[test]
 fn plan_front_faces_of_an_unproven_shell_are_wrong_somewhere() {
-    // Why the proof is asked for: the negative lobe of a figure eight loses its shadow.
+    // Why the proof is required: the negative lobe of a figure eight loses its shadow.
     let mesh = shapes::figure_eight_prism();
     let light = Light::point([30.0, 50.0, 70.0]).unwrap();
     let volume = volume(&mesh, &light, &CasterFaces::Front.signs(&classify(&mesh, &light)));
@@ -285,7 +288,7 @@ fn volume_exports_are_as_near_as_they_say() {
         let length: f32 = (0..3).map(|k| (p[k] - base[k]).powi(2)).sum::<f32>().sqrt();
         assert!((length - far).abs() < 1e-3 * far, "{length}");
     }
-    // At the ends of f32 the vertices at infinity are halved rather than lost.
+    // At the ends of the range of f32 the vertices at infinity are halved rather than lost.
     let huge = shapes::scaled(&shapes::cube(), 3.0e38);
     let light = Light::point([-3.0e38, -3.1e38, -3.2e38]).unwrap();
     let volume = self::volume(&huge, &light, &CasterFaces::All.signs(&classify(&huge, &light)));

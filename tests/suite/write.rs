@@ -1,4 +1,4 @@
-//! What is written reads back to the same bits.
+//! Written files read back to the same bits.
 
 use proptest::prelude::*;
 use umbrage::mesh::Mesh;

@@ -159,9 +159,9 @@ fn shells(bench: &mut Bench<'_>, mesh: &Mesh) {
                 format!("shells={}", components.num_connected_components())
             })
         }),
-        Contender::new("Topology::build_surveyed, shells", || {
+        Contender::new("Topology::build, shells", || {
             let triangles = mesh.triangles().to_vec();
-            let work = || Topology::build_surveyed(mesh.vertex_count(), triangles).shells();
+            let work = || Topology::build(mesh.vertex_count(), triangles).shells();
             timed(work, |shells| format!("shells={}", shells.count))
         }),
         Contender::new("shells (table built)", || {

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use umbrage::accuracy::Accuracy;
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 
 use super::{Asked, FileResult};
 use crate::cli::lights;
@@ -21,7 +21,7 @@ pub(super) fn document(results: &[FileResult], asked: &Asked) -> Value {
 /// Of a file that could not be measured everything but its name and the error is null.
 fn file(result: &FileResult) -> Value {
     let measured = result.measured.as_ref().ok();
-    let light = |light: &SceneLight| json!({ "light": light.light, "name": lights::name(&light.name) });
+    let light = |light: &Lamp| json!({ "light": light.light(), "name": lights::name(&light.name) });
     let lights = measured.map(|measured| measured.lights.iter().map(light).collect::<Vec<_>>());
     let found = measured.map(|measured| &measured.found);
     json!({

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use umbrage::accuracy::{Accuracy, MOST_LIGHTS, Method, Options, Question};
 use umbrage::geom::Light;
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 use umbrage::view::Size;
 use umbrage::write::write_atomic;
 
@@ -123,7 +123,7 @@ impl Args {
         let asked = [
             ("--size", self.size.is_some()),
             ("--samples", self.samples.is_some()),
-            ("--eye, --target and --fov", self.view.was_asked_for()),
+            ("--eye, --target, --fov, --ortho, --camera and --near", self.view.was_asked_for()),
         ];
         match asked.into_iter().find(|(_, asked)| *asked) {
             None => Ok(()),
@@ -159,7 +159,7 @@ struct Measured {
     format: Option<&'static str>,
     vertices: usize,
     faces: usize,
-    lights: Vec<SceneLight>,
+    lights: Vec<Lamp>,
     found: Accuracy,
 }
 
@@ -249,14 +249,14 @@ fn refuse_outputs(args: &Args) -> Result<(), Failure> {
 
 fn measure(file: &Path, args: &Args, asked: &Asked) -> Result<Measured, Failure> {
     let Asked { question, options } = asked;
-    let source = SourceArgs { file: file.to_owned(), mesh: args.mesh, lights: args.lights.clone() };
+    let source = SourceArgs { file: file.to_owned(), mesh: args.mesh.clone(), lights: args.lights.clone() };
     let Source { format, caster, lights, .. } = source.load()?;
     let mesh = caster.into_mesh();
     if lights.len() > MOST_LIGHTS {
         let (file, count) = (file.display(), lights.len());
         output::say(format_args!("note: {file}: using {MOST_LIGHTS} of {count} lights, evenly spread"));
     }
-    let plain: Vec<Light> = lights.iter().map(|light| light.light).collect();
+    let plain: Vec<Light> = lights.iter().map(|light| *light.light()).collect();
     let progress = Progress::bar(format!("measuring {}", file.display()), question.steps(options));
     let found = question.measure(&mesh, &plain, options, &|steps| progress.done(steps));
     drop(progress);

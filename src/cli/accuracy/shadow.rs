@@ -6,9 +6,9 @@ use serde_json::{Value, json};
 use umbrage::accuracy::{ShadowAccuracy, ShadowRow};
 use umbrage::caster::CasterGroup;
 use umbrage::geom::Light;
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 use umbrage::shadow::{Claim, Samples};
-use umbrage::view::{Camera, Projection, Size};
+use umbrage::view::{Projection, Size};
 
 use super::Args;
 use super::csv::cell;
@@ -25,7 +25,7 @@ struct Measured {
     file: PathBuf,
     size: Size,
     samples: usize,
-    lights: Vec<SceneLight>,
+    lights: Vec<Lamp>,
     found: Vec<ShadowAccuracy>,
 }
 
@@ -70,17 +70,16 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
 }
 
 fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
-    let source = SourceArgs { file: file.to_owned(), mesh: args.mesh, lights: args.lights.clone() };
-    let Source { up, caster, bounds, lights, camera: of_file, .. } = source.load()?;
+    let source = SourceArgs { file: file.to_owned(), mesh: args.mesh.clone(), lights: args.lights.clone() };
+    let Source { up, caster, bounds, lights, cameras, .. } = source.load()?;
     if caster.mesh().face_count() == 0 {
         let problem = "there are no faces to cast or to receive a shadow";
         return Err(Failure::new(problem, "name a mesh that has some").in_file(file));
     }
     let size = args.size.unwrap_or(Size::new(SIZE.0, SIZE.1).expect("in range"));
-    let asked = args.view.camera(up)?;
-    let camera = asked.or(of_file).unwrap_or_else(|| Camera::fit(&bounds, up, size.aspect()));
+    let camera = args.view.choose(&cameras, file, &bounds, up, size)?;
     let projection: Projection = camera.projection(size, camera.near(&bounds, size));
-    let hard: Vec<Light> = lights.iter().map(|light| light.light).collect();
+    let hard: Vec<Light> = lights.iter().map(|light| *light.light()).collect();
     let steps = ShadowAccuracy::STEPS * hard.len() as u64;
     let progress = Progress::bar(format!("measuring {}", file.display()), steps);
     let casters = CasterGroup::new(vec![&caster]);
@@ -118,7 +117,7 @@ impl Measured {
             counted(self.samples, "sample", "samples"),
         );
         let tables = self.lights.iter().zip(&self.found).map(|(light, found)| {
-            let name = lights::label(&light.light, &light.name);
+            let name = lights::label(light.light(), &light.name);
             let judged = found.rows.first().map_or(0, |row| row.errors.judged);
             format!("\n{name}: {judged} samples judged\n{}\n", Self::table(found))
         });
@@ -165,7 +164,7 @@ impl Measured {
     fn document(&self) -> Value {
         let lights = self.lights.iter().zip(&self.found).map(|(light, found)| {
             json!({
-                "name": lights::label(&light.light, &light.name),
+                "name": lights::label(light.light(), &light.name),
                 "truth": { "method": "exact ray cast", "bound": 0.0 },
                 "rows": found.rows.iter().map(row_document).collect::<Vec<_>>(),
             })
@@ -180,7 +179,7 @@ impl Measured {
     fn csv(&self) -> String {
         let file = self.file.to_string_lossy().into_owned();
         let rows = self.lights.iter().zip(&self.found).flat_map(|(light, found)| {
-            let name = lights::label(&light.light, &light.name);
+            let name = lights::label(light.light(), &light.name);
             let file = file.clone();
             found.rows.iter().map(move |row| {
                 let errors = &row.errors;

@@ -88,8 +88,9 @@ fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry,
 fn balance(name: Option<&str>, vertices: usize, faces: usize, balanced: bool) -> Value {
     // The keys are those of any mesh; here of one without faces.
     let empty = umbrage::mesh::Mesh::default();
-    let nothing = CrackReport::of(&empty, &Topology::build(0, Vec::new())).counts;
-    let mut object = counts(name, [vertices, 0, 0], &Counts { faces, balanced, ..nothing });
+    let mut numbers = CrackReport::of(&empty, &Topology::of(&empty)).counts;
+    (numbers.faces, numbers.balanced) = (faces, balanced);
+    let mut object = counts(name, [vertices, 0, 0], &numbers);
     for (key, value) in &mut object {
         if !["name", "vertices", "faces", "balanced"].contains(&key.as_str()) {
             *value = Value::Null;

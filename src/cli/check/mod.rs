@@ -9,7 +9,7 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use umbrage::check::{Counts, CrackReport, Defect, DefectKind, NearMiss, ShellReport};
+use umbrage::check::{Counts, CrackReport, Defect, DefectKind, NearMiss, ShellReport, Verdict};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::read::Format;
 use umbrage::topology::Topology;
@@ -134,32 +134,12 @@ struct MeshReport {
     verdict: Verdict,
 }
 
-/// The verdict on a mesh or a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Verdict {
-    Sound,
-    /// No defect was found, but the nesting of the shells was not decided within the limit.
-    NotProven,
-    Cracked,
-}
-
-impl Verdict {
-    fn of(require: Option<Require>, counts: &Counts) -> Self {
-        if holds(require, counts) {
-            Self::Sound
-        } else if require.is_none() && counts.may_be_sound() {
-            Self::NotProven
-        } else {
-            Self::Cracked
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Sound => "sound",
-            Self::NotProven => "not proven sound",
-            Self::Cracked => "cracked",
-        }
+/// The verdict on a mesh of which a property is asked.
+fn verdict(require: Option<Require>, counts: &Counts) -> Verdict {
+    match require {
+        None => counts.verdict(),
+        Some(_) if holds(require, counts) => Verdict::Sound,
+        Some(_) => Verdict::Cracked,
     }
 }
 
@@ -289,7 +269,7 @@ fn examine(
     let mut meshes = Vec::with_capacity(baked.meshes.len());
     for mesh in baked.meshes {
         let WeldedMesh { mesh, vertices, unreferenced } = args.mesh.weld(mesh);
-        let topology = Topology::build_surveyed(mesh.vertex_count(), mesh.shared_triangles());
+        let topology = Topology::of(&mesh);
         let mut report = CrackReport::of(&mesh, &topology);
         for (complete, note) in [
             (report.nesting_complete, "the nesting of shells was not decided: too many overlap"),
@@ -329,7 +309,7 @@ fn examine(
             defects,
             nesting_complete,
             t_junctions_complete,
-            verdict: Verdict::of(args.require, &counts),
+            verdict: verdict(args.require, &counts),
         });
     }
     let total = |of: fn(&Counts) -> usize| meshes.iter().map(|mesh| of(&mesh.counts)).sum();
@@ -395,11 +375,9 @@ impl FileReport {
 mod tests {
     use super::*;
 
-    #[test]
-    fn check_that_did_not_decide_the_nesting_proves_nothing_and_says_so() {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/nested/hollow_cube.obj");
-        let args = Args {
-            files: vec![file.clone()],
+    fn args(file: &Path) -> Args {
+        Args {
+            files: vec![file.to_owned()],
             mesh: MeshArgs::default(),
             require: None,
             fast: false,
@@ -409,7 +387,42 @@ mod tests {
             threads: ThreadArgs::default(),
             picture: None,
             mark: None,
-        };
+        }
+    }
+
+    #[test]
+    fn check_prints_every_line_of_the_librarys_report_in_its_order() {
+        for name in [
+            "closed/cube",
+            "seam/seam_1",
+            "open/t_junction",
+            "non_manifold/book_5",
+            "non_manifold/double_sheet",
+            "winding/inside_out_cube",
+            "winding/mobius_12",
+            "degenerate/collinear_face",
+        ] {
+            let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(format!("{name}.obj"));
+            let args = args(&file);
+            let report = examine(&file, &args, None, None).ok().unwrap();
+            let printed = text::Report { report: &report, limit: 5 }.to_string();
+            let mesh = args.mesh.read(&file).ok().unwrap().meshes.remove(0);
+            let mesh = args.mesh.weld(mesh).mesh;
+            let of_library = CrackReport::of(&mesh, &Topology::of(&mesh)).to_string();
+            let comes_in_order = |report: &str| {
+                let mut lines = printed.lines();
+                report.lines().all(|line| lines.any(|printed| printed == line))
+            };
+            assert!(comes_in_order(&of_library), "{name}:\n{of_library}\n{printed}");
+            // Fault injected: one letter.
+            assert!(!comes_in_order(&of_library.replacen('e', "E", 1)), "{name}");
+        }
+    }
+
+    #[test]
+    fn check_that_did_not_decide_the_nesting_proves_nothing_and_says_so() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/nested/hollow_cube.obj");
+        let args = args(&file);
         // As if the searches had given up before the cavity and before the last T-junction.
         let mut report = examine(&file, &args, None, None).ok().unwrap();
         assert_eq!(report.verdict(), Verdict::Sound);
@@ -418,9 +431,9 @@ mod tests {
         (cavity.depth, cavity.parent, cavity.depth_known) = (0, None, false);
         mesh.counts.undecided_shells = 1;
         (mesh.nesting_complete, mesh.t_junctions_complete) = (false, false);
-        mesh.verdict = Verdict::of(None, &mesh.counts);
+        mesh.verdict = verdict(None, &mesh.counts);
         assert_eq!(mesh.verdict, Verdict::NotProven);
-        assert_eq!(Verdict::of(Some(Require::Watertight), &mesh.counts), Verdict::Sound);
+        assert_eq!(verdict(Some(Require::Watertight), &mesh.counts), Verdict::Sound);
         let text = text::Report { report: &report, limit: 5 }.to_string();
         let line = "not proven sound: the mesh is watertight, but nesting not decided within the limit: 1 shell \
                     may be inside out";

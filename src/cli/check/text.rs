@@ -7,7 +7,6 @@ use umbrage::check::{Counts, DefectKind, NearMiss};
 
 use super::{FileReport, MeshReport, Place, Require, Verdict};
 use crate::cli::error::Failure;
-use crate::cli::load::all_collapse;
 use crate::cli::output::{Table, counted, plain, short, significant};
 
 /// How many face numbers are printed per defect.
@@ -84,11 +83,8 @@ impl Report<'_> {
             let unused = counted(unused, "vertex belongs", "vertices belong");
             writeln!(f, "  {unused} to no face")?;
         }
-        if total.max_faces_per_edge > 2 {
-            writeln!(f, "  up to {} faces meet at an edge", total.max_faces_per_edge)?;
-        }
-        if total.self_intersections == Some(0) {
-            writeln!(f, "  no faces meet where they should not")?;
+        for remark in total.remarks() {
+            writeln!(f, "  {remark}")?;
         }
         Ok(())
     }
@@ -119,12 +115,9 @@ impl Report<'_> {
             return writeln!(f, "  sound, but there are no faces to check");
         };
         let bad = self.report.meshes.iter().filter(|mesh| !mesh.sound()).count();
-        if bad == 0 && total.faces == total.collapsed_faces {
-            write!(f, "  sound, but there are no faces to check")?;
-            return match total.faces {
-                0 => writeln!(f),
-                faces => writeln!(f, ": {}", all_collapse(faces)),
-            };
+        let nothing_to_check = bad == 0 && total.faces == total.collapsed_faces;
+        if nothing_to_check || (meshes == 1 && self.report.require.is_none()) {
+            return writeln!(f, "  {}", total.summary());
         }
         let who = match (bad, meshes) {
             (0, 1) | (1, 1) => "the mesh".to_owned(),
@@ -161,27 +154,18 @@ impl Report<'_> {
     /// The reasons why the cracked meshes fail.
     fn reasons(&self) -> String {
         let cracked = self.report.meshes.iter().filter(|mesh| !mesh.sound());
-        let Some(total) = Counts::total(cracked.map(|mesh| mesh.counts)) else { return String::new() };
-        let require = self.report.require;
-        let mut reasons = vec![
-            (total.boundary_edges, "boundary edge", "boundary edges"),
-            (total.non_manifold_edges, "non-manifold edge", "non-manifold edges"),
-        ];
+        let Some(mut total) = Counts::total(cracked.map(|mesh| mesh.counts)) else { return String::new() };
         // An edge used twice in one direction is used an even number of times.
-        if require != Some(Require::Even) {
-            reasons.push((total.misoriented_edges, "misoriented edge", "misoriented edges"));
+        if self.report.require == Some(Require::Even) {
+            total.misoriented_edges = 0;
         }
-        if require.is_none() {
-            reasons.push((total.inside_out_shells, "shell inside out", "shells inside out"));
-            reasons.push((
-                total.undecided_shells,
-                "shell whose nesting was not decided within the limit",
-                "shells whose nesting was not decided within the limit",
-            ));
+        if self.report.require.is_some() {
+            (total.inside_out_shells, total.undecided_shells) = (0, 0);
         }
-        let found = reasons.into_iter().filter(|reason| reason.0 > 0);
-        let reasons: Vec<String> = found.map(|(count, one, many)| counted(count, one, many)).collect();
-        if reasons.is_empty() { String::new() } else { format!(": {}", reasons.join(", ")) }
+        match total.reasons() {
+            reasons if reasons.is_empty() => reasons,
+            reasons => format!(": {reasons}"),
+        }
     }
 
     /// One kind of defect over all meshes: number, effect, and the first locations.
@@ -222,23 +206,13 @@ impl Report<'_> {
         let closing = |mesh: &MeshReport| mesh.near_miss.iter().any(|near| near.edges > 0);
         let mut meshes = self.report.meshes.iter().enumerate().filter(|(_, mesh)| closing(mesh));
         for (index, mesh) in meshes.by_ref().take(self.limit) {
-            let mut before = 0;
             let of = if self.report.meshes.len() > 1 {
                 format!(" of {}", label(index, mesh))
             } else {
                 String::new()
             };
-            for near in mesh.near_miss.iter().filter(|near| near.edges > 0) {
-                if near.edges != before {
-                    let distance = weld_distance(near);
-                    let edges = mesh.counts.boundary_edges;
-                    writeln!(
-                        f,
-                        "\n  --weld {distance} would close {} of {edges} boundary edges{of}",
-                        near.edges
-                    )?;
-                }
-                before = near.edges;
+            for near in NearMiss::steps(&mesh.near_miss) {
+                writeln!(f, "\n  {}{of}", near.hint(mesh.counts.boundary_edges))?;
             }
         }
         let more = meshes.count();
@@ -385,18 +359,6 @@ fn label(index: usize, mesh: &MeshReport) -> String {
     if mesh.name.is_empty() { format!("mesh {index}") } else { short(&mesh.name) }
 }
 
-/// The distance with three digits, rounded up: a weld within the printed distance closes the seam.
-fn weld_distance(near: &NearMiss) -> String {
-    // The option is an `f32` above 0. A small part of a diagonal is always below the largest one.
-    let distance = near.distance.max(f64::from(f32::from_bits(1)));
-    let exponent = distance.log10().floor() as i32 - 2;
-    let start = (distance / 10_f64.powi(exponent)).ceil() as i64;
-    let typed = (start..start + 10).map(|digits| format!("{digits}e{exponent}"));
-    let reaches = |text: &String| text.parse::<f32>().is_ok_and(|reached| f64::from(reached) >= distance);
-    let text = typed.into_iter().find(reaches);
-    significant(text.and_then(|text| text.parse().ok()).unwrap_or(distance))
-}
-
 /// One defect on a line.
 struct At<'a> {
     place: &'a Place,
@@ -432,23 +394,5 @@ impl Display for At<'_> {
             write!(f, ", {name}")?;
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn weld_distance_reaches_as_far_as_it_says() {
-        for distance in [1e-7, 5.7567912e-7, 9.999e-4, 1.0, 123_456.0, 2.7e-16, 1e-30, 1.2e35] {
-            let text = weld_distance(&NearMiss { relative: 1e-7, distance, edges: 1 });
-            let typed = f64::from(text.parse::<f32>().unwrap());
-            assert!(typed >= distance && typed <= 1.02 * distance, "{distance} {text}");
-        }
-        for distance in [0.0, 1e-52] {
-            let text = weld_distance(&NearMiss { relative: 1e-7, distance, edges: 1 });
-            assert!(text.parse::<f32>().unwrap() > 0.0, "{distance} {text}");
-        }
     }
 }

@@ -5,7 +5,7 @@ use umbrage::geom::Aabb;
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::render;
 use umbrage::render::{Picture, View};
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 use umbrage::verify::pixels::{PixelVerdict, Rendered, compare};
 use umbrage::view::Size;
 
@@ -33,7 +33,7 @@ pub(super) fn judge(
     caster: &Caster,
     bounds: &Aabb,
     view: View<'_>,
-    lights: &[SceneLight],
+    lights: &[Lamp],
 ) -> Result<Judged, GpuError> {
     let stage = Stage::new(gpu, caster, bounds, View { edge_samples: SAMPLES, ..view }, None)?;
     let picture = stage.picture()?;
@@ -45,7 +45,7 @@ pub(super) fn judge(
         let rendered = Rendered {
             caster,
             signs: &casting.signs,
-            light: &light.light,
+            light: light.light(),
             projection: &stage.projection,
             mask: &mask,
             unsure: &[],
@@ -59,7 +59,7 @@ pub(super) fn judge(
         ];
         let disagree = counts[0] - counts[1..].iter().sum::<usize>();
         let cells = counts.into_iter().chain([disagree]).map(|count| count.to_string());
-        let name = label(&light.light, &light.name);
+        let name = label(light.light(), &light.name);
         methods += &format!("  {name}: {}\n", casting.methods.summary());
         table.row([name].into_iter().chain(cells).collect());
         agrees &= result.agrees();

@@ -1,7 +1,7 @@
 //! The document of `umbrage verify --json`.
 
 use serde_json::{Map, Value, json};
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 use umbrage::verify::pixels::PixelCounts;
 use umbrage::verify::points::{Judge, Stratum, Verification};
 
@@ -14,7 +14,7 @@ use crate::cli::output::number32;
 pub(super) fn document(
     file: &str,
     format: Option<&str>,
-    lights: &[SceneLight],
+    lights: &[Lamp],
     results: &[Verification],
     pixels: Option<&Pixels>,
 ) -> Value {
@@ -23,7 +23,7 @@ pub(super) fn document(
     let each = each.map(|(index, ((light, result), judges))| {
         let pixels = pixels.map(|pixels| &pixels.lights[index]);
         let mut entry = Map::new();
-        append(&mut entry, &json!({ "light": light.light, "name": lights::name(&light.name) }));
+        append(&mut entry, &json!({ "light": light.light(), "name": lights::name(&light.name) }));
         entry.extend(counts(&result.strata, pixels.map(|pixels| pixels.counts), judges));
         let passes = pixels.map(|pixels| pixels.passes.iter().map(pass).collect::<Vec<_>>());
         append(&mut entry, &json!({ "disagreements": result.disagreements, "passes": passes }));

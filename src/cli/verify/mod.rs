@@ -9,7 +9,7 @@ mod text;
 use std::path::PathBuf;
 
 use umbrage::verify::points::{Judge, Options, Stratum, Verification, Verifier};
-use umbrage::view::{Size, Up};
+use umbrage::view::Size;
 
 use super::input::{Source, SourceArgs};
 use super::output::Output;
@@ -83,7 +83,7 @@ impl Args {
     fn require_gpu(&self) -> Result<(), Failure> {
         let asked = [
             ("--size", self.size.is_some()),
-            ("--eye, --target and --fov", self.view.was_asked_for()),
+            ("--eye, --target, --fov, --ortho, --camera and --near", self.view.was_asked_for()),
             ("--picture", self.picture.is_some()),
             ("--adapter", self.adapter.was_asked_for()),
         ];
@@ -102,7 +102,7 @@ impl Args {
             require_png(path)?;
         }
         refuse_overwriting("--picture", self.picture.as_deref(), &self.source.file)?;
-        self.view.camera(Up::Y).map(|_| ())
+        self.view.refuse()
     }
 }
 
@@ -126,7 +126,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let progress = Progress::bar("verifying points", lights.len() as u64 * args.points);
     let results: Vec<Verification> = lights
         .iter()
-        .map(|light| verifier.verify(&light.light, &options, &|points| progress.done(points)))
+        .map(|light| verifier.verify(light.light(), &options, &|points| progress.done(points)))
         .collect();
     drop(progress);
     let pixels = match graphics {

@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 
 use umbrage::caster::Caster;
 use umbrage::geom::Light;
-use umbrage::gpu::Gpu;
+use umbrage::gpu::{Gpu, GpuError};
 use umbrage::render::{MemoryError, verdict_color, verdicts};
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 use umbrage::shadow::stencil::{
     Counting, Depth, Receivers, ShadowMask, ShellMethods, StencilMethod, StencilPass, StencilVolumes,
 };
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
 use umbrage::view::Projection;
-use umbrage::view::{Camera, Size};
+use umbrage::view::Size;
 
 use super::pixels::{LightPixels, PASSES, Pass, Pixels};
 use super::{Args, SHOWN};
@@ -36,11 +36,16 @@ impl Graphics {
 
     pub(super) fn judge(&self, args: &Args, source: &Source) -> Result<Pixels, Failure> {
         let size = args.size.unwrap_or(Size::new(SIDE, SIDE).expect("in range"));
-        let camera = camera(args, source, size)?;
+        let Source { cameras, bounds, up, .. } = source;
+        let camera = args.view.choose(cameras, &args.source.file, bounds, *up, size)?;
+        let projection = camera.projection(size, camera.near(&source.bounds, size));
+        if projection.is_orthographic() {
+            return Err(GpuError::NotBuilt("an orthographic camera").into());
+        }
         let job = Job {
             caster: &source.caster,
             lights: &source.lights,
-            projection: camera.projection(size, camera.near(&source.bounds, size)),
+            projection,
             size,
             pictures: &pictures(args, source.lights.len())?,
         };
@@ -48,15 +53,7 @@ impl Graphics {
     }
 }
 
-/// The camera that was asked for, else the file's, else one that shows everything.
-fn camera(args: &Args, source: &Source, size: Size) -> Result<Camera, Failure> {
-    let asked = args.view.camera(source.up)?;
-    let of_file = || source.camera.inspect(|_| output::say("note: no --eye: using the camera of the file"));
-    let fitted = || Camera::fit(&source.bounds, source.up, size.aspect());
-    Ok(asked.or_else(of_file).unwrap_or_else(fitted))
-}
-
-/// The names of the pictures, one per light.
+/// Where the pictures go, one a light.
 fn pictures(args: &Args, lights: usize) -> Result<Vec<PathBuf>, Failure> {
     let Some(path) = &args.picture else { return Ok(Vec::new()) };
     require_folder(path)?;
@@ -79,7 +76,7 @@ fn numbered(path: &Path, number: usize) -> PathBuf {
 /// What is to be compared.
 struct Job<'a> {
     caster: &'a Caster,
-    lights: &'a [SceneLight],
+    lights: &'a [Lamp],
     projection: Projection,
     size: Size,
     /// The names of the pictures, one per light; empty for none.
@@ -108,7 +105,7 @@ fn judge(gpu: &Gpu, job: &Job<'_>) -> Result<Pixels, Failure> {
     drop(progress);
     let mut lights = Vec::new();
     for (index, light) in job.lights.iter().enumerate() {
-        let (pixels, comparison) = bench.judge_light(index, &light.light)?;
+        let (pixels, comparison) = bench.judge_light(index, light.light())?;
         if let Some(path) = job.pictures.get(index) {
             draw(job, &comparison, path)?;
         }

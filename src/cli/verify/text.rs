@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use umbrage::scene::SceneLight;
+use umbrage::scene::Lamp;
 use umbrage::verify::pixels::{Mismatch, PixelVerdict};
 use umbrage::verify::points::Verification;
 
@@ -21,20 +21,20 @@ const PIXEL_LEGEND: &str = "grazing pixel: the counts differ, and the exact one 
                             rasterizer may be off; unsure: a side was left to f32; overflow: eight bits have \
                             wrapped; real: nothing explains it";
 
-/// The tables of strata and methods, each disagreement, the verdict, and a legend.
-pub(in crate::cli) fn text(file: &Path, lights: &[SceneLight], results: &[Verification]) -> String {
+/// The tables of strata and judges, each disagreement, the verdict, and a legend.
+pub(in crate::cli) fn text(file: &Path, lights: &[Lamp], results: &[Verification]) -> String {
     report(file, lights, results, None)
 }
 
 /// The same, with the pixels.
 pub(super) fn report(
     file: &Path,
-    lights: &[SceneLight],
+    lights: &[Lamp],
     results: &[Verification],
     pixels: Option<&Pixels>,
 ) -> String {
     let strata = strata(results);
-    let lit: Vec<String> = lights.iter().map(|light| lights::label(&light.light, &light.name)).collect();
+    let lit: Vec<String> = lights.iter().map(|light| lights::label(light.light(), &light.name)).collect();
     let mut points = Table::new(&["points", "judged", "agree", "grazing", "disagree", "rate below (95 %)"]);
     for row in strata.iter().chain([&total(&strata)]) {
         let bound = row.bound_95().map_or("-".to_owned(), |bound| format!("{bound:.1e}"));

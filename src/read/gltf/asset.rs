@@ -1,10 +1,10 @@
-//! A document and the bytes that it speaks of: the binary chunk, embedded buffers, files beside it.
+//! A document and its bytes: the binary chunk, embedded buffers, files next to the document.
 //!
 //! A buffer is loaded when something needs it, a file once however many buffers name it.
 //!
 //! Accessors may be shared: a small file can name one large accessor a thousand times over, or claim a count
 //! with no data behind it. So that memory stays linear in the input, every element that is decoded is charged
-//! against an allowance of one a byte of file and buffers, plus [`FREE_ELEMENTS`].
+//! against an allowance of one per byte of file and buffers, plus [`FREE_ELEMENTS`].
 
 use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::HashMap;
@@ -27,7 +27,7 @@ pub(super) struct Asset<'a> {
     bin: Option<&'a [u8]>,
     folder: Option<&'a Path>,
     buffers: Vec<OnceCell<Data<'a>>>,
-    /// Files beside the document by their full path.
+    /// Files next to the document by their full path.
     files: RefCell<HashMap<PathBuf, Rc<Vec<u8>>>>,
     /// How many elements may still be decoded.
     allowance: Cell<usize>,
@@ -130,7 +130,7 @@ impl<'a> Asset<'a> {
         if let Some(bytes) = self.files.borrow().get(&path) {
             return Ok(Rc::clone(bytes));
         }
-        // Asked before opening: opening a pipe would wait for its other end.
+        // Checked before opening, which would block on a pipe.
         if !fs::metadata(&path).map_err(failed)?.is_file() {
             return Err(object.error(format!("{shown} is not a regular file")));
         }

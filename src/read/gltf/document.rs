@@ -1,9 +1,9 @@
-//! The JSON of a glTF: things by kind and index, fields by the type that is wanted. Every error names the thing.
+//! The JSON of a glTF: items by kind and index, fields by their expected type. Every error names the item.
 //!
-//! Fields are taken from plain JSON values, not from the `gltf` crate's typed document. That one refuses legal
-//! files for what casts no shadow (a scene without nodes, a texture whose only image is an extension's), cuts
-//! indices to 32 bits, drops the extensions that say geometry is compressed, and its validation indexes
-//! unchecked, so that a malformed file panics.
+//! Fields are taken from plain JSON values, not from the `gltf` crate's typed document. That one refuses
+//! legal files for what casts no shadow (a scene without nodes, a texture whose only image is an
+//! extension's), cuts indices to 32 bits, drops the extensions that say geometry is compressed, and its
+//! validation indexes unchecked, so that a malformed file panics.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ use gltf::json::{Value, deserialize};
 
 use crate::read::{Format, Place, ReadError, text};
 
-/// What an index in the document may point at.
+/// The kinds of items that an index in the document may refer to.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Kind {
     Scene,
@@ -40,7 +40,7 @@ impl Kind {
         Self::Light,
     ];
 
-    /// Where the document lists things of this kind, as a JSON pointer (RFC 6901).
+    /// The list of items of this kind in the document, as a JSON pointer (RFC 6901).
     fn pointer(self) -> &'static str {
         match self {
             Self::Scene => "/scenes",
@@ -74,13 +74,14 @@ impl fmt::Display for Kind {
     }
 }
 
-/// A parsed document of a version and with required extensions that this reader can do justice to.
+/// A parsed document whose version and required extensions this reader supports.
 pub(super) struct Document {
     root: Value,
 }
 
 impl Document {
-    /// Parses UTF-8 JSON. The parser refuses nesting beyond 128 levels, so nothing behind it can recurse deeper.
+    /// Parses UTF-8 JSON. The parser refuses nesting beyond 128 levels, so nothing behind it can recurse
+    /// deeper.
     pub(super) fn parse(json: &[u8], format: Format) -> Result<Self, ReadError> {
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
         let root: Value = deserialize::from_slice(json).map_err(|error| {
@@ -141,12 +142,12 @@ impl Document {
         Ok(())
     }
 
-    /// Everything of a kind.
+    /// All items of a kind.
     pub(super) fn list(&self, kind: Kind) -> &[Value] {
         self.root.pointer(kind.pointer()).and_then(Value::as_array).map_or(&[], Vec::as_slice)
     }
 
-    /// The thing of this kind and index, which must exist.
+    /// The item of this kind and index, which must exist.
     pub(super) fn item(&self, kind: Kind, index: usize) -> Result<Object<'_>, ReadError> {
         let place = Object::place(kind, index);
         match self.list(kind).get(index) {
@@ -172,14 +173,14 @@ pub(super) fn is_compression(extension: &str) -> bool {
     extension.contains("_compression")
 }
 
-/// An object of the document, and what it is called in errors.
+/// An object of the document, with its name in errors.
 pub(super) struct Object<'a> {
     pub(super) place: String,
     value: &'a Value,
 }
 
 impl<'a> Object<'a> {
-    /// How errors and notes call a thing: "accessor 3".
+    /// The name of an item in errors and notes: "accessor 3".
     pub(super) fn place(kind: Kind, index: usize) -> String {
         format!("{kind} {index}")
     }
@@ -193,12 +194,13 @@ impl<'a> Object<'a> {
         ReadError::new(None, Place::Item(self.place.clone()), problem)
     }
 
-    /// The name in the file, or else the place.
+    /// The name in the file, or else kind and index.
     pub(super) fn name(&self) -> String {
         self.given_name().unwrap_or_else(|| self.place.clone())
     }
 
-    /// The name in the file, if it has one; cut where it is very long, for every instance and part holds a copy.
+    /// The name in the file, if it has one; cut where it is very long, for every instance and part holds a
+    /// copy.
     pub(super) fn given_name(&self) -> Option<String> {
         let name = self.value.get("name").and_then(Value::as_str).filter(|name| !name.is_empty())?;
         Some(text::name(name.as_bytes()))
@@ -215,7 +217,7 @@ impl<'a> Object<'a> {
         Some(Object { place: format!("{}, {name}", self.place), value })
     }
 
-    /// The extension by which this thing's data is compressed, if it is.
+    /// The extension by which the data of this item is compressed, if it is.
     pub(super) fn compression(&self) -> Option<&'a str> {
         let extensions = self.value.get("extensions")?.as_object()?;
         extensions.keys().map(String::as_str).find(|name| is_compression(name))
@@ -277,7 +279,7 @@ impl<'a> Object<'a> {
         self.value.get(key).map(|value| finite(value).ok_or_else(|| wrong(value))).transpose()
     }
 
-    /// The index under `key`, of a thing that exists.
+    /// The index under `key`, of an item that exists.
     pub(super) fn link(
         &self,
         key: &str,
@@ -288,7 +290,7 @@ impl<'a> Object<'a> {
         self.existing(index, document, kind).map(Some)
     }
 
-    /// The indices in the list under `key`, of things that exist.
+    /// The indices in the list under `key`, of items that exist.
     pub(super) fn links(&self, key: &str, document: &Document, kind: Kind) -> Result<Vec<usize>, ReadError> {
         let index = |value| {
             let wrong = || self.error(format!("{key} holds {}, which is not an index", shown(value)));
@@ -310,9 +312,9 @@ impl<'a> Object<'a> {
     }
 }
 
-/// A whole number; JSON may write 3 as 3.0.
+/// An integer; JSON may write 3 as 3.0.
 fn whole(value: &Value) -> Option<usize> {
-    // 2^53: beyond it, whole numbers and their neighbors are one f64.
+    // 2^53: beyond it, an f64 stands for several integers.
     let from_float =
         |x: f64| (x.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&x)).then_some(x as u64);
     let whole = value.as_u64().or_else(|| value.as_f64().and_then(from_float))?;

@@ -48,19 +48,20 @@ pub(super) fn read(asset: &Asset, index: usize, notes: &mut Notes) -> Result<Mes
     for (index, primitive) in object.objects("primitives", "primitive")?.enumerate() {
         let primitive = primitive?;
         if let Some(geometry) = read_primitive(asset, &primitive, notes)? {
-            primitives.push((part_name(asset, &primitive, index)?, geometry));
+            let material = primitive.link("material", asset.document, Kind::Material)?;
+            primitives.push((part_name(asset, material, index)?, material, geometry));
         }
     }
 
     // Each frame holds as many positions as the mesh, whichever primitives the target moves.
-    let vertices: usize = primitives.iter().map(|(_, primitive)| primitive.positions.len()).sum();
-    let targets = primitives.iter().map(|(_, primitive)| primitive.displacements.len()).max().unwrap_or(0);
+    let vertices: usize = primitives.iter().map(|(.., primitive)| primitive.positions.len()).sum();
+    let targets = primitives.iter().map(|(.., primitive)| primitive.displacements.len()).max().unwrap_or(0);
     asset.charge(vertices.saturating_mul(targets), &object)?;
     let mut positions: Vec<[f32; 3]> = Vec::with_capacity(vertices);
     let mut frames: Vec<Vec<[f32; 3]>> = (0..targets).map(|_| Vec::with_capacity(vertices)).collect();
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let mut parts = Vec::with_capacity(primitives.len());
-    for (name, primitive) in primitives {
+    for (name, material, primitive) in primitives {
         for (target, frame) in frames.iter_mut().enumerate() {
             match primitive.displacements.get(target) {
                 Some(Some(displacements)) => {
@@ -74,7 +75,9 @@ pub(super) fn read(asset: &Asset, index: usize, notes: &mut Notes) -> Result<Mes
         let (vertex, face) = (positions.len() as u32, triangles.len() as u32);
         positions.extend_from_slice(&primitive.positions);
         triangles.extend(primitive.triangles.iter().map(|t| t.map(|corner| corner.wrapping_add(vertex))));
-        parts.push(Part { name, faces: face..triangles.len() as u32 });
+        // A JSON list of more than 2³² materials does not fit the memory.
+        let material = material.map(|index| index as u32);
+        parts.push(Part { name, faces: face..triangles.len() as u32, material });
     }
     Mesh::new(positions, triangles)
         .and_then(|mesh| mesh.with_parts(parts).with_name(object.name()).with_frames(frames))
@@ -82,8 +85,8 @@ pub(super) fn read(asset: &Asset, index: usize, notes: &mut Notes) -> Result<Mes
 }
 
 /// "primitive 2", or "primitive 2 (Wheel)" after its material.
-fn part_name(asset: &Asset, primitive: &Object, index: usize) -> Result<String, ReadError> {
-    let material = match primitive.link("material", asset.document, Kind::Material)? {
+fn part_name(asset: &Asset, material: Option<usize>, index: usize) -> Result<String, ReadError> {
+    let material = match material {
         Some(material) => asset.document.item(Kind::Material, material)?.given_name(),
         None => None,
     };
@@ -145,7 +148,7 @@ fn read_primitive(
     Ok(Some(Primitive { positions, triangles, displacements }))
 }
 
-/// The triangles that indices stand for, wound as §3.7.2.1 of the specification says.
+/// The triangles that indices describe, wound as §3.7.2.1 of the specification says.
 fn triangles(mode: Mode, indices: &[u32], primitive: &Object, notes: &mut Notes) -> Vec<[u32; 3]> {
     match mode {
         Mode::List => {
@@ -156,12 +159,12 @@ fn triangles(mode: Mode, indices: &[u32], primitive: &Object, notes: &mut Notes)
             triangles.to_vec()
         }
         Mode::Strip => {
-            // Every other triangle is wound the other way, so that all of them face one side.
+            // Every second triangle is reversed, so that all of them face the same side.
             let strip = indices.windows(3).enumerate().map(|(index, corners)| match index % 2 {
                 0 => [corners[0], corners[1], corners[2]],
                 _ => [corners[0], corners[2], corners[1]],
             });
-            // A strip turns a corner by naming a vertex twice; what that yields was never meant as a face.
+            // A strip turns a corner by naming a vertex twice; the resulting triangles are not faces.
             let is_face = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
             let triangles: Vec<_> = strip.filter(is_face).collect();
             let stitches = indices.len().saturating_sub(2) - triangles.len();

@@ -1,7 +1,8 @@
-//! glTF 2.0, as JSON or binary: the default scene's meshes, where they stand, its lights and its camera.
+//! glTF 2.0, as JSON or binary: the meshes of the default scene, their instances, its materials, lamps and
+//! cameras.
 //!
 //! Source: Khronos, *glTF 2.0 Specification*, and the extensions KHR_lights_punctual and
-//! KHR_mesh_quantization. Only what the scene shows is read: a mesh that stands nowhere is noted, not decoded.
+//! KHR_mesh_quantization. Only what the scene shows is read: a mesh that no node names is noted, not decoded.
 //!
 //! A skinned mesh is read in its bind pose, and its node's transform is ignored, as the specification says
 //! (§3.7.3). Morph targets become frames of the mesh, each target at full weight on its own.
@@ -14,6 +15,7 @@ mod camera;
 mod container;
 mod document;
 mod light;
+mod material;
 mod mesh;
 mod node;
 mod uri;
@@ -60,7 +62,7 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
     let document = asset.document;
     let mut scene = Scene::default();
     let mut notes = Notes::default();
-    // (mesh of the document, name, where it stands)
+    // (mesh of the document, name, transform)
     let mut standing = Vec::new();
     for (index, world) in node::scene_nodes(document, &mut notes)? {
         let node = document.item(Kind::Node, index)?;
@@ -75,13 +77,8 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
             let world_from_mesh = if skinned { Mat4::IDENTITY } else { world.as_mat4() };
             standing.push((mesh, node.name(), world_from_mesh));
         }
-        scene.lights.extend(light::read(document, &node, world, &mut notes)?);
-        if let Some(camera) = camera::read(document, &node, world, &mut notes)? {
-            match scene.camera {
-                None => scene.camera = Some(camera),
-                Some(_) => notes.add("further camera left out", &node.place),
-            }
-        }
+        scene.lamps.extend(light::read(document, &node, world, &mut notes)?);
+        scene.cameras.extend(camera::read(document, &node, world, &mut notes)?);
     }
     if document.list(Kind::Node).is_empty() {
         for mesh in 0..document.list(Kind::Mesh).len() {
@@ -102,16 +99,18 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
         }
     }
     let instance = |(mesh, name, world_from_mesh): (usize, String, Mat4)| {
-        let mesh = slot_of_mesh[mesh].expect("every mesh that stands somewhere was read");
+        let mesh = slot_of_mesh[mesh].expect("every mesh of an instance was read");
         Instance { mesh, name, world_from_mesh }
     };
+    let materials = 0..document.list(Kind::Material).len();
+    scene.materials = materials.map(|index| material::read(document, index, &mut notes)).collect();
     scene.instances = standing.into_iter().map(instance).collect();
     notes.add_many("animation ignored", "animation 0", document.object().list("animations")?.len());
     scene.notes = notes.into_lines();
     Ok(scene)
 }
 
-/// What a person should know, one line a kind, however often it occurs.
+/// Notes for people, one line per kind, however often it occurs.
 #[derive(Default)]
 struct Notes {
     /// (what, where first, how often), in order of first occurrence.

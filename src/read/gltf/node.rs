@@ -1,6 +1,6 @@
-//! The node tree of a scene, and where each node stands in the world.
+//! The node tree of a scene, and the world transform of each node.
 //!
-//! Walked with a list of its own, never by recursion: how deep a tree is, the file decides.
+//! Walked with an explicit stack, not by recursion: the file decides how deep the tree is.
 
 use glam::{DMat4, DQuat, DVec3, DVec4, Vec3};
 
@@ -28,7 +28,7 @@ pub(super) fn scene_nodes(document: &Document, notes: &mut Notes) -> Result<Vec<
     Ok(nodes)
 }
 
-/// Who is whose child: every node has one parent at most, and none is its own ancestor.
+/// Parents and children: every node has at most one parent, and none is its own ancestor.
 struct Tree {
     children: Vec<Vec<usize>>,
     parent: Vec<Option<usize>>,
@@ -50,7 +50,7 @@ impl Tree {
             }
             children.push(links);
         }
-        // With one parent a node, what no root leads to is on a cycle or hangs from one.
+        // With one parent per node, a node that no root leads to is on a cycle or below one.
         let mut reached = vec![false; count];
         let mut pending: Vec<usize> = (0..count).filter(|&node| parent[node].is_none()).collect();
         while let Some(node) = pending.pop() {
@@ -113,7 +113,7 @@ fn parent_from_node(node: &Object) -> Result<DMat4, ReadError> {
     Ok(DMat4::from_scale_rotation_translation(scale, rotation, translation))
 }
 
-/// Where the node's `axis` points in the world, unit length; `None` if it has length zero there.
+/// The world direction of the node's `axis`, unit length; `None` if it has length zero in the world.
 pub(super) fn direction(world: DMat4, axis: DVec3) -> Option<Vec3> {
     Some(world.transform_vector3(axis).try_normalize()?.as_vec3())
 }

@@ -1,4 +1,5 @@
-//! Where a buffer's bytes are: in the URI itself, or in a file that must not lie outside the document's folder.
+//! Where a buffer's bytes are: in the URI itself, or in a file that must not lie outside the document's
+//! folder.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -11,7 +12,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 pub(super) enum Uri {
     /// The bytes themselves.
     Data(Vec<u8>),
-    /// A path without a root that stays in the folder it is taken from, as far as its text tells.
+    /// A path without a root that stays in the folder it is taken from, as far as its text shows.
     Relative(PathBuf),
 }
 
@@ -52,7 +53,7 @@ pub(super) fn parse(uri: &str) -> Result<Uri, String> {
     if depth == 0 { Err(format!("`{shown}` names no file")) } else { Ok(Uri::Relative(path.to_owned())) }
 }
 
-/// What stands before the colon, if it has the form of a scheme (RFC 3986 §3.1): `http`, and `C` of a drive.
+/// The text before the colon, if it has the form of a scheme (RFC 3986 §3.1): `http`, and `C` of a drive.
 fn scheme(uri: &str) -> Option<&str> {
     let (scheme, _) = uri.split_once(':')?;
     let mut characters = scheme.chars();
@@ -61,7 +62,7 @@ fn scheme(uri: &str) -> Option<&str> {
     formed.then_some(scheme)
 }
 
-/// Each `%XX` as the byte it stands for; `None` if one is malformed or the whole is not UTF-8.
+/// Decodes each `%XX` to its byte; `None` if one is malformed or the whole is not UTF-8.
 fn percent_decode(uri: &str) -> Option<String> {
     let mut parts = uri.split('%');
     let mut bytes = parts.next()?.as_bytes().to_vec();

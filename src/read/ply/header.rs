@@ -124,7 +124,7 @@ impl Element {
         }
     }
 
-    /// Where the scalar property of that name stands.
+    /// The index of the scalar property of that name.
     pub(super) fn scalar(&self, name: &str) -> Result<usize, ReadError> {
         let place = self.only(&[name])?;
         place
@@ -132,7 +132,7 @@ impl Element {
             .ok_or_else(|| file_error(format!("element {} has no number {name}", self.name)))
     }
 
-    /// Where the list of vertex indices stands.
+    /// The index of the property with the list of vertex indices.
     pub(super) fn index_list(&self) -> Result<usize, ReadError> {
         let place = self.only(&["vertex_indices", "vertex_index"])?;
         place
@@ -142,7 +142,7 @@ impl Element {
             })
     }
 
-    /// Where the one property with one of these names stands.
+    /// The index of the one property with one of these names.
     fn only(&self, names: &[&str]) -> Result<Option<usize>, ReadError> {
         let mut named =
             (0..self.properties.len()).filter(|&at| names.contains(&self.properties[at].name.as_str()));

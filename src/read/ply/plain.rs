@@ -1,12 +1,12 @@
-//! Layouts that nearly every binary file has, read in runs: vertices of nothing but numbers, their places as `float`;
-//! faces that are one list of 32-bit indices after a byte.
+//! Layouts that nearly every binary file has, read in runs: vertices of nothing but numbers, their positions
+//! as `float`; faces that are one list of 32-bit indices after a byte.
 //!
-//! A run ends before the first item that is wrong or rare. That one is read as any other, which also finds the words
-//! for what is wrong with it.
+//! A run ends before the first item that is wrong or rare. That one is read as any other, which also finds
+//! the words for what is wrong with it.
 
 use super::header::{Element, Kind, Number};
 
-/// Where the coordinates stand among the bytes of a vertex.
+/// The offset of the coordinates among the bytes of a vertex.
 pub(super) struct Points {
     size: usize,
     axes: [usize; 3],

@@ -1,4 +1,4 @@
-//! The numbers behind the header, one after the other, whatever their encoding.
+//! The numbers after the header, in sequence, for every encoding.
 
 use std::io::{BufRead, ErrorKind};
 
@@ -17,12 +17,12 @@ pub(super) trait Values {
     /// An error at the current item.
     fn error(&self, problem: String) -> ReadError;
 
-    /// Bytes that come next, as many as are at hand, where numbers are stored lowest byte first; else none.
+    /// The buffered bytes that come next, if numbers are stored lowest byte first; otherwise none.
     fn at_hand(&mut self) -> &[u8] {
         &[]
     }
 
-    /// Passes over so many of the bytes at hand.
+    /// Skips this many of the buffered bytes.
     fn pass(&mut self, _bytes: usize) {}
 
     /// The next number, as the length of a list.
@@ -101,7 +101,7 @@ impl<R: BufRead> Values for Text<R> {
     }
 }
 
-/// Binary, in the one byte order or the other.
+/// Binary, in either byte order.
 pub(super) struct Binary<R, const BIG_ENDIAN: bool> {
     reader: R,
     position: u64,
@@ -110,7 +110,7 @@ pub(super) struct Binary<R, const BIG_ENDIAN: bool> {
 }
 
 impl<R: BufRead, const BIG_ENDIAN: bool> Binary<R, BIG_ENDIAN> {
-    /// The numbers from where `reader` stands, `position` bytes behind the file's beginning.
+    /// The numbers from the current position of `reader`, which is byte `position` of the file.
     pub(super) fn new(reader: R, position: u64) -> Self {
         Self { reader, position, element: String::new(), index: 0 }
     }

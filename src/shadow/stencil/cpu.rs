@@ -1,8 +1,9 @@
-//! Stencil counting on the processor: what a perfect rasterizer would count, from winding numbers.
+//! Stencil counting on the CPU: the counts of a perfect rasterizer, from winding numbers.
 //!
-//! A closed volume's winding number at a visible point is what z-fail counts there. z-pass counts the crossings between
-//! the near plane and the point instead: the difference of the winding numbers at the two ends of that segment. The two
-//! agree iff the near end is in no volume, which is what z-pass needs.
+//! The z-fail count at a visible point is the winding number of the closed volume there. The z-pass count is
+//! the number of crossings between the near plane and the point: the difference of the winding numbers at the
+//! two ends of this segment. The two counts agree iff the winding number at the near end is 0, which z-pass
+//! requires.
 
 use super::{ShellMethods, StencilMethod};
 use crate::caster::{Caster, CasterGroup};
@@ -12,18 +13,18 @@ use crate::shadow::volume::{Caps, ShadowVolume, WindingIndex};
 use crate::shadow::{Claim, Samples, Visibility};
 use crate::view::Projection;
 
-/// The casting faces of each caster, and their volumes as far as the camera does not matter.
+/// The casting faces of each caster, and the parts of their volumes that do not depend on the camera.
 #[derive(Debug)]
 pub(in crate::shadow) struct StencilCounting<'a> {
     casters: &'a CasterGroup<'a>,
     light: Light,
-    /// Counts every shell if it is asked for.
+    /// Counting method for every shell; `None` to choose shell by shell.
     asked: Option<StencilMethod>,
-    /// Per caster: the sign of each face, and the volume of all shells if one method counts them.
+    /// Per caster: the sign of each face, and the volume of all shells if a single method counts them.
     cast: Vec<(Vec<i8>, Option<ShadowVolume>)>,
 }
 
-/// A volume, and how it is counted.
+/// A volume with its counting method.
 struct Counted<'a> {
     index: WindingIndex<'a>,
     method: StencilMethod,
@@ -51,10 +52,11 @@ impl<'a> StencilCounting<'a> {
         self.cast.iter().map(bytes).sum()
     }
 
-    /// In shadow where any volume counts other than 0. Where a point lies on a volume the exact ray cast is asked.
+    /// Shades samples: a sample is in shadow if any volume's count is not 0. If a point lies on a volume, the
+    /// exact ray cast decides.
     pub(in crate::shadow) fn shade(&self, samples: &Samples) -> Visibility {
         let projection = samples.projection();
-        // 1. The volumes that depend on the camera: shell by shell, by the method that is chosen.
+        // 1. The volumes that depend on the camera: each shell is counted by the method chosen for it.
         let chosen: Vec<(StencilMethod, ShadowVolume)> = match self.asked {
             Some(_) => Vec::new(),
             None => (self.casters.casters().iter().zip(&self.cast))
@@ -63,7 +65,7 @@ impl<'a> StencilCounting<'a> {
         };
         let prepared = self.cast.iter().filter_map(|(_, volume)| Some((self.asked?, volume.as_ref()?)));
         let volumes = prepared.chain(chosen.iter().map(|(method, volume)| (*method, volume)));
-        // 2. An index of each over the box of everything that is asked about.
+        // 2. An index of each volume, over the bounding box of all end points.
         let points = samples.hits().iter().flatten().flat_map(|hit| [hit.point, near_end(projection, hit)]);
         let within = Aabb::around(points);
         let counted: Vec<Counted<'_>> = volumes
@@ -83,7 +85,7 @@ impl<'a> StencilCounting<'a> {
         })
     }
 
-    /// The closed volume of the shells that each method counts.
+    /// The closed volumes of the shells, one per counting method.
     fn by_method(
         &self,
         caster: &Caster,
@@ -101,7 +103,7 @@ impl<'a> StencilCounting<'a> {
 }
 
 impl Counted<'_> {
-    /// `None` if an end lies on the volume.
+    /// The stencil count of a hit; `None` if an end of the segment lies on the volume.
     fn count(&self, projection: &Projection, hit: &PrimaryHit) -> Option<i32> {
         let at = self.index.number(hit.point)?;
         match self.method {
@@ -111,11 +113,13 @@ impl Counted<'_> {
     }
 }
 
-/// Where the segment from the eye to a visible point meets the near plane, rounded.
+/// The intersection of the near plane and the segment from the eye to a visible point, rounded.
 fn near_end(projection: &Projection, hit: &PrimaryHit) -> [f32; 3] {
     let [eye, forward, point] = [projection.eye, projection.forward, hit.point].map(|p| p.map(f64::from));
+    let depth: f64 = (0..3).map(|i| (point[i] - eye[i]) * forward[i]).sum();
+    let eye =
+        if projection.is_orthographic() { [0, 1, 2].map(|i| point[i] - depth * forward[i]) } else { eye };
     let ray = [0, 1, 2].map(|i| point[i] - eye[i]);
-    let depth: f64 = (0..3).map(|i| ray[i] * forward[i]).sum();
     let share = (f64::from(projection.near) / depth).clamp(0.0, 1.0);
     [0, 1, 2].map(|i| (eye[i] + share * ray[i]) as f32)
 }

@@ -1,30 +1,31 @@
-//! How many casting faces a ray from the light can cross: a bound, before anything is drawn.
+//! Depth complexity seen from the light: an upper bound of the stencil counts, before anything is drawn.
 //!
-//! The stencil count of a visible point is the number of casting faces between it and the light. Eight bits hold 255:
-//! one more wraps to "lit". The count of all faces would nearly always forbid eight bits, so this looks at the faces
-//! as the light sees them: each has a rectangle of directions, rounded outwards, and a quadtree over the directions
-//! splits squares until fewer faces than the limit lie in each. What a ray crosses lies in the square of that ray.
+//! The stencil count of a visible point is the number of casting faces between the point and the light. Eight
+//! bits hold 255; a count of 256 wraps to "lit". The number of all faces is nearly always too large a bound,
+//! so the faces are tested as the light sees them. Each face has a rectangle of directions, rounded outwards.
+//! A quadtree over the directions splits squares until fewer faces than the limit lie in each square. All
+//! faces that a ray crosses lie in the square that contains the ray's direction.
 //!
-//! A [`View`] gives directions two coordinates. Seen from afar one view holds the whole mesh; a light near or inside
-//! the mesh takes the six sides of a cube around it. Around one vertex no split parts the faces: with hundreds of
-//! them the bound is larger than the truth.
+//! A [`View`] gives directions two coordinates. One view holds the whole mesh if the light is far away. A
+//! light near or inside the mesh takes the six sides of a cube around the light. No split separates the faces
+//! around one vertex, so with hundreds of such faces the bound is larger than the truth.
 
 use std::fmt;
 
 use crate::geom::{Aabb, Light};
 use crate::mesh::{FaceId, Mesh};
 
-/// How many casting faces a ray from the light may cross, against a limit.
+/// Bound of the number of casting faces that a ray from the light may cross, compared with a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthComplexity {
-    /// Proven: every ray crosses fewer faces than the limit, and not more than this.
+    /// Proven: every ray crosses fewer faces than the limit, and at most this number.
     Below(u32),
-    /// A ray may cross as many as the limit; none crosses more than this.
+    /// A ray may cross as many faces as the limit; no ray crosses more than this number.
     MayReach(u32),
 }
 
 impl DepthComplexity {
-    /// No ray crosses more faces than this.
+    /// The bound: no ray crosses more faces.
     #[must_use]
     pub fn at_most(self) -> u32 {
         match self {
@@ -39,7 +40,7 @@ impl DepthComplexity {
     }
 }
 
-/// In words.
+/// The bound as a sentence.
 impl fmt::Display for DepthComplexity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -49,29 +50,31 @@ impl fmt::Display for DepthComplexity {
     }
 }
 
-/// Bounds how many casting faces (those whose sign is not 0) any ray from `light` crosses; asked with the counts
-/// that a stencil has (256 for eight bits), [`DepthComplexity::Below`] means that it cannot wrap.
-/// `limit` is at least 1; 0 is taken as 1.
+/// Bounds the number of casting faces (faces whose sign is not 0) that any ray from `light` crosses. With a
+/// stencil's number of values as `limit` (256 for eight bits), [`DepthComplexity::Below`] means that the
+/// stencil cannot wrap. `limit` is at least 1; 0 is taken as 1.
 ///
-/// Not more is worked out than the limit takes: the bound is seldom tight. Linear time for surfaces, in the number of
-/// casting faces, and linear memory; where the search would take long it gives up, which may
-/// miss a proof but never invents one.
+/// The search stops as soon as the limit is decided, so the bound is rarely tight. Cost: linear time for
+/// surfaces, in the number of casting faces, and linear memory. A search that would take long gives up, which
+/// may miss a proof but never invents one.
 ///
-/// Memory: at its peak 125 bytes a face where the surface is one, at most 800.
+/// Memory: at most 125 bytes per face at its peak if the mesh is a surface, otherwise at most 800.
 ///
 /// # Panics
 ///
-/// Panics if there is not one sign a face.
+/// Panics if there is not one sign per face.
 ///
 /// ```
 /// use umbrage::facing::{CasterFaces, classify};
 /// use umbrage::geom::Light;
-/// use umbrage::testing::shapes;
+/// use umbrage::mesh::Mesh;
 /// use umbrage::shadow::stencil::max_depth_complexity;
+/// use umbrage::testing::shapes;
 /// let light = Light::point([9.0, 8.0, 7.0])?;
-/// let layers = |mesh| max_depth_complexity(&mesh, &CasterFaces::All.signs(&classify(&mesh, &light)), &light, 256);
-/// assert!(layers(shapes::icosphere(4)).is_below());
-/// assert!(!layers(shapes::nested_cubes(128)).is_below());
+/// let signs = |mesh: &Mesh| CasterFaces::All.signs(&classify(mesh, &light));
+/// let bound = |mesh: &Mesh| max_depth_complexity(mesh, &signs(mesh), &light, 256);
+/// assert!(bound(&shapes::icosphere(4)).is_below());
+/// assert!(!bound(&shapes::nested_cubes(128)).is_below());
 /// # Ok::<(), umbrage::geom::LightError>(())
 /// ```
 #[must_use]
@@ -91,35 +94,37 @@ pub fn max_depth_complexity(mesh: &Mesh, signs: &[i8], light: &Light, limit: u32
     search.reached.map_or(DepthComplexity::Below(search.below), DepthComplexity::MayReach)
 }
 
-/// More than all roundings of one coordinate, relative to its terms (see [`View`]): 2⁻⁴⁸, or 32 of them.
+/// Upper bound of all roundings of one coordinate, relative to its terms (see [`View`]): 2⁻⁴⁸, or 32
+/// roundings.
 const ERROR: f64 = 1.0 / (1_u64 << 48) as f64;
 
-/// Two coordinates for the rays of a light, the same for all points of one ray: with z the distance of a point p
-/// along an axis k, for the other two axes i,
+/// Two coordinates for the rays of a light, equal for all points of one ray. Let z be the distance of a point
+/// p along an axis k. Then for each of the other two axes i,
 ///
 /// `yᵢ = ((pᵢ − cᵢ) − rᵢ·(pₖ − cₖ)) / z`, z = ±(pₖ − Lₖ) for a point light, 1 for a directional one.
 ///
-/// For c = L and r = 0 that is the plain projection onto a side of a cube. A light far away has the middle of the mesh
-/// for c, and for r the slope of the ray through it, |rᵢ| ≤ 1: this shifts y by a constant, and what would cancel
-/// never arises. Seven roundings lead to y, each of at most ε = 2⁻⁵³ of `(|pᵢ − cᵢ| + |pₖ − cₖ|)/z`. Since r is itself
-/// rounded, off by 3ε at most, y is not quite the same along a ray, but changes by at most 3ε·|pₖ − cₖ|/z against its
-/// value in the plane of c. All together 10ε; [`ERROR`] is 32ε.
+/// With c = L and r = 0 this is the plain projection onto a side of a cube. For a light far away, c is the
+/// center of the mesh, and r is the slope of the ray through c, |rᵢ| ≤ 1. This choice shifts y by a constant,
+/// and avoids cancellation. Seven roundings lead to y, each of at most ε = 2⁻⁵³ of
+/// `(|pᵢ − cᵢ| + |pₖ − cₖ|)/z`. Since r is itself rounded, with an error of 3ε at most, y is not quite
+/// constant along a ray: y differs from its value in the plane of c by at most 3ε·|pₖ − cₖ|/z. The sum is
+/// 10ε; [`ERROR`] is 32ε.
 #[derive(Clone, Copy, Debug)]
 struct View {
-    /// k, then the other two.
+    /// Axis k, then the other two axes.
     axes: [usize; 3],
-    /// Which way along k.
+    /// Direction of the view along axis k: 1 or −1.
     sign: f64,
     pivot: [f64; 3],
     slope: [f64; 2],
-    /// Where z = 0; `None` for a directional light.
+    /// Coordinate Lₖ of a point light, where z = 0; `None` for a directional light.
     light: Option<f64>,
-    /// |yᵢ| up to this belongs to the view.
+    /// Bound of |yᵢ| for the points that belong to the view.
     window: f64,
 }
 
 impl View {
-    /// Views that hold all rays of `light` that meet the box.
+    /// The views that together hold all rays of `light` that meet the box.
     fn all(bounds: &Aabb, light: &Light) -> Vec<Self> {
         if bounds.is_empty() {
             return Vec::new();
@@ -139,7 +144,8 @@ impl View {
             window: f64::INFINITY,
         };
         let nearest = [bounds.low[k], bounds.high[k]].map(|x| far.depth(f64::from(x)));
-        // Any positive depth would do; a quarter keeps near faces from dwarfing the rest.
+        // Any positive depth would be correct. A quarter of the depth keeps near faces from dwarfing the
+        // rest.
         if nearest[0].min(nearest[1]) > 0.25 * if light.is_directional() { 1.0 } else { depth } {
             return vec![far];
         }
@@ -154,13 +160,13 @@ impl View {
         [0, 1, 2].into_iter().flat_map(|k| [(k, 1.0), (k, -1.0)]).map(side).collect()
     }
 
-    /// z of a point with the coordinate `x` on the axis; its sign is exact.
+    /// The distance z of a point whose coordinate on axis k is `x`. The sign of z is exact.
     #[inline]
     fn depth(&self, x: f64) -> f64 {
         self.light.map_or(1.0, |l| self.sign * (x - l))
     }
 
-    /// What a triangle looks like; `None` if the view holds none of its points.
+    /// The projection of a triangle; `None` if the view holds none of the triangle's points.
     #[inline]
     fn see(&self, corners: [[f32; 3]; 3]) -> Option<Seen> {
         let [k, ..] = self.axes;
@@ -182,7 +188,8 @@ impl View {
                     off[i] = off[i].max(error / z[c]);
                 }
             }
-            // Along an edge that leaves z > 0, y grows without bound, to the side where the edge passes z = 0.
+            // Along an edge that leaves z > 0, y grows without bound, towards the side on which the edge
+            // crosses z = 0.
             for (p, q) in [(0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2)] {
                 if z[p] > 0.0 && z[q] <= 0.0 {
                     let terms = [numerators[p] * -z[q], numerators[q] * z[p]];
@@ -204,21 +211,21 @@ impl View {
     }
 }
 
-/// A triangle as a view sees it.
+/// A triangle as projected by a view.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
-    /// Bounds `[low, high]` of both coordinates over all its points that the view holds.
+    /// Bounds `[low, high]` of both coordinates over all of the triangle's points that the view holds.
     rectangle: [[f64; 2]; 2],
-    /// Where its corners are; `None` if one of them is not in front of the light.
+    /// The projected corners; `None` if a corner is not in front of the light.
     corners: Option<[[f64; 2]; 3]>,
-    /// How far a corner may be off.
+    /// Bound of the corners' error, per coordinate.
     off: [f64; 2],
 }
 
-/// Bits of a grid coordinate; the depth of the tree.
+/// Bits per grid coordinate, and depth of the quadtree.
 const BITS: u32 = 16;
 
-/// A triangle on the grid.
+/// A triangle's rectangle on the grid.
 #[derive(Clone, Copy)]
 struct Cells {
     /// First and last column, first and last row.
@@ -226,27 +233,28 @@ struct Cells {
     seen: u32,
 }
 
-/// How a triangle lies on a square.
+/// Overlap of a triangle and a square.
 #[derive(PartialEq)]
 enum Overlap {
     None,
-    /// It may or may not have points in any part of the square.
+    /// The triangle may or may not have points in any part of the square.
     Some,
-    /// About all of it. (Only a guide: counting too much is safe.)
+    /// The triangle covers about all of the square. (This only guides the search: overcounting is safe.)
     All,
 }
 
-/// The square's middle, and half its side in both coordinates, slightly widened.
+/// Center of a square and half its side, in both coordinates, slightly enlarged.
 struct Place {
     middle: [f64; 2],
     half: [f64; 2],
 }
 
 impl Seen {
-    /// `None` is certain: the line of an edge has the triangle on one side and the square on the other.
+    /// Overlap of the triangle and a square. `None` is certain: the line of an edge separates the triangle
+    /// from the square.
     ///
-    /// The square is widened by what the corners may be off; then they count as exact. Of the values that
-    /// are compared none errs by more than 16 roundings of its terms; [`ERROR`] is 32.
+    /// The square is enlarged by the error bound of the corners; then the corners count as exact. No compared
+    /// value has an error of more than 16 roundings of its terms; [`ERROR`] is 32 roundings.
     fn overlap(&self, place: &Place) -> Overlap {
         let Some(corners) = self.corners else { return Overlap::All };
         let half = [place.half[0] + self.off[0], place.half[1] + self.off[1]];
@@ -270,37 +278,38 @@ impl Seen {
     }
 }
 
-/// The search through one view after another.
+/// The quadtree search, through one view after another.
 struct Search {
     limit: u32,
-    /// The most faces in a square with fewer than `limit`.
+    /// The highest face count of a square with fewer faces than `limit`.
     below: u32,
-    /// The most that a square may hold, once one could not be brought below `limit`.
+    /// The highest face count of a square that could not be brought below `limit`; `None` without such a
+    /// square.
     reached: Option<u32>,
 }
 
-/// A square of 2^`bits` cells a side, whose children before `child` are done.
+/// A square of 2^`bits` cells per side. Its children before `child` are done.
 struct Square {
     x: u32,
     y: u32,
     bits: u32,
-    /// How many faces cover all of it.
+    /// Number of faces that cover the whole square.
     covering: u32,
-    /// Where the others stand in the list.
+    /// Range `start..end` of the other faces in the list.
     start: usize,
     end: usize,
     child: u32,
 }
 
 impl Square {
-    /// The most faces that a ray through it can cross.
+    /// Upper bound of the number of faces that a ray through the square can cross.
     fn count(&self) -> u32 {
         self.covering + (self.end - self.start) as u32
     }
 }
 
 impl Search {
-    /// Depth first, with one list that grows and shrinks: a square's faces stand behind its parent's.
+    /// Depth-first search of one view. A single list serves as a stack: a square's faces follow its parent's.
     fn view(&mut self, seen: &[Seen]) {
         let grid = Grid::over(seen);
         let mut list = grid.cells(seen);
@@ -333,7 +342,7 @@ impl Search {
                 for k in to..list.len() {
                     let cells = list[k];
                     let [x0, x1, y0, y1] = cells.bounds.map(u32::from);
-                    // Most are small and lie well inside: nothing to look at.
+                    // Most triangles are small and lie well inside the square: no test is needed.
                     let inside = x <= x0 && x1 <= x + last && y <= y0 && y1 <= y + last;
                     let covers = x0 <= x && x + last <= x1 && y0 <= y && y + last <= y1;
                     match if inside { Overlap::Some } else { seen[cells.seen as usize].overlap(&place) } {
@@ -353,7 +362,7 @@ impl Search {
                 None => list.truncate(to),
             }
             let Some(rest) = work.checked_sub(to - from) else {
-                // Nothing is known of what is left but how many faces it may hold.
+                // Out of work: the remaining squares are bounded by their face counts.
                 self.reached = self.reached.max(squares.iter().map(Square::count).max());
                 return;
             };
@@ -361,7 +370,7 @@ impl Search {
         }
     }
 
-    /// Decides what it can of a square; gives it back if it must be split.
+    /// Closes a square if its bound is decided, or returns the square to be split.
     fn open(&mut self, square: Square) -> Option<Square> {
         let count = square.count();
         if count < self.limit {
@@ -371,7 +380,7 @@ impl Search {
         if self.reached.is_some_and(|most| count <= most) {
             return None;
         }
-        // Where so many cover the square, no split brings it below the limit.
+        // If at least `limit` faces cover the square, no split brings the count below the limit.
         if square.covering >= self.limit || square.bits == 0 {
             self.reached = Some(count);
             return None;
@@ -380,13 +389,13 @@ impl Search {
     }
 }
 
-/// 2^[`BITS`] columns and rows over all rectangles.
+/// A grid of 2^[`BITS`] columns and rows over all rectangles.
 ///
-/// A place and the bounds around it go through one monotonous function, rounding and all: what lies between two
-/// bounds lies in a cell from the first to the last.
+/// A coordinate and the bounds around it pass through the same monotonic function, rounding included. So a
+/// coordinate between two bounds falls into a cell between the bounds' cells.
 struct Grid {
     low: [f64; 2],
-    /// Cells a unit.
+    /// Cells per unit.
     scale: [f64; 2],
 }
 
@@ -411,13 +420,14 @@ impl Grid {
         seen.iter().enumerate().map(cells).collect()
     }
 
-    /// Where all places of a square's cells lie: an eighth of a cell wider than it, which is far more than the
-    /// roundings of a number of 16 bits and of a place on a grid that is not finer than `f64`.
+    /// A region that contains all coordinates of a square's cells. It extends an eighth of a cell beyond the
+    /// square on each side, far more than the rounding of a 16-bit number and of a coordinate on a grid that
+    /// is not finer than `f64`.
     fn place(&self, square: &Square) -> Place {
         let side = f64::from(1_u32 << square.bits);
         let corner = [square.x, square.y].map(f64::from);
         let middle = [0, 1].map(|i| self.low[i] + (corner[i] + 0.5 * side) / self.scale[i]);
-        // `low` may outweigh a cell: then its own rounding counts.
+        // `low` may be much larger than a cell: then the rounding of `low` dominates.
         let half = [0, 1]
             .map(|i| (0.5 * side + 0.125) / self.scale[i] + ERROR * (self.low[i].abs() + middle[i].abs()));
         Place { middle, half }

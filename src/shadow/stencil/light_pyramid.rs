@@ -1,57 +1,61 @@
-//! A proof that no volume of a set of points reaches the near rectangle of a camera, rounding included.
+//! Light pyramid test: a proof that no volume of a set of points reaches the near rectangle of a camera,
+//! rounding included.
 //!
 //! The volume of a face is the set of non-negative combinations of its corners `v` and of the same corners at
-//! infinity, `v·w − L`. It misses the near rectangle if a linear function of clip coordinates is positive at the
-//! rectangle's corners and negative at all of those points: a plane between them. (Such a plane exists iff the points
-//! do not meet the convex hull of the light and the rectangle, the light itself left out.) The sum of
-//! such volumes over many faces has winding number 0 all over the rectangle, and z-pass counts right.
+//! infinity, `v·w − L`. The volume misses the near rectangle if a plane separates the two: a linear function
+//! of clip coordinates that is positive at the rectangle's corners and negative at all of the volume's
+//! points. (Such a plane exists iff the points do not meet the convex hull of the light and the rectangle,
+//! with the light itself excluded.) Then the sum of such volumes over many faces has winding number 0 all
+//! over the rectangle, and z-pass counts correctly.
 //!
-//! # What rounding may do
+//! # Effect of rounding
 //!
-//! What counts is the volume that is drawn. A shader forms `q = p − w·eye` and three sums of three products with the
-//! rows of the [`Projection`]; depth is `near·w`, which is exact. So a clip coordinate is off by at most
-//! `n·2⁻²³·Σ|rowᵢ·qᵢ|`, where n counts the roundings on the way (WGSL may round either way, 2⁻²³ each): one in a
-//! vertex at infinity, one in q, one in a product, two in the sums; and three more (a weight, a product, a sum)
-//! where a primitive is clipped and a new vertex interpolated, which is a combination of the old ones. That is
-//! 8·2⁻²³ = 2⁻²⁰; [`ERROR`] is twice that, and pays for products of errors and for the `f64` of this file. Numbers
-//! below 2⁻¹²⁶ may be flushed to zero: [`FLUSH`] for each operand, product and sum. From [`LARGEST`] on a coordinate
-//! might leave `f32`, and nothing is claimed.
+//! The proof must hold for the volume as drawn. A shader computes `q = p − w·eye` and three sums of three
+//! products with the rows of the [`Projection`]; depth is `near·w`, which is exact. So a clip coordinate has
+//! an error of at most `n·2⁻²³·Σ|rowᵢ·qᵢ|`, where n is the number of roundings (WGSL may round in either
+//! direction, 2⁻²³ each). There is one rounding in a vertex at infinity, one in q, one in a product, two in
+//! the sums. Three more (a weight, a product, a sum) occur where a primitive is clipped: the new vertex is
+//! interpolated, as a combination of the old ones. The total is 8·2⁻²³ = 2⁻²⁰. [`ERROR`] is twice this total,
+//! which also covers products of errors and the `f64` arithmetic of this file. Numbers below 2⁻¹²⁶ may be
+//! flushed to zero: [`FLUSH`] for each operand, product and sum. From [`LARGEST`] on a coordinate might leave
+//! `f32`, and nothing is claimed.
 //!
-//! A point with these bounds is a box in clip space. The function must have its sign all over the box: since all
-//! fragments of the drawn volume are combinations of points in such boxes, none of them is on the near rectangle.
-//! The rectangle gets boxes of the same relative size, which moves its sides by a few thousandths of a pixel.
+//! A point with these bounds is a box in clip space. The function must have its sign all over the box. All
+//! fragments of the drawn volume are combinations of points in such boxes, so none of the fragments lies on
+//! the near rectangle. The rectangle's corners get boxes of the same relative size, which moves the
+//! rectangle's sides by a few thousandths of a pixel.
 
 use glam::{DVec3, DVec4};
 
 use crate::geom::Light;
 use crate::view::Projection;
 
-/// Relative to the sum of a coordinate's products: see the head of this file.
+/// Error of a clip coordinate, relative to the sum of its products: see the head of this file.
 const ERROR: f64 = 1.0 / (1 << 19) as f64;
-/// The smallest normal `f32`, 2⁻¹²⁶.
+/// Error of flushing to zero: the smallest normal `f32`, 2⁻¹²⁶.
 const FLUSH: f64 = f32::MIN_POSITIVE as f64;
-/// Half of what `f32` can hold, 2¹²⁶: no sum of products below it can overflow.
+/// Limit of the products' sums, 2¹²⁶: half of the range of `f32`, so no smaller sum can overflow.
 const LARGEST: f64 = 1.0 / FLUSH;
 
-/// How many planes the search tries before a gap counts as none.
+/// Iterations of the search for a separating plane; after the last one no gap is assumed.
 const TRIES: usize = 64;
 
-/// The most points a query has: the rectangle's corners, and eight corners of a box twice.
+/// Maximum number of points per query: the rectangle's four corners, and twice the eight corners of a box.
 const MOST: usize = 4 + 2 * 8;
 
-/// A camera and a light, ready for [`LightPyramid::misses`]: the points between which a caster would do harm.
+/// A camera and a light, ready for [`LightPyramid::misses`]. A caster in the pyramid may spoil z-pass.
 #[derive(Clone, Debug)]
 pub(super) struct LightPyramid {
     eye: DVec3,
     rows: [DVec3; 3],
     near: f64,
     light: Light,
-    /// The plane that parted the last points: the first to try for the next.
+    /// The last separating plane: the first to try for the next query.
     plane: DVec4,
 }
 
-/// A point of clip space `(x, y, w, near·homogeneous w)`, and how far each coordinate may be off. A parting plane is
-/// positive all over it: points of a caster stand here with their sign turned.
+/// A point of clip space `(x, y, w, near·homogeneous w)` with an error bound per coordinate. A separating
+/// plane must be positive all over this box: the points of a caster are stored with their sign flipped.
 #[derive(Clone, Copy, Default)]
 struct Boxed {
     at: DVec4,
@@ -59,19 +63,19 @@ struct Boxed {
 }
 
 impl Boxed {
-    /// The same direction at a length near 1: only signs count, and no point shall outweigh the others.
+    /// The box scaled to a length near 1: only signs matter, and no point should outweigh the others.
     fn unit(at: DVec4, by: DVec4) -> Self {
         let scale = (at.length() + by.length()).recip();
         Self { at: at * scale, by: by * scale }
     }
 
-    /// The least value of the linear function on the box.
+    /// The minimum of a linear function on the box.
     #[inline]
     fn least(&self, plane: DVec4) -> f64 {
         plane.dot(self.at) - plane.abs().dot(self.by)
     }
 
-    /// The corner where it has that value.
+    /// The corner of the box where the linear function is minimal.
     fn corner(&self, plane: DVec4) -> DVec4 {
         self.at - plane.signum() * self.by
     }
@@ -83,19 +87,22 @@ impl LightPyramid {
         Self {
             eye: wide(projection.eye),
             rows: [projection.right, projection.up, projection.forward].map(wide),
-            near: f64::from(projection.near),
+            // The proof is about a perspective eye: without one nothing is claimed.
+            near: if projection.is_orthographic() { f64::NAN } else { f64::from(projection.near) },
             light: *light,
-            plane: DVec4::new(0.0, 0.0, -1.0, 1.5), // parts the rectangle from what is well in front of it
+            // Separates the rectangle from everything well in front of it.
+            plane: DVec4::new(0.0, 0.0, -1.0, 1.5),
         }
     }
 
-    /// Whether the volume of the convex hull of `points` (eight at most) surely misses the near rectangle. No false
-    /// "yes".
+    /// Whether the volume of the convex hull of `points` (eight at most) certainly misses the near rectangle.
+    /// True is never wrong; false may be.
     ///
-    /// The plane that parted the points before is tried first; then those through a side or corner of the
-    /// rectangle, at a few angles; then a search by Gilbert's iteration (Elmer G. Gilbert, *An Iterative Procedure for Computing
-    /// the Minimum of a Quadratic Form on a Convex Set*, 1966): from a plane's normal towards the point that is least
-    /// in front of it, as far as makes it shortest. The first plane that has all points in front is proof enough.
+    /// First the plane that separated the last points is tried. Then planes through a side or corner of the
+    /// rectangle, at a few angles. Then a search by Gilbert's iteration (Elmer G. Gilbert, *An Iterative
+    /// Procedure for Computing the Minimum of a Quadratic Form on a Convex Set*, 1966): the plane's normal
+    /// moves towards the point on which its function is least, up to the shortest vector on this segment. The
+    /// first plane that is positive on all points is a sufficient proof.
     pub(super) fn misses(&mut self, points: &[[f32; 3]]) -> bool {
         let mut all = [Boxed::default(); MOST];
         let Some(count) = self.gather(points, &mut all) else { return false };
@@ -124,15 +131,15 @@ impl LightPyramid {
             let step = plane - worst.1.corner(plane);
             let length = step.length_squared();
             if length == 0.0 {
-                return false; // the origin itself: nothing parts them
+                return false; // the hull contains the origin: no plane separates
             }
             plane -= step * (plane.dot(step) / length).clamp(0.0, 1.0);
         }
         false
     }
 
-    /// All points that a plane must have in front: the rectangle's corners, and those of the caster and its
-    /// extrusion with their sign turned. `None` where `f32` might not hold one of them.
+    /// All points on which a plane must be positive: the rectangle's corners, and the points of the caster
+    /// and of its extrusion with their sign flipped. `None` if `f32` might not hold one of the points.
     fn gather(&self, points: &[[f32; 3]], all: &mut [Boxed; MOST]) -> Option<usize> {
         if !(self.near > 0.0 && self.near < LARGEST) {
             return None;
@@ -152,7 +159,7 @@ impl LightPyramid {
         for point in points {
             let p = DVec3::from(point.map(f64::from));
             add(self.boxed(p - self.eye, self.near)?);
-            // A corner that is the light extrudes to the null vector, exactly: no point at all.
+            // A corner exactly at the light extrudes to the null vector, which is no point at all.
             if !self.light.is_directional() && p != light {
                 add(self.boxed(p - light, 0.0)?);
             }
@@ -164,7 +171,7 @@ impl LightPyramid {
         let [x, y, w] = self.rows.map(|row| row.dot(q));
         let lengths = self.rows.map(|row| row.abs().dot(q.abs()));
         if !lengths.iter().all(|&length| length < LARGEST) {
-            return None; // a NaN ends here too
+            return None; // also for NaN
         }
         let operands = q.abs().element_sum() + 8.0;
         let [by_x, by_y, by_w] =
@@ -174,16 +181,17 @@ impl LightPyramid {
     }
 }
 
-/// How far planes through a corner lean from the side that they belong to: none for a plane through the side itself.
-/// A small lean serves a light in line with that side; larger ones, casters that are off aslant.
+/// Tilts of the planes through a corner, relative to the plane through a side; 0 is the plane through the
+/// side itself. A small tilt serves a light in line with this side. Large tilts serve casters that lie
+/// diagonally off the rectangle.
 const LEANS: [f64; 9] = [0.0, 0.00390625, -0.00390625, 0.0625, -0.0625, 0.25, -0.25, 1.0, -1.0];
 
-/// Planes through a side or a corner of the rectangle that have all of `points` in front, one for each side, lean and
-/// way of tilt where there is one.
+/// Planes through a side or a corner of the rectangle that are positive on all of `points`: at most one per
+/// side, lean and direction of tilt.
 ///
-/// With the lean given, all of them are `side + t·depth`, where `side` vanishes on a plane through the eye and `depth`
-/// on the near plane. A point in front of both `side` and `±depth` by so much is in front of their sum by no less:
-/// each bounds |t| from one end.
+/// For a given lean, all these planes are `side + t·depth`. The function `side` vanishes on a plane through
+/// the eye, `depth` on the near plane. The minimum of the sum on a box is at least the sum of the two minima.
+/// So each point bounds t from one end.
 fn all_through_sides(points: &[Boxed]) -> impl Iterator<Item = DVec4> {
     let leaning = |lean: f64| {
         [(1.0, lean), (-1.0, lean), (lean, 1.0), (lean, -1.0)]
@@ -204,7 +212,7 @@ fn all_through_sides(points: &[Boxed]) -> impl Iterator<Item = DVec4> {
             }
         }
         let t = if high < f64::INFINITY { 0.5 * (low + high) } else { 2.0 * low + 1.0 };
-        // Off the side by a little more than what the rectangle's corners may be off.
+        // Moves the plane off the side by slightly more than the error bound of the rectangle's corners.
         let off = DVec4::new(0.0, 0.0, 0.0, 16.0 * ERROR * (1.0 + t));
         (low < high).then_some(side + t * tilt + off)
     })

@@ -1,17 +1,27 @@
-//! The result of a stencil pass: a count for each pixel.
+//! Shadow mask: the result of a stencil pass, one count per pixel.
 
 use crate::view::Size;
 
-/// How a pixel's count was kept.
+/// Storage of the counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counting {
-    /// In eight bits of a stencil: right modulo 256.
+    /// Eight stencil bits: counts are correct modulo 256.
     Stencil,
-    /// In 32 bits of memory.
+    /// 32-bit integers in a buffer.
     Integer,
 }
 
-/// How many volumes of one light the visible point of each pixel is in.
+/// Number of volumes of one light that contain the visible point, per pixel.
+///
+/// ```
+/// use umbrage::shadow::stencil::{Counting, ShadowMask};
+/// use umbrage::view::Size;
+///
+/// let size = Size::new(2, 1).unwrap();
+/// let mask = ShadowMask::new(size, Counting::Integer, vec![1, 0], vec![true, false]);
+/// assert_eq!(mask.count(0, 0), Some(1)); // in shadow
+/// assert_eq!(mask.count(1, 0), None); // sky
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShadowMask {
     size: Size,
@@ -21,36 +31,37 @@ pub struct ShadowMask {
 }
 
 impl ShadowMask {
-    /// A mask from counts and from whether a pixel has anything to receive a shadow: row after row from the top. A pass
-    /// of this crate makes them; so may any other renderer that wants to be judged.
+    /// A mask from counts, and from flags that say whether a pixel shows a receiver: row by row from the top.
+    /// The stencil pass of this crate makes such masks. Any other renderer may make one to be compared with
+    /// the ray cast ([`compare`](crate::verify::pixels::compare)).
     ///
     /// # Panics
     ///
-    /// Panics if there is not one entry of each a pixel.
+    /// Panics if there is not one count and one flag per pixel.
     #[must_use]
     pub fn new(size: Size, counting: Counting, counts: Vec<i32>, receiver: Vec<bool>) -> Self {
         assert!(counts.len() == size.pixels() && receiver.len() == size.pixels(), "one entry a pixel");
         Self { size, counting, counts, receiver }
     }
 
-    /// How many pixels there are.
+    /// Width and height in pixels.
     #[must_use]
     pub fn size(&self) -> Size {
         self.size
     }
 
-    /// How the counts were kept.
+    /// Storage of the counts.
     #[must_use]
     pub fn counting(&self) -> Counting {
         self.counting
     }
 
-    /// The count of a pixel, from the upper left corner: in shadow where it is not 0. `None` where nothing receives a
-    /// shadow, the sky.
+    /// The count of a pixel, in columns from the left and rows from the top: the pixel is in shadow if the
+    /// count is not 0. `None` for sky, where there is no receiver.
     ///
     /// # Panics
     ///
-    /// Panics if there is no such pixel.
+    /// Panics if the pixel lies outside of the mask.
     #[inline]
     #[must_use]
     pub fn count(&self, x: u32, y: u32) -> Option<i32> {
@@ -59,7 +70,7 @@ impl ShadowMask {
         self.receiver[place].then(|| self.counts[place])
     }
 
-    /// Every pixel's count before the sky is masked, row after row from the top.
+    /// The count of every pixel, sky included, row by row from the top.
     #[must_use]
     pub fn raw(&self) -> &[i32] {
         &self.counts

@@ -1,10 +1,11 @@
-//! z-pass or z-fail, for every shell and light, with the reason.
+//! Choice between z-pass and z-fail, per shell and light, with its reason.
 //!
-//! z-pass counts are exact iff the near rectangle of the camera is in no volume and is cut by none: iff no caster
-//! meets the convex hull of the light and the rectangle (for a directional light, the prism that starts at the
-//! rectangle). Everything else is z-fail. (The rule: Samuel Hornus, Jared Hoberock, Sylvain Lefebvre, John C. Hart,
-//! *ZP+: Correct Z-pass Stencil Shadows*, 2005, section 2.) The proof stands in `apart.rs` and errs on the safe
-//! side alone: a shell that nearly touches the hull is drawn with z-fail, which is right as well and only costs time.
+//! z-pass counts are exact iff the near rectangle of the camera is in no volume and is cut by none. This
+//! holds iff no caster meets the convex hull of the light and the rectangle (for a directional light, the
+//! prism that starts at the rectangle). In all other cases z-fail is chosen. (The rule: Samuel Hornus, Jared
+//! Hoberock, Sylvain Lefebvre, John C. Hart, *ZP+: Correct Z-pass Stencil Shadows*, 2005, section 2.) The
+//! proof is in `light_pyramid.rs`. The proof errs on the safe side only: a shell that nearly touches the hull
+//! is drawn with z-fail, which is also correct and only costs time.
 
 use super::StencilMethod;
 use super::light_pyramid::LightPyramid;
@@ -15,16 +16,16 @@ use crate::mesh::Mesh;
 use crate::topology::Shells;
 use crate::view::Projection;
 
-/// How each shell is counted, for one light and one camera.
+/// Counting methods of all shells, for one light and one camera.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShellMethods {
-    /// One choice a shell, in the order of the shells.
+    /// One choice per shell, in shell order.
     pub choices: Vec<Choice<StencilMethod>>,
 }
 
 impl ShellMethods {
-    /// Chooses for every shell. For many lights or frames on one mesh, prepare [`ShellBoxes`] once and use
-    /// [`ShellBoxes::choose`].
+    /// Chooses a method for every shell. For many lights or frames on one mesh, build [`ShellBoxes`] once and
+    /// use [`ShellBoxes::choose`].
     ///
     /// # Panics
     ///
@@ -32,14 +33,15 @@ impl ShellMethods {
     ///
     /// ```
     /// use umbrage::geom::Light;
-    /// use umbrage::view::Projection;
+    /// use umbrage::view::{Projection, ProjectionKind};
     /// use umbrage::shadow::stencil::{ShellMethods, StencilMethod};
     /// use umbrage::testing::shapes;
     /// use umbrage::topology::Topology;
     /// let cube = shapes::cube();
     /// let shells = Topology::of(&cube).shells();
     /// let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
-    /// let camera = Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1 };
+    /// let kind = ProjectionKind::InfinitePerspective;
+    /// let camera = Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1, kind };
     /// let beside = ShellMethods::choose(&cube, &shells, &camera, &"point:0,9,5".parse()?, None);
     /// assert_eq!(beside.choices[0].what, StencilMethod::ZPass);
     /// let behind = ShellMethods::choose(&cube, &shells, &camera, &"point:0,0,-5".parse()?, None);
@@ -60,7 +62,7 @@ impl ShellMethods {
         }
     }
 
-    /// One method, as asked for, for each of `count` shells.
+    /// The same method for each of `count` shells, as requested.
     pub(crate) fn all(method: StencilMethod, count: usize) -> Self {
         let why = match method {
             StencilMethod::ZPass => Reason::ZPassAsked,
@@ -69,7 +71,7 @@ impl ShellMethods {
         Self { choices: vec![Choice::new(method, why); count] }
     }
 
-    /// The casting signs of the shells that `method` counts; 0 for all other faces.
+    /// The casting signs of the shells counted by `method`; 0 for all other faces.
     ///
     /// # Panics
     ///
@@ -83,18 +85,18 @@ impl ShellMethods {
         shells.of_face.iter().zip(signs).map(sign).collect()
     }
 
-    /// How many shells each method has.
+    /// Number of shells counted by `method`.
     #[must_use]
     pub fn count(&self, method: StencilMethod) -> usize {
         self.choices.iter().filter(|choice| choice.what == method).count()
     }
 
-    /// For a person: how many shells each method has, and why. Empty without shells.
+    /// Summary for people: the number of shells per method, and the reason. Without shells: "nothing casts".
     #[must_use]
     pub fn summary(&self) -> String {
         let lines = [StencilMethod::ZPass, StencilMethod::ZFail].into_iter().filter_map(|method| {
             let count = self.count(method);
-            // All shells of one method have one reason.
+            // All shells of one method have the same reason.
             let choice = self.choices.iter().find(|choice| choice.what == method)?;
             let shells = if count == 1 { "shell" } else { "shells" };
             Some(format!("{} for {count} {shells}: {choice}", method.name()))
@@ -105,11 +107,12 @@ impl ShellMethods {
 }
 
 impl ShellBoxes {
-    /// Chooses for every shell: z-pass where it is proven to count right, z-fail elsewhere. `mesh` is that of
-    /// [`ShellBoxes::new`].
+    /// Chooses a method for every shell: z-pass if proven to count correctly, otherwise z-fail. `mesh` must
+    /// be the mesh given to [`ShellBoxes::new`].
     ///
-    /// A fraction of a microsecond for a shell whose box is out of the way; for others as much a block, and
-    /// a face of those blocks, until one is found that may be in the way.
+    /// Cost: a fraction of a microsecond for a shell whose box misses the light pyramid. For other shells the
+    /// same per block of faces, and per face of blocks that do not miss the pyramid, until a face is found
+    /// that may meet the pyramid.
     ///
     /// # Panics
     ///
@@ -142,7 +145,7 @@ impl ShellBoxes {
     }
 }
 
-/// The eight corners of a box. What misses them misses all in it.
+/// The eight corners of a box. The convex hull of the corners contains the contents of the box.
 fn corners(bounds: &Aabb) -> [[f32; 3]; 8] {
     std::array::from_fn(|k| {
         std::array::from_fn(|i| if k >> i & 1 == 0 { bounds.low[i] } else { bounds.high[i] })

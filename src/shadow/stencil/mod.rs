@@ -1,8 +1,8 @@
-//! The stencil pass: counting a shadow volume's faces along the way of every pixel.
+//! Stencil shadow volumes: the faces of a volume are counted along the view ray of every pixel.
 //!
-//! What is decided before anything is drawn stands here, and needs no graphics device: [`ShellMethods`] chooses z-pass
-//! or z-fail for every shell and says why, and [`max_depth_complexity`] bounds the counts, so that one that would not fit the
-//! stencil is known beforehand.
+//! This module holds the decisions that come before drawing and need no graphics device. [`ShellMethods`]
+//! chooses z-pass or z-fail for every shell, with a reason. [`max_depth_complexity`] bounds the counts, so
+//! that an overflow of the stencil is known in advance.
 
 mod cpu;
 mod depth_complexity;
@@ -25,18 +25,18 @@ pub use method::ShellMethods;
 pub use volumes::GpuStencilVolumes;
 pub use volumes::StencilVolumes;
 
-/// Which faces of a shadow volume the stencil counts at a pixel.
+/// Method of stencil counting: which faces of a shadow volume are counted at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StencilMethod {
-    /// Those in front of the visible surface: no caps, but wrong if the near rectangle of the camera is in a volume
-    /// or is cut by one.
+    /// Counts the faces in front of the visible surface. Needs no caps, but is wrong if the near rectangle of
+    /// the camera is in a volume or is cut by one.
     ZPass,
-    /// Those behind it (also known as depth-fail): right wherever the camera is, and needs both caps.
+    /// Counts the faces behind the visible surface (depth-fail). Correct for any camera, but needs both caps.
     ZFail,
 }
 
 impl StencilMethod {
-    /// Both.
+    /// Both methods.
     pub const ALL: [Self; 2] = [Self::ZPass, Self::ZFail];
 
     /// Lower-case name, as on the command line and in reports.

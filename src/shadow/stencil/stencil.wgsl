@@ -1,10 +1,11 @@
-// Receivers and shadow volumes without vertex buffers. One invocation a corner, looked up by its number, where triangles
-// have a depth of their own; else one a vertex that corners share, drawn with the triangles as indices.
-// Twin: gpu/frame.rs,
-// whose struct Frame this one mirrors; the exact counterpart of the counts is compare.rs.
+// Receivers and shadow volumes, drawn without vertex buffers. Where triangles have a depth of their own,
+// there is one invocation per corner, looked up by its index. Otherwise there is one invocation per shared
+// vertex, drawn with the triangles as indices. Twin: `Frame` below mirrors the struct in gpu/uniforms.rs. The
+// exact reference of the counts is verify/pixels.
 //
-// The struct holds everything scaled by a power of two, which is exact: lengths by `scale` so that the mesh is about
-// as large as 1, and whatever only its direction matters of (the light, vertices at infinity) by `light_scale`.
+// All values in `Frame` are scaled by powers of two, which is exact. Lengths are scaled by `scale`, so that
+// the mesh has a size of about 1. Values of which only the direction matters (the light, vertices at
+// infinity) are scaled by `light_scale`.
 
 struct Frame {
     right: vec3f,
@@ -13,8 +14,8 @@ struct Frame {
     near: f32,
     forward: vec3f,
     light_scale: f32,
-    // The direction of the ray through (x, y) in normalized device coordinates is
-    // ray_right·x + ray_up·y + ray_forward, at depth 1.
+    // The direction of the ray through (x, y) in normalized device coordinates is ray_right·x + ray_up·y +
+    // ray_forward, at depth 1.
     ray_right: vec3f,
     vertex_count: u32,
     ray_up: vec3f,
@@ -30,25 +31,25 @@ struct Frame {
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<storage, read> vertices: array<f32>;
 @group(0) @binding(2) var<storage, read> triangles: array<u32>;
-// Unit normals of the receivers' faces; zero where there is none.
+// Unit normals of the receivers' faces; zero for a face without a normal.
 @group(0) @binding(3) var<storage, read> normals: array<f32>;
 
 struct Corner {
     @invariant @builtin(position) clip: vec4f,
-    // Depth as a linear function of x, y, 1 in normalized device coordinates.
+    // Depth as a linear function of (x, y, 1) in normalized device coordinates.
     @location(0) @interpolate(flat) depth: vec3f,
-    // The receiver's face.
+    // The receiver's face index.
     @location(1) @interpolate(flat) face: u32,
 }
 
 // A corner of a side of a volume.
 struct Side {
     @invariant @builtin(position) clip: vec4f,
-    // As a receiver's.
+    // Depth, as for a receiver.
     @location(0) @interpolate(flat) depth: vec3f,
-    // Where the side ends: its edge, and the lines on which the edge's two ends are extruded, as functions of x, y, 1 in
-    // normalized device coordinates, which are 0 there and rise by 1 a unit towards the side; zero for one that is seen
-    // end-on.
+    // The lines where the side ends: its edge, and the lines along which the edge's two ends are extruded.
+    // Each is a linear function of (x, y, 1) in normalized device coordinates: 0 on the line, rising by 1 per
+    // unit towards the side. Zero for a line that is seen end-on.
     @location(1) @interpolate(flat) edge: vec3f,
     @location(2) @interpolate(flat) end_a: vec3f,
     @location(3) @interpolate(flat) end_b: vec3f,
@@ -62,8 +63,8 @@ fn project(q: vec3f, w: f32) -> vec4f {
     return vec4f(dot(frame.right, q), dot(frame.up, q), frame.near * w, dot(frame.forward, q));
 }
 
-// The depth near/t at which rays meet the plane through `place` (from the eye) with `normal`; 0, at infinity, where
-// the eye is in the plane and it covers nothing.
+// The depth near/t at which rays meet the plane through `place` (relative to the eye) with `normal`. If the
+// eye lies in the plane, the plane covers no pixel, and the depth is 0, at infinity.
 fn plane_depth(normal: vec3f, place: vec3f) -> vec3f {
     let distance = dot(normal, place);
     if distance == 0.0 { return vec3f(0.0); }
@@ -79,7 +80,7 @@ fn depth_at(position: vec2f, depth: vec3f) -> f32 {
     return clamp(dot(depth, vec3f(normalized(position), 1.0)), 0.0, 1.0);
 }
 
-// Flat values are those of a triangle's first corner; the others need none.
+// Flat values come from a triangle's first corner; the other corners need none.
 @vertex
 fn receiver(@builtin(vertex_index) index: u32) -> Corner {
     let face = index / 3u;
@@ -89,13 +90,14 @@ fn receiver(@builtin(vertex_index) index: u32) -> Corner {
     return Corner(project(q, 1.0), plane_depth(normal, q), face);
 }
 
-// A vertex of receivers, for triangles that share it: no depth is asked of it but its own.
+// A vertex of the receivers, for triangles that share vertices: no depth is needed except the interpolated
+// one.
 @vertex
 fn receiver_vertex(@builtin(vertex_index) id: u32) -> Corner {
     return Corner(project(vertex(id) * frame.scale - frame.eye, 1.0), vec3f(0.0), 0u);
 }
 
-// Which vertex of the caster an id stands for, finite or not.
+// The vertex of the caster that a volume vertex belongs to, finite or at infinity.
 fn base(id: u32) -> u32 {
     return select(id, id - frame.vertex_count, id >= frame.vertex_count);
 }
@@ -104,7 +106,7 @@ fn is_direction(id: u32) -> bool {
     return frame.light_w == 0.0 && id >= frame.vertex_count;
 }
 
-// Bit patterns in the order of their numbers: subnormal ones may be flushed where floats are compared.
+// Bit patterns in numerical order. Comparing floats directly might flush subnormal numbers.
 fn ordered(v: vec3f) -> vec3i {
     let bits = bitcast<vec3i>(v);
     return bits ^ ((bits >> vec3u(31u)) & vec3i(0x7fffffff));
@@ -118,13 +120,14 @@ fn less(v: vec3f, w: vec3f) -> bool {
     return a.z < b.z;
 }
 
-// The same direction with a largest component of 1, so that products of several keep their digits.
+// The same direction, scaled to a largest component of 1, so that products of several directions keep their
+// digits.
 fn direction(v: vec3f) -> vec3f {
     let largest = max(max(abs(v.x), abs(v.y)), abs(v.z));
     return select(v / largest, vec3f(0.0), largest == 0.0);
 }
 
-// From the light to a vertex, or the way a directional light travels.
+// The direction from the light to a vertex, or the travel direction of a directional light.
 fn away(v: vec3f) -> vec3f {
     return v * (frame.light_scale * frame.light_w) - frame.light;
 }
@@ -133,20 +136,21 @@ fn volume_clip(id: u32) -> vec4f {
     let v = vertex(base(id));
     if id >= frame.vertex_count {
         let far = away(v);
-        // A vertex exactly at the light has no direction: as long as all agree on where it goes instead, nothing
-        // opens, and what it adds has no area.
+        // A vertex exactly at the light has no direction. Such a vertex stays in position for all triangles,
+        // so nothing opens, and the triangles added have no area.
         if any(far != vec3f(0.0)) { return project(far, 0.0); }
     }
     return project(v * frame.scale - frame.eye, 1.0);
 }
 
-// The line from `v` along a direction, as seen, rising towards `inside`, a direction too.
+// The projected line from `v` along a direction, rising towards `inside`, which is a direction too.
 //
-// A side is the sums of `a`, `b` and, at infinity, away(a) and away(b), with positive weights. away(b) is away(a) plus a
-// multiple, not negative, of b - a: so of those four, two are on the line and two are not, and these are both on the side
-// of `inside`. What of the side is before the eye is seen there then, even if `a` and `b` are behind the eye.
+// A side consists of the sums of `a`, `b` and, at infinity, away(a) and away(b), with positive weights.
+// away(b) is away(a) plus a non-negative multiple of b - a. So two of these four lie on the line; the other
+// two do not, and both of those lie on the side of `inside`. Hence the part of the volume's side in front of
+// the eye appears on this side of the line, even if `a` and `b` are behind the eye.
 fn line(v: vec3f, along: vec3f, inside: vec3f) -> vec3f {
-    // The plane of the line and the eye.
+    // Normal of the plane through the line and the eye.
     let normal = cross(direction(v * frame.scale - frame.eye), direction(along));
     let seen = vec3f(dot(normal, frame.ray_right), dot(normal, frame.ray_up), dot(normal, frame.ray_forward));
     let steepness = length(seen.xy);
@@ -154,21 +158,21 @@ fn line(v: vec3f, along: vec3f, inside: vec3f) -> vec3f {
     return seen * (sign(dot(normal, direction(inside))) / steepness);
 }
 
-// A corner of a volume. Its depth is that of the plane through the light and the silhouette edge, from the edge itself:
-// interpolating from a clipped corner to infinity would lose digits.
+// A corner of a volume. Its depth is that of the plane through the light and the silhouette edge, computed
+// from the edge itself. Interpolating from a clipped corner to infinity would lose digits.
 @vertex
 fn volume(@builtin(vertex_index) index: u32) -> Side {
     let none = vec3f(0.0);
     if index % 3u != 0u { return Side(volume_clip(triangles[index]), none, none, none, none); }
     let ids = vec3u(triangles[index], triangles[index + 1u], triangles[index + 2u]);
-    // The ends of the edge: the two vertices that the triangle is made of, as they are or extruded. A directional
-    // light's one point at infinity is of neither.
+    // The ends of the edge: the two vertices that the triangle's corners belong to, finite or extruded. The
+    // single point at infinity of a directional light belongs to neither.
     let one = select(ids.x, ids.y, is_direction(ids.x));
     var other = ids.z;
     if is_direction(ids.z) || base(ids.z) == base(one) { other = ids.y; }
     var a = vertex(base(one));
     var b = vertex(base(other));
-    // The same order for every side on these two places, whatever their numbers.
+    // The same order for every side on these two positions, whatever the vertex indices.
     if less(b, a) {
         let swapped = a;
         a = b;
@@ -182,7 +186,8 @@ fn volume(@builtin(vertex_index) index: u32) -> Side {
     return Side(volume_clip(ids.x), depth, line(a, edge, away(a)), end_a, end_b);
 }
 
-// A vertex of a volume, finite or not, for triangles that share it: no depth is asked of it but its own.
+// A vertex of a volume, finite or not, for triangles that share vertices: no depth is needed except the
+// interpolated one.
 @vertex
 fn volume_vertex(@builtin(vertex_index) id: u32) -> Corner {
     return Corner(volume_clip(id), vec3f(0.0), 0u);
@@ -193,9 +198,10 @@ fn plane(corner: Corner) -> @builtin(frag_depth) f32 {
     return depth_at(corner.clip.xy, corner.depth);
 }
 
-// A rasterizer rounds corners to 1/256 pixel, and so may cover a pixel that is just beyond a line where the side ends.
-// There the plane of a side that is seen nearly edge-on is far in front of the side, or behind it: so the depth is that
-// of the nearest place of the side. No farther than 1/128 pixel: a line that is seen nearly end-on is not well known.
+// Depth of a side, clamped to the side's boundary. A rasterizer rounds corners to 1/256 pixel, and so may
+// cover a pixel just beyond a line where the side ends. There the plane of a side that is seen nearly edge-on
+// lies far in front of the side, or far behind. So the depth is that of the nearest point of the side, at
+// most 1/128 pixel away: a line that is seen nearly end-on is not known precisely.
 fn side_depth(side: Side) -> f32 {
     let most = 1.0 / (64.0 * max(frame.width, frame.height));
     var p = normalized(side.clip.xy);
@@ -210,7 +216,7 @@ fn side_plane(side: Side) -> @builtin(frag_depth) f32 {
     return side_depth(side);
 }
 
-// Counting in whole numbers, for scenes that could overflow the stencil.
+// Integer counting in a buffer, for scenes that could overflow the stencil.
 
 @group(0) @binding(4) var<storage, read_write> counts: array<atomic<i32>>;
 @group(0) @binding(5) var receiver_depth: texture_depth_2d;

@@ -1,4 +1,4 @@
-//! From a caster and a light to volumes that are ready to be counted, with the reason for every choice.
+//! Shadow volumes of a caster, ready for stencil counting, with the reason for every choice.
 
 use super::{Counting, DepthComplexity, ShellMethods, StencilMethod, max_depth_complexity};
 use crate::caster::Caster;
@@ -7,39 +7,41 @@ use crate::geom::Light;
 use crate::shadow::volume::{Caps, ShadowVolume, ShellFaces};
 use crate::view::Projection;
 
-/// What a mesh casts from one light, for one camera.
+/// The shadow volumes of a mesh for one light and one camera.
 #[derive(Clone, Debug)]
 pub struct StencilVolumes {
-    /// The sign that each face casts with: one entry a face.
+    /// The casting sign of each face: one entry per face.
     pub signs: Vec<i8>,
-    /// Which faces cast, shell by shell.
+    /// The choice of casting faces, per shell.
     pub faces: ShellFaces,
-    /// How they are counted, shell by shell.
+    /// The choice of counting method, per shell.
     pub methods: ShellMethods,
-    /// How many casting faces a ray from the light can cross.
+    /// Bound of the number of casting faces that a ray from the light can cross.
     pub layers: DepthComplexity,
-    /// The volumes: one for the shells that z-pass is right for, without caps, one with caps for the others. A method
-    /// without shells has none.
+    /// The volumes: one without caps for the z-pass shells, one with both caps for the z-fail shells. A
+    /// method without shells has no volume.
     pub volumes: Vec<(StencilMethod, ShadowVolume)>,
 }
 
-/// One more than eight bits can hold.
+/// Number of values of an eight-bit stencil: counts below this number cannot wrap.
 const STENCIL_LIMIT: u32 = 256;
 
 impl Caster {
-    /// Decides which faces cast from `light` and how each shell is counted by a camera, and makes the volumes.
+    /// Chooses the casting faces for `light` and the counting method of each shell for a camera, and builds
+    /// the volumes.
     ///
-    /// `faces` and `method` are used as they are if they are asked for, proven or not. Without `faces` half of them cast
-    /// where that is proven to be enough, which takes [`Caster::proofs`]; without `method` z-pass counts the shells
-    /// that it is proven right for.
+    /// `faces` and `method`, if given, are used as they are, proven or not. Without `faces`, half of a
+    /// shell's faces cast if this is proven to be enough, which requires [`Caster::proofs`]. Without
+    /// `method`, z-pass counts the shells for which z-pass is proven correct.
     ///
     /// ```
     /// use umbrage::caster::Caster;
     /// use umbrage::shadow::stencil::StencilMethod;
     /// use umbrage::testing::shapes;
-    /// use umbrage::view::Projection;
+    /// use umbrage::view::{Projection, ProjectionKind};
     /// let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
-    /// let camera = Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1 };
+    /// let kind = ProjectionKind::InfinitePerspective;
+    /// let camera = Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1, kind };
     /// let caster = Caster::new(shapes::cube());
     /// let shadow = caster.stencil_volumes(&"point:0,9,5".parse()?, &camera, None, None);
     /// assert_eq!(shadow.methods.choices[0].what, StencilMethod::ZPass);
@@ -68,7 +70,7 @@ impl Caster {
         StencilVolumes { signs, faces, methods, layers, volumes }
     }
 
-    /// The volume of those shells that are counted by one method.
+    /// The volume of the shells counted by one method.
     fn counted_volume(
         &self,
         light: &Light,
@@ -86,7 +88,22 @@ impl Caster {
 }
 
 impl StencilVolumes {
-    /// How the counts must be kept: in the stencil's eight bits wherever it is proven that they hold them.
+    /// The storage that the counts need: the stencil's eight bits if the counts are proven to fit, otherwise
+    /// integers.
+    ///
+    /// ```
+    /// use umbrage::caster::Caster;
+    /// use umbrage::shadow::stencil::Counting;
+    /// use umbrage::testing::shapes;
+    /// use umbrage::view::Projection;
+    ///
+    /// let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
+    /// let camera = Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1 };
+    /// let cube = Caster::new(shapes::cube());
+    /// let shadow = cube.stencil_volumes(&"point:0,9,5".parse()?, &camera, None, None);
+    /// assert_eq!(shadow.counting(), Counting::Stencil); // a ray crosses at most 12 faces
+    /// # Ok::<(), umbrage::geom::LightError>(())
+    /// ```
     #[must_use]
     pub fn counting(&self) -> Counting {
         if self.layers.is_below() { Counting::Stencil } else { Counting::Integer }
@@ -101,7 +118,7 @@ mod on_device {
     use crate::shadow::stencil::StencilMethod;
     use crate::shadow::volume::GpuVolume;
 
-    /// The volumes of a [`StencilVolumes`] on the device.
+    /// Device copy of the volumes of a [`StencilVolumes`].
     #[derive(Clone, Debug)]
     pub struct GpuStencilVolumes {
         volumes: Vec<(StencilMethod, GpuVolume)>,
@@ -112,7 +129,7 @@ mod on_device {
         ///
         /// # Errors
         ///
-        /// As [`GpuVolume::upload`].
+        /// Those of [`GpuVolume::upload`].
         pub fn upload(&self, gpu: &Gpu) -> Result<GpuStencilVolumes, GpuError> {
             let upload = |(method, volume): &(_, _)| Ok((*method, GpuVolume::upload(gpu, volume)?));
             Ok(GpuStencilVolumes { volumes: self.volumes.iter().map(upload).collect::<Result<_, _>>()? })
@@ -120,7 +137,7 @@ mod on_device {
     }
 
     impl GpuStencilVolumes {
-        /// What a stencil pass draws.
+        /// The draw calls of a stencil pass.
         #[must_use]
         pub fn draws(&self) -> Vec<Draw<'_>> {
             self.volumes.iter().map(|(method, volume)| Draw { volume, method: *method }).collect()

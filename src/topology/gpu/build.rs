@@ -1,7 +1,8 @@
-//! The edge table by compute shaders: two stable sorts of the half-edges, then prefix sums. Twin: `../build.rs`.
+//! The edge table by compute shaders: two stable radix sorts of the half-edges, then prefix sums. Twin:
+//! `../build.rs`.
 //!
-//! A counting sort by vertex and a small sort for each, as on the host, would hang on one vertex of a million
-//! faces; the radix sort costs the same whatever the mesh is.
+//! A counting sort by vertex and a small sort per vertex, as on the host, would hang on one vertex of a
+//! million faces; the radix sort costs the same for every mesh.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -9,7 +10,7 @@ use super::GpuTopology;
 use crate::gpu::{Gpu, GpuError, Kernel, Pairs, Scan, Shader, Sort, wgpu};
 use crate::mesh::MAX_TRIANGLES;
 
-/// Compiled shaders that build edge tables on the device, any number of them.
+/// Compiled shaders that build edge tables on the device.
 #[derive(Clone, Debug)]
 pub struct GpuTopologyBuilder {
     list: Kernel,
@@ -20,7 +21,7 @@ pub struct GpuTopologyBuilder {
     scan: Scan,
 }
 
-/// What the shader calls by the same name.
+/// Twin of the shader's struct of the same name.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Size {
@@ -28,7 +29,7 @@ pub(super) struct Size {
     pub(super) vertices: u32,
 }
 
-/// What the shader calls by the same name, and the count that the prefix sum leaves.
+/// Twin of the shader's struct of the same name, and the count that the prefix sum leaves.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Found {
@@ -59,18 +60,18 @@ impl GpuTopologyBuilder {
         })
     }
 
-    /// Builds the edge table of the first `face_count` triangles of a buffer, `array<u32>`, three corners each, with
-    /// usage `STORAGE`. The result shares that buffer; its other buffers are of exact size.
+    /// Builds the edge table of the first `face_count` triangles of a buffer, `array<u32>`, three corners
+    /// each, with usage `STORAGE`. The result shares that buffer; its other buffers are of exact size.
     ///
-    /// Linear time: the half-edges, 16 bytes each on their way, are moved once for every six bits of the vertex
-    /// count, and again. Needs some 60 bytes a triangle of the device besides the result for a while. Waits once for
-    /// the device, to read three words: how many edges and entries there are, and whether an index was bad.
+    /// Linear time: the half-edges, 16 bytes each while they are sorted, are moved twice per six bits of the
+    /// vertex count. Device memory: about 60 bytes per triangle besides the result, for that time. Waits once
+    /// for the device, to read three words: the numbers of edges and entries, and whether an index was bad.
     ///
     /// # Errors
     ///
-    /// [`GpuError::BadIndex`] if a corner is not below `vertex_count`; [`GpuError::TooSmall`] if `triangles` holds
-    /// fewer than `face_count`; [`GpuError::TooLarge`] if a buffer exceeds the device's limits, or the faces
-    /// [`MAX_TRIANGLES`]; [`GpuError::OutOfMemory`]; [`GpuError::Lost`].
+    /// [`GpuError::BadIndex`] if a corner is not below `vertex_count`; [`GpuError::TooSmall`] if `triangles`
+    /// holds fewer than `face_count`; [`GpuError::TooLarge`] if a buffer exceeds the device's limits, or the
+    /// faces [`MAX_TRIANGLES`]; [`GpuError::OutOfMemory`]; [`GpuError::Lost`].
     pub fn build(
         &self,
         gpu: &Gpu,
@@ -87,7 +88,8 @@ impl GpuTopologyBuilder {
         Ok(GpuTopology { offsets, entries, edge_count, face_count, vertex_count, triangles })
     }
 
-    /// Offsets, entries and edge count of the first so many half-edges, sorted by so many bits of their vertices.
+    /// Offsets, entries and edge count of the first `half_edges` half-edges, sorted by the lowest `bits` bits
+    /// of their vertices.
     pub(super) fn build_by(
         &self,
         gpu: &Gpu,
@@ -147,7 +149,7 @@ impl GpuTopologyBuilder {
     }
 }
 
-/// Refuses what does not fit: no shader reads beyond a buffer, but then its result would be another mesh's.
+/// Refuses what does not fit: no shader reads beyond a buffer, but its result would be that of another mesh.
 fn check_size(gpu: &Gpu, triangles: &wgpu::Buffer, face_count: u32) -> Result<(), GpuError> {
     let what = "triangles";
     let (bytes, needed) = (triangles.size(), 12 * u64::from(face_count));

@@ -1,4 +1,4 @@
-//! The edge table in buffers of a graphics device: copied there, or built there.
+//! The edge table in buffers of a graphics device, copied there or built there.
 
 mod build;
 #[cfg(test)]
@@ -9,25 +9,25 @@ pub use build::GpuTopologyBuilder;
 use super::Topology;
 use crate::gpu::{Gpu, GpuError, wgpu};
 
-/// An edge table on the device, the same words as a [`Topology`] holds.
+/// An edge table on the device, bit-equal to that of a [`Topology`].
 ///
-/// Edges are numbered in the order of their vertices `(a, b)`, `a < b`. The entries of edge `e` are those from
-/// `offsets[e]` up to `offsets[e + 1]`. An entry is a half-edge, `entry >> 1`, and its direction, `entry & 1`: 0
-/// from the edge's smaller vertex to its larger, 1 back. They ascend within an edge. Half-edge `h` is corner `h` of
-/// the triangle list: of face `h / 3`, leaving vertex `triangles[h]`.
+/// Edges are numbered in the order of their vertices `(a, b)`, `a < b`. The entries of edge `e` are those
+/// from `offsets[e]` up to `offsets[e + 1]`, ascending. An entry is a half-edge, `entry >> 1`, and its
+/// direction, `entry & 1`: 0 from the edge's lower- to its higher-numbered vertex, 1 back. Half-edge `h` is
+/// corner `h` of the triangle list: of face `h / 3`, starting at vertex `triangles[h]`.
 #[derive(Clone, Debug)]
 pub struct GpuTopology {
     /// `array<u32>`, one more than there are edges.
     pub offsets: wgpu::Buffer,
-    /// `array<u32>`, three for each face that has not collapsed. Four bytes of no meaning if there is none.
+    /// `array<u32>`, three per face that has not collapsed. Four unspecified bytes if there is none.
     pub entries: wgpu::Buffer,
-    /// How many edges there are.
+    /// The number of edges.
     pub edge_count: u32,
-    /// How many faces there are, collapsed ones included.
+    /// The number of faces, collapsed ones included.
     pub face_count: u32,
-    /// How many vertices there are, used or not.
+    /// The number of vertices, used or not.
     pub vertex_count: u32,
-    /// `array<u32>`, three a face.
+    /// `array<u32>`, three per face.
     pub triangles: wgpu::Buffer,
 }
 
@@ -49,8 +49,8 @@ impl GpuTopology {
         })
     }
 
-    /// Builds the edge table of triangles that are on the device already, the same bits as [`Topology::build`] and
-    /// [`GpuTopology::upload`] give. Compiles its shaders first: keep a [`GpuTopologyBuilder`] to build often.
+    /// The edge table of triangles that are on the device already, bit-equal to that of [`Topology::build`]
+    /// and [`GpuTopology::upload`]. Compiles its shaders first: keep a [`GpuTopologyBuilder`] to build often.
     ///
     /// # Errors
     ///

@@ -1,30 +1,37 @@
-//! What a rasterizer may do: the footprint of a pixel, within which a count may differ from the exact one.
+//! The footprint of a pixel: the tolerance of a rasterizer, within which its count may differ from the exact
+//! one.
 //!
-//! A mismatch is *grazing* only if the exact count changes within the pixel's own footprint: the visible surface at most
-//! a step sideways, and what lies within the depth bound of it along the ray. That is looked for at some 260 places, and
-//! at the outline where the visible surface ends between two of them; too few places can only call more mismatches real.
+//! A mismatch is *grazing* only if the exact count changes within the pixel's own footprint. The footprint is
+//! the visible surface at most one step sideways, and everything within the depth bound of this surface along
+//! the ray. The search samples some 260 positions, and the outline where the visible surface ends between two
+//! of them. Too few positions can only call more mismatches real.
 //!
-//! - **Sideways**: vertices are snapped to 1/256 pixel (the sub-pixel precision of all common rasterizers). Their clip
-//!   coordinates err by at most 4.5u of the products' magnitudes in each of two dot products (u = 2⁻²³: the difference to
-//!   the eye, the row's own rounding, a product, two sums), and the oracle's ray by u of its length. With the longer of
-//!   the rows, `s`, and the ray through a corner of the picture, `c`, that is less than `8u·(1 + s)·c` of half the
-//!   picture's longer side. So the step is `1/256 + 4u·(1 + s)·c·max(width, height)` pixels; only for a view of a few
-//!   degrees is the second term the larger one.
+//! - **Sideways**: vertices are snapped to 1/256 pixel (the sub-pixel precision of all common rasterizers).
+//!   Their clip coordinates err by at most 4.5u of the products' magnitudes in each of two dot products (u =
+//!   2⁻²³: the difference to the eye, the row's own rounding, a product, two sums). The oracle's ray errs by
+//!   u of its length. Let `s` be the length of the longer row, and `c` the length of the ray through a corner
+//!   of the picture. Then the error is less than `8u·(1 + s)·c` of half the picture's longer side. So the
+//!   step is `1/256 + 4u·(1 + s)·c·max(width, height)` pixels. The second term dominates only for a field of
+//!   view of a few degrees.
 //! - **Along the ray**: the error of two depths computed from planes. A depth is `near·(n·r)/(n·a)` with the
-//!   plane's normal `n`, the ray `r`, and `a` from the eye to a corner: 10u of `|n||r|/|n·r|` for the numerator (three
-//!   rounded coefficients and three sums), 5u of `|n||a|/|n·a|` for the denominator, in all 16u of `D/h` with the
-//!   larger distance `D` of the face's first corner, to which the shader anchors its plane, and of the point itself, and the eye's distance `h` from the plane. Where the
-//!   two planes are far from parallel, a step sideways changes their distance by more than that; where they are not,
-//!   `h` is the same for both. So the bound is `32u·D/h` of the depth.
+//!   plane's normal `n`, the ray `r`, and `a` from the eye to a corner. The numerator errs by 10u of
+//!   `|n||r|/|n·r|` (three rounded coefficients and three sums), the denominator by 5u of `|n||a|/|n·a|`. Let
+//!   `h` be the eye's distance from the plane. Let `D` be the larger of two distances from the eye: that of
+//!   the face's first corner, to which the shader anchors its plane, and that of the point itself. Then the
+//!   error is in all 16u of `D/h`. Where the two planes are far from parallel, a step sideways changes the
+//!   distance between the planes by more than this error. Where the planes are nearly parallel, `h` is the
+//!   same for both. So the bound is `32u·D/h` of the depth.
 //!
-//!   That takes a side's depth for one of a place of the side, at most a step from the ray. A pixel may be covered just
-//!   beyond the side's silhouette edge, or beyond the line below a vertex where two sides meet, and there the plane of one
-//!   that is seen nearly edge-on is anywhere: the shader moves such a pixel back to the line.
+//!   This bound takes the depth of a side of the volume at a point of the side, at most one step from the
+//!   ray. A pixel may be covered just beyond the side's silhouette edge, or beyond the line below a vertex
+//!   where two sides meet. There the plane of a side that is seen nearly edge-on may have any depth. The
+//!   shader moves such a pixel back to the line.
 //!
-//!   Not in the bound: the side of an edge nearly in line with the light, whose plane is less exact. Such a mismatch is
-//!   called real.
+//!   Not in the bound: the side of an edge nearly in line with the light, whose plane is less exact. Such a
+//!   mismatch is called real.
 //!
-//! Anything wider would forgive cracks of one pixel. Within a footprint where the exact count changes any count passes.
+//! Anything wider would forgive cracks of one pixel. Where the exact count changes within a footprint, any
+//! count passes.
 
 use glam::{DVec2, DVec3};
 
@@ -35,31 +42,32 @@ use crate::mesh::FaceId;
 use crate::view::Projection;
 use crate::view::Size;
 
-/// Eight places a whole step away.
+/// Eight offsets of one whole step, on the rim of the square from −1 to 1.
 const RIM: [[f64; 2]; 8] =
     [[-1.0, -1.0], [0.0, -1.0], [1.0, -1.0], [-1.0, 0.0], [1.0, 0.0], [-1.0, 1.0], [0.0, 1.0], [1.0, 1.0]];
 
-/// Places spread evenly over the square from −1 to 1 (the additive recurrence of the plastic number: Martin Roberts,
-/// *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018).
+/// 256 offsets spread evenly over the square from −1 to 1, by the additive recurrence of the plastic number
+/// (Martin Roberts, *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018).
 fn inside_the_square() -> impl Iterator<Item = [f64; 2]> {
     const PLASTIC: f64 = 1.324_717_957_244_746;
     (1..=256).map(|i| [PLASTIC, PLASTIC * PLASTIC].map(|base| 2.0 * (f64::from(i) / base).fract() - 1.0))
 }
 
-/// How far sideways the footprint of a pixel reaches, in pixels.
+/// Sideways reach of a pixel's footprint, in pixels.
 pub(super) fn step(projection: &Projection, size: Size) -> f64 {
     const U: f64 = f32::EPSILON as f64;
     let length = |row: [f32; 3]| DVec3::from(row.map(f64::from)).length();
     let rows = 1.0 + length(projection.right).max(length(projection.up));
-    let corner = projection.ray(DVec2::ONE).length();
+    let corners = [DVec2::ONE, DVec2::NEG_ONE, DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0)];
+    let corner = corners.map(|corner| projection.ray(corner).length()).into_iter().fold(0.0, f64::max);
     1.0 / 256.0 + 4.0 * U * rows * corner * f64::from(size.width().max(size.height()))
 }
 
 impl Pixels<'_> {
-    /// Whether the exact count changes within one step of the place.
+    /// Whether the exact count changes within one step of `place`, a position in the picture.
     pub(super) fn changes_sideways(&self, here: &Seen, place: [f64; 2], thorough: bool) -> bool {
         let surfaces = self.surfaces(here, place);
-        // The rim first: that is where most of it shows.
+        // The rim comes first: most changes are found there.
         let inside = inside_the_square().take(if thorough { usize::MAX } else { 0 });
         RIM.into_iter().chain(inside).map(|at| self.beside(place, at)).any(|beside| {
             let Some(there) = self.look(beside) else { return true };
@@ -71,23 +79,25 @@ impl Pixels<'_> {
         })
     }
 
-    /// Whether within one step of a place there is sky where a surface is seen, or a surface where sky is.
+    /// Whether the outline of the mesh passes within one step of `place`: sky beside a surface, or a surface
+    /// beside sky.
     pub(super) fn is_at_outline(&self, surface: bool, place: [f64; 2]) -> bool {
         let mut places = RIM.into_iter().chain(inside_the_square()).map(|at| self.beside(place, at));
         places.any(|beside| self.look(beside).is_some() != surface)
     }
 
-    /// The place that is so many steps away.
+    /// The position `[x, y]` steps away from `place`.
     fn beside(&self, place: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
         [place[0] + self.step * x, place[1] + self.step * y]
     }
 
-    /// Whether between two places, where a surface ends, the volume begins or ends: at a silhouette edge, both sides of
-    /// which may well count the same, but for a strip too thin to be hit by chance.
+    /// Whether the volume begins or ends where a surface ends between two positions. This happens at a
+    /// silhouette edge: both of its sides may well count the same, except for a strip too thin for a sample
+    /// to hit.
     fn changes_on_the_way(&self, here: &Seen, surfaces: &[FaceId], [from, to]: [[f64; 2]; 2]) -> bool {
         let between = |s: f64| [0, 1].map(|i| from[i] + s * (to[i] - from[i]));
         let (mut same, mut other) = (0.0_f64, 1.0_f64);
-        // To a 2⁻²⁴th of the step.
+        // Bisection down to 2⁻²⁴ of the step.
         for _ in 0..24 {
             let middle = 0.5 * (same + other);
             match self.look(between(middle)) {
@@ -100,15 +110,16 @@ impl Pixels<'_> {
         all(same) || all(other)
     }
 
-    /// Whether the volume begins or ends within the bound of two depths, at a side. Caps are behind the visible surface
-    /// by definition.
+    /// Whether a side of the volume begins or ends within the depth bound along the ray. Caps need no test:
+    /// they lie behind the visible surface by definition.
     pub(super) fn changes_along_the_ray(&self, seen: &Seen, place: [f64; 2]) -> bool {
         let bound = self.depth_bound(seen, place);
         let [p, q] = [-bound, bound].map(|part| self.along(seen, place, part));
         if p.iter().chain(&q).any(|x| !x.is_finite()) {
             return false;
         }
-        // The triangle of both points and the light is nowhere farther from the way from one of them than the other is.
+        // In the triangle of both points and the light, no point is farther from the segment `p`–light than
+        // `q` is.
         let wide = |p: [f32; 3]| DVec3::from(p.map(f64::from));
         let reach = (2.0 * wide(p).distance(wide(q))) as f32;
         let way = Segment::to_light(p, self.rendered.light);
@@ -127,7 +138,7 @@ impl Pixels<'_> {
         found
     }
 
-    /// The visible surface, and all others within the bound of two depths.
+    /// The visible surface, and all other faces within the depth bound.
     fn surfaces(&self, seen: &Seen, place: [f64; 2]) -> Vec<FaceId> {
         let mut faces = vec![seen.visible.face];
         let bound = self.depth_bound(seen, place);
@@ -141,7 +152,7 @@ impl Pixels<'_> {
         faces
     }
 
-    /// The bound of two depths, relative to that of the visible point.
+    /// The error bound of two depths, relative to the depth of the visible point.
     fn depth_bound(&self, seen: &Seen, place: [f64; 2]) -> f64 {
         const U: f64 = f32::EPSILON as f64;
         let wide = |p: [f32; 3]| DVec3::from(p.map(f64::from));
@@ -153,15 +164,16 @@ impl Pixels<'_> {
         (32.0 * U * farthest / height).min(0.5) // also for a height of 0
     }
 
-    /// The point on the ray that is by `part` of its depth behind the visible one, or before it.
+    /// The point on the ray whose depth is that of the visible point times 1 + `part`.
     fn along(&self, seen: &Seen, place: [f64; 2], part: f64) -> [f32; 3] {
         let eye = DVec3::from(self.rendered.projection.eye.map(f64::from));
         (eye + (1.0 + part) * seen.visible.t * self.ray(place)).as_vec3().into()
     }
 }
 
-/// Whether what an edge sweeps away from the light meets the segment between two points: whether the edge itself meets the
-/// triangle of the segment and the light. An edge in the plane of that triangle does not count.
+/// Whether the side that the light extrudes from an edge meets the segment between two points. Equivalently:
+/// whether the edge meets the triangle of the segment and the light. An edge in the plane of this triangle
+/// does not count.
 fn is_swept(edge: [[f32; 3]; 2], [p, q]: [Homogeneous; 2], light: Homogeneous) -> bool {
     let [a, b] = edge.map(Homogeneous::point);
     let sides = [orient3d_homogeneous([p, q, light, a]), orient3d_homogeneous([p, q, light, b])];

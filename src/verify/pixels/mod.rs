@@ -1,14 +1,14 @@
-//! The stencil pass against the exact oracle, pixel by pixel: the last word.
+//! Comparison of a stencil pass with the exact oracle, pixel by pixel.
 //!
-//! For each pixel the visible point comes from a ray through the pixel's middle, not from a depth buffer, and the
-//! casting faces between it and the light are counted exactly. A stencil count that differs is then explained, or
-//! real.
+//! For each pixel the visible point comes from a ray through the pixel's center, not from a depth buffer. The
+//! casting faces between this point and the light are counted exactly. A stencil count that differs is either
+//! explained or real.
 
 mod counts;
 mod footprint;
 mod recenter;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 pub use counts::PixelCounts;
 use footprint::step;
@@ -22,36 +22,35 @@ use crate::oracle::{Intersection, Oracle, PrimaryHit};
 use crate::parallel;
 use crate::shadow::stencil::{Counting, ShadowMask};
 use crate::silhouette::{Silhouette, SilhouetteEdge};
-use crate::view::Projection;
-use crate::view::Size;
+use crate::view::{Projection, Rays, Size};
 
-/// What is said of one pixel.
+/// Outcome of the comparison at one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum PixelVerdict {
-    /// Neither sees anything there.
+    /// Neither the oracle nor the stencil pass sees a surface there.
     #[default]
     Sky,
     /// Both count 0.
     Lit,
-    /// Both count the same, not 0.
+    /// Both count the same number, not 0.
     Shadowed,
-    /// They differ, and the exact count changes within the pixel's footprint.
+    /// The counts differ, and the exact count changes within the pixel's footprint.
     Grazing,
-    /// They differ, and a face whose side was left to `f32` is between the point and the light.
+    /// The counts differ, and a face whose side was left to `f32` lies between the point and the light.
     Unsure,
-    /// They differ by a multiple of 256: the stencil has wrapped.
+    /// The counts differ by a multiple of 256: the stencil buffer has wrapped.
     Overflow,
-    /// They differ, and nothing explains it.
+    /// The counts differ, and nothing explains the difference.
     Real,
 }
 
 impl PixelVerdict {
-    /// All of them.
+    /// All verdicts, from harmless to real.
     pub const ALL: [Self; 7] =
         [Self::Sky, Self::Lit, Self::Shadowed, Self::Grazing, Self::Unsure, Self::Overflow, Self::Real];
 
-    /// Lower-case name, as in reports.
+    /// Lower-case name, as printed in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -69,70 +68,102 @@ impl PixelVerdict {
 /// A pixel whose stencil count nothing explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mismatch {
-    /// From the left.
+    /// Column, from the left.
     pub x: u32,
-    /// From the top.
+    /// Row, from the top.
     pub y: u32,
-    /// What the oracle sees there.
+    /// The point that the oracle sees there; `None` for sky.
     pub point: Option<[f32; 3]>,
-    /// How many casting faces are between that point and the light.
+    /// Number of casting faces between this point and the light; `None` for sky.
     pub exact: Option<u32>,
-    /// What the stencil counted; `None` for sky.
+    /// The stencil count; `None` for sky.
     pub counted: Option<i32>,
 }
 
-/// All pixels of a picture, judged.
+/// Verdicts for all pixels of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// How many pixels there are.
+    /// Width and height of the picture.
     pub size: Size,
-    /// Row after row from the top.
+    /// One verdict per pixel, row by row from the top.
     pub verdicts: Vec<PixelVerdict>,
-    /// The first few pixels that nothing explains, in reading order.
+    /// The first real mismatches, in reading order.
     pub mismatches: Vec<Mismatch>,
 }
 
 impl Comparison {
-    /// How many pixels got this verdict.
+    /// Number of pixels with this verdict.
     #[must_use]
     pub fn count(&self, verdict: PixelVerdict) -> usize {
         self.verdicts.iter().filter(|&&v| v == verdict).count()
     }
 
-    /// Whether every pixel agrees or is explained by its footprint: what a volume with exact signs and a count
-    /// that cannot overflow must reach.
+    /// Whether every pixel agrees or is explained by its footprint. A volume with exact signs and a count
+    /// that cannot overflow must reach this.
     #[must_use]
     pub fn agrees(&self) -> bool {
         self.verdicts.iter().all(|&verdict| verdict < PixelVerdict::Unsure)
     }
 }
 
-/// What was rendered, for [`compare`].
+/// Input of [`compare`]: what was rendered.
 #[derive(Clone, Copy, Debug)]
 pub struct Rendered<'a> {
-    /// What casts and receives.
+    /// The mesh that casts and receives.
     pub caster: &'a Caster,
-    /// The sign that each face casts with, exact: one entry a face.
+    /// The exact sign with which each face casts: one entry per face.
     pub signs: &'a [i8],
     /// The light.
     pub light: &'a Light,
-    /// The camera, as the shaders have it.
+    /// The projection, with the same bits as in the shaders.
     pub projection: &'a Projection,
-    /// What the stencil pass made of it.
+    /// The counts of the stencil pass.
     pub mask: &'a ShadowMask,
-    /// Faces that cast with another sign than `signs` says, since `f32` had to decide; ascending. Empty for volumes
-    /// with exact signs.
+    /// Faces that cast with another sign than in `signs`, because `f32` had to decide; ascending. Empty for
+    /// volumes with exact signs.
     pub unsure: &'a [FaceId],
 }
 
-/// Judges every pixel of `rendered` by the exact ray cast, and keeps the places of the first `keep` real
-/// mismatches. With the feature `parallel`, rows are shared among threads.
+/// Compares every pixel of `rendered` with the exact ray cast, and keeps the first `keep` real mismatches
+/// with their positions. With the feature `parallel`, rows are shared among threads.
 ///
-/// `progress` hears of rows done, from any thread. About 4 µs a pixel and thread for a mesh of 10⁵ faces.
+/// `progress` is called with the number of rows done, from any thread. Cost: about 4 µs per pixel and thread
+/// for a mesh of 10⁵ faces.
 ///
 /// # Panics
 ///
-/// Panics if `signs` has another length than the faces of the mesh.
+/// Panics if `signs` does not have one entry per face of the mesh.
+///
+/// ```
+/// use umbrage::caster::{Caster, CasterGroup};
+/// use umbrage::facing::CasterFaces;
+/// use umbrage::geom::Light;
+/// use umbrage::shadow::Samples;
+/// use umbrage::shadow::stencil::{Counting, ShadowMask};
+/// use umbrage::testing::shapes;
+/// use umbrage::verify::pixels::{PixelVerdict, Rendered, compare};
+/// use umbrage::view::{Projection, Size};
+///
+/// let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
+/// let projection = &Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1 };
+/// let size = Size::new(32, 32)?;
+/// let caster = &Caster::new(shapes::cube());
+/// let samples = Samples::of_view(&CasterGroup::new(vec![caster]), projection, size, 1)?;
+/// // The mask of a renderer that draws no shadows at all.
+/// let receiver = samples.hits().iter().map(Option::is_some).collect();
+/// let mask = &ShadowMask::new(size, Counting::Integer, vec![0; size.pixels()], receiver);
+///
+/// // There is no shadow to draw if the light is on the eye's side of the cube. Otherwise there is.
+/// for (z, agrees) in [(9.0, true), (-9.0, false)] {
+///     let light = &Light::point([0.0, 0.0, z])?;
+///     let signs = &CasterFaces::All.signs(&caster.facing(light));
+///     let rendered = Rendered { caster, signs, light, projection, mask, unsure: &[] };
+///     let comparison = compare(&rendered, 1, &|_| {});
+///     assert_eq!(comparison.agrees(), agrees);
+///     assert_eq!(comparison.count(PixelVerdict::Real) == 0, agrees);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[must_use]
 pub fn compare(rendered: &Rendered<'_>, keep: usize, progress: &(dyn Fn(u64) + Sync)) -> Comparison {
     assert_eq!(rendered.signs.len(), rendered.caster.mesh().face_count(), "one sign a face");
@@ -149,7 +180,7 @@ pub fn compare(rendered: &Rendered<'_>, keep: usize, progress: &(dyn Fn(u64) + S
     }
 }
 
-/// So many pixels of a row may be called real before the search for explanations stops at the nearest places.
+/// Real mismatches per row after which the search for explanations is limited to the nearest positions.
 const THOROUGH: usize = 16;
 
 fn judge_all(
@@ -167,10 +198,11 @@ fn judge_all(
     let edges: Vec<[[f32; 3]; 2]> = edges.collect();
     let boxes: Vec<Aabb> = edges.iter().map(|ends| Aabb::around(*ends)).collect();
     let edge_tree = Bvh::build(&boxes);
-    let pixels = Pixels { oracle, rendered, size, step: step(rendered.projection, size), edges, edge_tree };
+    let (rays, step) = (Rays::new(rendered.projection, size), step(rendered.projection, size));
+    let pixels = Pixels { oracle, rendered, rays, step, edges, edge_tree };
     let mut verdicts = vec![PixelVerdict::Sky; size.pixels()];
     parallel::rows(&mut verdicts, size.width() as usize, |y, row| {
-        // Where a row is full of mismatches that nothing explains, more of them are not worth a long search each.
+        // In a row full of unexplained mismatches, further ones are not worth a long search each.
         let mut real = 0;
         for (x, verdict) in (0..).zip(row) {
             *verdict = pixels.judge(x, y as u32, real < THOROUGH); // a picture has at most 2¹⁴ rows
@@ -186,18 +218,18 @@ fn judge_all(
     Comparison { size, verdicts, mismatches }
 }
 
-/// What the oracle finds along one ray.
+/// The first surface along a ray, with its exact count.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     visible: PrimaryHit,
-    /// Casting faces that are properly crossed on the way to the light.
+    /// Casting faces that the segment to the light properly crosses.
     count: u32,
-    /// Whether casting faces are only touched: then the count may be more.
+    /// Whether the segment touches casting faces without crossing them; then the count may be higher.
     touching: bool,
 }
 
 impl Seen {
-    /// Whether a count of one must not be held against the other.
+    /// Whether the two samples may legitimately have different counts.
     fn differs(&self, there: &Self) -> bool {
         self.count != there.count || there.touching
     }
@@ -206,17 +238,18 @@ impl Seen {
 struct Pixels<'a> {
     oracle: &'a Oracle,
     rendered: &'a Rendered<'a>,
-    size: Size,
+    rays: Rays,
     /// How far sideways the footprint of a pixel reaches, in pixels.
     step: f64,
-    /// The ends of the silhouette edges.
+    /// The end points of the silhouette edges.
     edges: Vec<[[f32; 3]; 2]>,
-    /// Over their boxes.
+    /// Bounding volume hierarchy over the boxes of the silhouette edges.
     edge_tree: Bvh,
 }
 
 impl Pixels<'_> {
-    /// A `thorough` search leaves no explanation out; else only the nearest places are looked at.
+    /// Compares one pixel. A `thorough` search leaves no explanation out; otherwise only the nearest
+    /// positions are searched.
     fn judge(&self, x: u32, y: u32, thorough: bool) -> PixelVerdict {
         let counted = self.rendered.mask.count(x, y);
         let middle = [f64::from(x) + 0.5, f64::from(y) + 0.5];
@@ -238,7 +271,7 @@ impl Pixels<'_> {
                     return PixelVerdict::Unsure;
                 }
             }
-            // Coverage alone differs, so only an outline explains it.
+            // Only the coverage differs, so only an outline explains the difference.
             (seen, _) => {
                 let outline = self.is_at_outline(seen.is_some(), middle);
                 return if outline { PixelVerdict::Grazing } else { PixelVerdict::Real };
@@ -259,21 +292,21 @@ impl Pixels<'_> {
         }
     }
 
-    /// What is seen through a place of the picture, in pixels from the upper left corner.
+    /// The surface and exact count seen through `place`, in pixels from the upper left corner.
     fn look(&self, place: [f64; 2]) -> Option<Seen> {
-        let projection = self.rendered.projection;
-        let direction = self.ray(place).as_vec3().into();
-        let visible = self.oracle.first_visible_beyond(projection.eye, direction, projection.near.into())?;
+        let ray = self.rays.ray(place[0], place[1]);
+        let near = self.rendered.projection.near.into();
+        let visible = self.oracle.first_visible_beyond(ray.origin, ray.direction, near)?;
         let (count, touching) = self.count(visible.point);
         Some(Seen { visible, count, touching })
     }
 
     fn ray(&self, [x, y]: [f64; 2]) -> DVec3 {
-        let (width, height) = (f64::from(self.size.width()), f64::from(self.size.height()));
-        self.rendered.projection.ray(DVec2::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height))
+        self.rays.direction(x, y)
     }
 
-    /// How many casting faces are between a point and the light, and whether any is only touched.
+    /// The number of casting faces between a point and the light, and whether the segment only touches any of
+    /// them.
     fn count(&self, point: [f32; 3]) -> (u32, bool) {
         let (mut count, mut touching) = (0, false);
         self.oracle.for_each_meeting(point, self.rendered.light, |face, meeting| match meeting {

@@ -1,25 +1,26 @@
-//! Judging a mesh that is far from the origin where it is near.
+//! Translation of a mesh that lies far from the origin, so that pixels are compared near the origin.
 //!
-//! A visible point is an `f32` point, and a million units from the origin the next one is a sixteenth of a unit away: far
-//! more than a pixel's footprint. Moving everything by a vertex changes no verdict as long as every difference is exact,
-//! and for a mesh that is small beside its distance it is. (Where it is not, under a light that is farther still, the
-//! comparison holds to the spacing of `f32` at the mesh, and may call real what is within it.)
+//! A visible point is an `f32` point. A million units from the origin the spacing of `f32` is a sixteenth of
+//! a unit, far more than a pixel's footprint. Translating everything by a vertex changes no verdict if every
+//! difference is exact. For a mesh that is small compared with its distance from the origin, every difference
+//! is exact. (The exception is a light that is farther still: then the comparison is only as good as the
+//! spacing of `f32` at the mesh, and may call a mismatch real that lies within this spacing.)
 
 use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::view::Projection;
 
-/// A mesh, its light and its eye, moved so that one of the vertices is the origin.
+/// A mesh, its light and its eye, translated so that a vertex becomes the origin.
 pub(super) struct Recentered {
     pub(super) mesh: Mesh,
     pub(super) light: Light,
     pub(super) projection: Projection,
-    /// What was subtracted.
+    /// The vertex that was subtracted.
     pub(super) origin: [f32; 3],
 }
 
 impl Recentered {
-    /// `None` if the mesh is not far from the origin, or cannot be moved without rounding.
+    /// `None` if the mesh is not far from the origin, or if the translation would round.
     pub(super) fn of(mesh: &Mesh, light: &Light, projection: &Projection) -> Option<Self> {
         let [low, high] = mesh.bounds()?;
         let widest = (0..3).map(|i| high[i] - low[i]).fold(0.0, f32::max);
@@ -41,8 +42,8 @@ impl Recentered {
     }
 }
 
-/// The error of `difference`, the rounded `a − b`; NaN if it overflowed (Donald E. Knuth, *The Art of Computer
-/// Programming*, vol. 2, §4.2.2, theorem B).
+/// The rounding error of `difference`, the rounded `a − b`. NaN if `difference` overflowed (Donald E. Knuth,
+/// *The Art of Computer Programming*, vol. 2, §4.2.2, theorem B).
 fn rounding(a: f32, b: f32, difference: f32) -> f32 {
     let of_b = a - difference;
     let of_a = difference + of_b;
@@ -55,7 +56,8 @@ mod tests {
     use crate::testing::shapes;
 
     fn projection(eye: [f32; 3]) -> Projection {
-        Projection { eye, right: [1.0, 0.0, 0.0], up: [0.0, 1.0, 0.0], forward: [0.0, 0.0, -1.0], near: 0.1 }
+        let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
+        Projection { eye, right, up, forward, near: 0.1, kind: Default::default() }
     }
 
     #[test]

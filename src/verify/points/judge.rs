@@ -1,4 +1,4 @@
-//! What is right to say of a point: the ray cast, and the counts that agree with it.
+//! The ray cast at one point, and the winding numbers that agree with it.
 
 use std::ops::RangeInclusive;
 
@@ -8,17 +8,18 @@ use crate::mesh::Mesh;
 use crate::oracle::{Crossings, Intersection, Oracle, Verdict};
 use crate::verify::reference;
 
-/// What the ray cast found between a point and the light.
+/// Crossings of the segment between a point and the light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Cast {
-    /// All faces.
+    /// Crossings with all faces.
     pub(crate) crossings: Crossings,
-    /// Of the faces that cast in the halved volume: crossed, touched.
+    /// Of the faces that cast in the halved volume: how many are crossed, how many touched.
     chosen: [u32; 2],
 }
 
 impl Cast {
-    /// `chosen` holds a sign for each face: those that are not 0 cast in the halved volume.
+    /// Casts the segment from `p` to `light`. `chosen` holds a sign per face: faces whose sign is not 0 cast
+    /// in the halved volume.
     #[inline]
     pub(crate) fn of(oracle: &Oracle, p: [f32; 3], light: &Light, chosen: &[i8]) -> Self {
         let mut cast = Self::default();
@@ -39,7 +40,7 @@ impl Cast {
         cast
     }
 
-    /// As if every face that is crossed were only touched: a fault that a test must see.
+    /// Fault injected for a test: every crossed face is reported as only touched.
     #[cfg(test)]
     pub(crate) fn touch_all(&mut self) {
         let Crossings { front, back, touching } = self.crossings;
@@ -53,11 +54,12 @@ impl Cast {
 
     /// The winding numbers that the volume of all faces may have.
     ///
-    /// A judge that does not abstain stands on no triangle of the volume, so that its count is that of the points
-    /// around: every face that is crossed here is crossed there, and any that is touched may be.
+    /// A winding number that does not abstain lies on no triangle of the volume, so the number is the same
+    /// for all points nearby. Every face that is crossed from `p` is crossed from those points too, and any
+    /// face that is touched from `p` may be crossed from them.
     pub(crate) fn all(&self) -> RangeInclusive<i32> {
         let Crossings { front, back, touching } = self.crossings;
-        let crossed = (front + back) as i32; // at most the faces
+        let crossed = (front + back) as i32; // at most the number of faces
         crossed..=crossed + touching as i32
     }
 
@@ -67,7 +69,7 @@ impl Cast {
         crossed..=crossed + touching
     }
 
-    /// Whether a winding number agrees: as a count, and as an answer to "in or out?".
+    /// Whether a winding number agrees with the ray cast: as a count, and as an inside/outside answer.
     #[inline]
     pub(crate) fn allows(&self, winding: i32, expected: &RangeInclusive<i32>) -> bool {
         let in_or_out = match self.verdict() {
@@ -78,7 +80,8 @@ impl Cast {
         in_or_out && expected.contains(&winding)
     }
 
-    /// Asks the whole-number judge: what it found instead, if it differs.
+    /// Checks the crossings against the big-integer reference. `Err` describes what the reference found
+    /// instead.
     pub(crate) fn in_whole_numbers(&self, mesh: &Mesh, p: [f32; 3], light: &Light) -> Result<(), String> {
         let truth = reference(mesh, p, light).crossings;
         if truth == self.crossings {

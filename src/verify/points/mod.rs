@@ -1,10 +1,13 @@
-//! Every judge against every other, at points chosen to be hard.
+//! Every method against every other, at points chosen to be hard.
 //!
 //! The ray cast counts the faces between a point and the light. The winding number of the emitted volume,
-//! found from its triangles alone, must be the same number; so must that of the volume that was halved where
-//! it may be. A sample of the points is judged once more in whole numbers, and the sides of all faces, which
-//! come from a filter, are decided once more one by one. Where something is only touched, or a judge stands
-//! on a face, that is declared: both answers are right there.
+//! computed from the volume's triangles alone, must be the same number. The same holds for the volume of the
+//! chosen faces, which is halved where this is allowed. A sample of the points is decided again with big
+//! integers. The sides of all faces, which come from a filter, are decided again face by face. A query is a
+//! declared tie if the segment only touches the mesh (either answer is right), or if every winding number
+//! abstains because the point lies on the volume.
+//!
+//! Each method is a *judge*: a row of the report.
 
 pub(crate) mod draw;
 pub(crate) mod feature;
@@ -24,14 +27,14 @@ use crate::verify::Tally;
 use judge::Cast;
 use sampler::Sampler;
 
-/// How much to verify.
+/// Number of points to verify, their seed, and how much of the result to keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// How many points, spread evenly over the strata.
+    /// Number of points, spread evenly over the strata.
     pub points: usize,
-    /// What the points are drawn from; the same seed gives the same points.
+    /// Seed of the points: the same seed gives the same points.
     pub seed: u64,
-    /// How many disagreements to keep with their places.
+    /// Maximum number of disagreements kept with their positions.
     pub keep: usize,
 }
 
@@ -41,73 +44,88 @@ impl Default for Options {
     }
 }
 
-/// Verifies a caster with any number of lights.
+/// Verification of one caster under any number of lights.
+///
+/// ```
+/// use umbrage::caster::Caster;
+/// use umbrage::geom::Light;
+/// use umbrage::testing::shapes;
+/// use umbrage::verify::points::{Options, Verifier};
+///
+/// let caster = Caster::new(shapes::torus(24, 12, 2.0, 0.7));
+/// let light = Light::point([3.0, 4.0, 5.0])?;
+/// let options = Options { points: 500, ..Options::default() };
+/// let verification = Verifier::new(&caster).verify(&light, &options, &|_| {});
+/// assert!(verification.agrees());
+/// assert_eq!(verification.total().disagree, 0);
+/// # Ok::<(), umbrage::geom::LightError>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Verifier<'a> {
     caster: &'a Caster,
 }
 
-/// What the judges said for one light.
+/// Result of verifying one light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verification {
-    /// One row a stratum, in the order of [`STRATA`].
+    /// One row per stratum, in the order of [`STRATA`].
     pub strata: Vec<Stratum>,
-    /// One row a judge.
+    /// One row per judge (method).
     pub judges: Vec<Judge>,
     /// The first disagreements, in the order of the points.
     pub disagreements: Vec<Disagreement>,
 }
 
-/// Counts over the points of one kind.
+/// Counts over the points of one stratum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stratum {
-    /// What kind of points.
+    /// Name of the stratum.
     pub name: &'static str,
-    /// How many.
+    /// Number of points.
     pub points: u64,
-    /// All judges agree.
+    /// Points at which all judges agree.
     pub agree: u64,
-    /// The way to the light only touches the surface, or all winding judges stand on the volume: a declared
-    /// tie.
+    /// Declared ties: the segment to the light only touches the surface, or all winding numbers abstain
+    /// because the point lies on the volume.
     pub grazing: u64,
-    /// At least one judge contradicts the ray cast.
+    /// Points at which at least one judge contradicts the ray cast.
     pub disagree: u64,
 }
 
-/// How one judge did against the ray cast.
+/// Counts of one judge (method) against the ray cast.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Judge {
-    /// Who.
+    /// Name of the method.
     pub name: &'static str,
-    /// How many points it was asked about.
+    /// Number of points the judge was asked about.
     pub points: u64,
-    /// How many it declined, because it stands on a face of the volume.
+    /// Points at which the judge abstained, because the point lies on a face of the volume.
     pub abstain: u64,
-    /// How many it contradicted.
+    /// Points at which the judge contradicted the ray cast.
     pub disagree: u64,
 }
 
-/// A point where judges disagree.
+/// A point at which judges disagree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Disagreement {
-    /// Which kind of point.
+    /// Name of the point's stratum.
     pub stratum: &'static str,
-    /// Where.
+    /// Position of the point.
     pub point: [f32; 3],
     /// The ray cast's verdict.
     pub verdict: Verdict,
-    /// Who contradicts it, and how.
+    /// Which judges contradict the ray cast, and how.
     pub what: String,
 }
 
 impl Verification {
-    /// Whether no judge contradicts another, about a point or about a face.
+    /// Whether no judge contradicts another, at any point or about any face.
     #[must_use]
     pub fn agrees(&self) -> bool {
         self.judges.iter().all(|judge| judge.disagree == 0) && self.total().disagree == 0
     }
 
-    /// All strata together.
+    /// The sum of all strata.
     #[must_use]
     pub fn total(&self) -> Stratum {
         self.strata.iter().fold(Stratum { name: "all", ..Stratum::default() }, |sum, row| sum.plus(row))
@@ -154,28 +172,29 @@ impl Judge {
     }
 }
 
-/// Points are judged in runs of this many, each on one thread.
+/// Points per run; each run is judged on one thread.
 const RUN: usize = 256;
 
-/// The whole-number judge looks at this many faces altogether (less than a second of work), at 4 points a
-/// stratum at least and 200 at most.
+/// Faces that the big-integer reference tests in total (less than a second of work). The reference is asked
+/// about at least 4 and at most 200 points per stratum.
 const REFERENCE_FACES: usize = 400_000;
 
 impl<'a> Verifier<'a> {
-    /// For a caster whose mesh is welded. Topology, proofs, planes and ray cast are made when first needed.
+    /// A verifier for a caster whose mesh is welded. Topology, proofs, planes and ray cast are built on first
+    /// use.
     #[must_use]
     pub fn new(caster: &'a Caster) -> Self {
         Self { caster }
     }
 
-    /// Verifies one light. `progress` is told of points as they are done, from any thread.
+    /// Verifies one light. `progress` is called with the number of points done, from any thread.
     #[must_use]
     pub fn verify(&self, light: &Light, options: &Options, progress: &(dyn Fn(u64) + Sync)) -> Verification {
         self.verify_with(light, options, progress, |_| {})
     }
 
-    /// As [`Verifier::verify`], with a chance to spoil the casting signs first: tests show with it that a
-    /// fault is seen.
+    /// As [`Verifier::verify`], but `spoil` may change the casting signs first. Tests inject a fault with
+    /// `spoil` and check that verification reports the fault.
     fn verify_with(
         &self,
         light: &Light,
@@ -212,7 +231,7 @@ impl<'a> Verifier<'a> {
         verification
     }
 
-    /// Every how many points of a stratum the whole-number judge is asked.
+    /// Sampling stride of the big-integer reference within a stratum of `points` points.
     fn reference_every(&self, points: usize) -> usize {
         let samples =
             (REFERENCE_FACES / (self.caster.mesh().face_count() + 1)).clamp(20, 1000) / STRATA.len();
@@ -220,7 +239,7 @@ impl<'a> Verifier<'a> {
     }
 }
 
-/// Everything that judges the points of one light.
+/// Everything needed to judge the points of one light.
 struct Bench<'a> {
     verifier: &'a Verifier<'a>,
     light: &'a Light,
@@ -254,14 +273,14 @@ impl Bench<'_> {
     }
 
     fn judge(&self, index: usize, stratum: usize, p: [f32; 3], rows: &mut Rows) {
-        // 1. The ray cast: all faces between, those of them that cast in the halved volume, and what is
-        //   touched.
+        // 1. The ray cast: all faces on the segment, the faces that cast in the halved volume, and the
+        //    touched faces.
         let cast = Cast::of(self.verifier.caster.oracle(), p, self.light, self.chosen);
         let verdict = cast.verdict();
         rows.judges[0].points += 1;
         let mut contradictions = Vec::new();
 
-        // 2. The two volumes.
+        // 2. The winding numbers of the two volumes.
         let mut abstain = 0;
         for (judge, volume, expected) in [(1, &self.all, cast.all()), (2, &self.half, cast.chosen())] {
             let row = &mut rows.judges[judge];
@@ -279,7 +298,7 @@ impl Bench<'_> {
             }
         }
 
-        // 3. Whole numbers, on a sample.
+        // 3. The big-integer reference, on a sample of the points.
         if (index / STRATA.len()).is_multiple_of(self.reference_every) {
             let row = &mut rows.judges[3];
             row.points += 1;

@@ -10,14 +10,14 @@ use crate::chart::well_formed;
 
 const FEW: &str = "--light point:2,3,5 --queries 500 --rounds 1";
 
-/// A folder with meshes on which rounding decides something, and the cubes.
+/// A folder with the cubes and with meshes on which rounding decides something.
 fn folder() -> Folder {
     let folder = Folder::with_cubes();
     folder.mesh("torus.obj", &shapes::torus(24, 12, 2.0, 0.7));
     folder
 }
 
-/// Without what no two runs have in common.
+/// A document without its times, which differ between runs.
 fn timeless(mut document: Value) -> Value {
     for file in document["files"].as_array_mut().unwrap() {
         for method in file["methods"].as_array_mut().unwrap() {
@@ -104,7 +104,7 @@ fn accuracy_prints_tables_and_what_exactness_costs() {
     }
 }
 
-/// The records of a table (RFC 4180).
+/// The records of a CSV table (RFC 4180).
 fn records(text: &str) -> Vec<Vec<String>> {
     let (mut records, mut fields, mut field) = (Vec::new(), Vec::new(), String::new());
     let (mut quoted, mut rest) = (false, text.chars().peekable());
@@ -157,7 +157,7 @@ fn accuracy_csv_has_a_row_for_each_file_method_and_stratum() {
     }
 }
 
-/// Where the text of a chart stands, line by line: left, baseline, size, content.
+/// The texts of a chart with their positions: left, baseline, size, content.
 fn texts(svg: &str) -> Vec<(f64, f64, f64, String)> {
     let attribute = |tag: &str, name: &str| -> Option<f64> {
         tag.split(&format!(" {name}=\"")).nth(1)?.split('"').next()?.parse().ok()
@@ -182,7 +182,7 @@ fn accuracy_svg_is_well_formed_and_no_text_runs_over_another() {
         assert!(well_formed(&svg) && !svg.contains("NaN") && !svg.contains("inf"), "{svg}");
         assert_eq!(svg.matches("<title>").count(), 2 * methods);
         assert_eq!(svg.matches("prefers-color-scheme:dark").count(), 1);
-        // What is never wrong is hollow.
+        // Methods without wrong answers have hollow marks.
         let hollow = svg.matches("stroke:currentColor").count();
         assert!(hollow >= 2 * (methods - 2) && hollow <= 2 * methods, "{hollow}");
         let texts = texts(&svg);
@@ -267,7 +267,7 @@ fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
             assert!(!exact || row["wrong"] == 0, "{row}");
             assert!(row["frame_ms"].as_f64().unwrap() >= 0.0);
         }
-        // Light without shadows, or none at all, is wrong somewhere.
+        // Unshadowed light (`none`) or no light at all (`dark`) is wrong somewhere.
         assert!(rows[4]["wrong"].as_u64().unwrap() + rows[5]["wrong"].as_u64().unwrap() > 0);
     }
 }

@@ -11,7 +11,7 @@ use umbrage::write::{Layer, Model, write};
 
 use super::{Folder, assert_shape, keys, real};
 
-/// The keys of a mesh that other programs rely on, then its two lists.
+/// The keys of a mesh that other programs rely on, followed by its two lists.
 const MESH_KEYS: &str = "name vertices welded_vertices faces edges shells closed_shells euler_characteristic \
     boundary_edges boundary_loops non_manifold_edges max_faces_per_edge misoriented_edges non_manifold_vertices \
     collapsed_faces zero_area_faces duplicate_faces unreferenced_vertices near_miss_edges t_junctions \
@@ -95,7 +95,7 @@ fn check_require_names_a_weaker_property() {
     folder.mesh("turned.obj", &shapes::misoriented_cube());
     folder.mesh("inward.obj", &shapes::inside_out(&shapes::cube()));
     folder.mesh("open.obj", &shapes::open_cube());
-    // What is required: soundness, watertight, balanced, even.
+    // Exit codes for each requirement: soundness, watertight, balanced, even.
     for (name, codes) in [
         ("touching", [1, 1, 0, 0]),
         ("turned", [1, 1, 1, 0]),
@@ -116,7 +116,7 @@ fn check_weld_decides_what_is_one_vertex() {
     assert_eq!(folder.code("check soup.ply"), 0);
     assert_eq!(folder.code("check soup.ply --weld none"), 1);
     assert_eq!(folder.code("check seam.obj"), 1);
-    // The report says which distance closes it, and it does.
+    // The report names the distance that closes the mesh, and welding by this distance does close it.
     let text = folder.run("check seam.obj").stdout;
     let remedy = text.lines().find(|line| line.contains("--weld")).unwrap_or_else(|| panic!("{text}"));
     let option: Vec<&str> = remedy.split_whitespace().take(2).collect();
@@ -188,7 +188,7 @@ fn check_takes_meshes_at_the_ends_of_the_range() {
     fs::write(folder.path("empty.stl"), "solid\nendsolid\n").unwrap();
     for (file, code) in [("huge.obj", 1), ("point.obj --weld none", 1), ("empty.stl", 0)] {
         assert_eq!(folder.code(&format!("check {file} --self-intersections --mark a.glb")), code, "{file}");
-        // `json` asserts that it parses: no NaN and no infinity in it.
+        // `json` asserts that the output parses, so it holds no NaN and no infinity.
         let total = &folder.json(&format!("check {file}"))["files"][0]["total"];
         assert!(total["signed_volume"].is_number(), "{file}: {total}");
         let volume = folder.json(&format!("volume {file} -o b.glb"));
@@ -227,13 +227,13 @@ fn check_total_lists_the_defects_of_all_meshes() {
     let names: Vec<&Value> = defects[0]["at"].as_array().unwrap().iter().map(|at| &at["mesh"]).collect();
     assert_eq!(names, ["left", "right"]);
     assert_eq!(total(" --limit 1")[0]["at"].as_array().unwrap().len(), 1);
-    // A part's name ends the mesh's, and is said once.
+    // A part's name is appended to the mesh's name, and printed once.
     fs::write(folder.path("parts.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\ng east\nf 1 2 3\ng west\nf 1 3 2\n")
         .unwrap();
     let text = folder.run("check parts.obj --scope primitive").stdout;
     let place = text.lines().find(|line| line.contains("    at ")).unwrap_or_else(|| panic!("{text}"));
     assert_eq!(place.matches("east").count(), 1, "{text}");
-    // Text: what another scope may do, and no name twice.
+    // The text output mentions the effect of another scope, and prints no name twice.
     let text = folder.run("check two.glb").stdout;
     assert!(text.contains("--scope scene looks at the file as one mesh"), "{text}");
     assert!(!folder.run("check two.glb --scope scene").stdout.contains("--scope scene"));
@@ -328,7 +328,7 @@ fn check_json_of_a_mesh_is_that_of_the_library() {
         report.iter().all(|(key, value)| said[key] == *value)
     };
     assert!(same(&report), "{said:#}");
-    // The sabotage: one number of one shell.
+    // Negative test: one number of one shell.
     report.shell_list[1].faces += 1;
     assert!(!same(&report));
 }

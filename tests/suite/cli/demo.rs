@@ -26,7 +26,7 @@ fn names(folder: &std::path::Path) -> Vec<String> {
 #[test]
 fn demo_does_all_of_it_and_its_files_can_be_read() {
     if gpu().is_none() {
-        return; // the next test is about that
+        return; // covered by the next test
     }
     let folder = Folder::new();
     let run = folder.run("demo --out here/and/there");
@@ -42,7 +42,7 @@ fn demo_does_all_of_it_and_its_files_can_be_read() {
     }
     let report: serde_json::Value =
         serde_json::from_slice(&std::fs::read(there.join("report.json")).unwrap()).unwrap();
-    // The sheet and the ground are open; the knot and the sphere are not.
+    // The sheet and the ground are open; the knot and the sphere are closed.
     assert_eq!(
         (&report["verdict"], &report["files"][0]["total"]["closed_shells"]),
         (&"cracked".into(), &2.into())

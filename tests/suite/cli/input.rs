@@ -1,4 +1,4 @@
-//! Which files are read, as what, and that they are kept.
+//! Input files: which are read, in which format, and that they are never changed.
 
 use std::fs;
 

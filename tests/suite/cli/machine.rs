@@ -1,4 +1,5 @@
-//! Machine trouble: full disks, closed pipes, signals, limits on memory; and the same bytes for any number of threads.
+//! Machine trouble: full disks, closed pipes, signals, memory limits; and equal bytes for any number of
+//! threads.
 
 use std::fs;
 use std::path::PathBuf;
@@ -12,7 +13,7 @@ use super::Folder;
 
 const LIGHT: &str = "--light point:3,5,4";
 
-/// Every way to write a file, with the file that it writes.
+/// Every command that writes a file, with the name of the file.
 fn writers() -> Vec<(String, &'static str)> {
     let mut writers: Vec<(String, &str)> = ["out.glb", "out.obj", "out.ply"]
         .into_iter()
@@ -43,7 +44,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// The command as a shell starts it after `setup`.
+/// The command as started by a shell, after the shell code `setup`.
 #[cfg(unix)]
 fn shell(folder: &Folder, setup: &str, arguments: &str) -> Command {
     let mut command = Command::new("sh");
@@ -55,7 +56,7 @@ fn shell(folder: &Folder, setup: &str, arguments: &str) -> Command {
     command
 }
 
-/// The last line of standard error, which is why the command could not run.
+/// The last line of standard error: why the command could not run.
 #[cfg(unix)]
 fn last_line(stderr: &[u8]) -> String {
     let text = String::from_utf8_lossy(stderr);
@@ -70,7 +71,7 @@ fn machine_disk_that_fills_up_leaves_the_old_file() {
         let folder = folder();
         fs::write(folder.path(out), "old").unwrap();
         let before = folder.names();
-        // Blocks of 512 bytes or a kilobyte: at once, and after the first of the bytes.
+        // Limits in blocks of 512 bytes or a kilobyte: no byte at all, and after some bytes.
         for blocks in [0, 1] {
             let output =
                 shell(&folder, &format!("trap '' XFSZ; ulimit -f {blocks}"), &arguments).output().unwrap();
@@ -90,7 +91,7 @@ fn machine_place_that_cannot_be_written_is_refused() {
     let folder = folder();
     fs::create_dir(folder.path("out.glb")).unwrap();
     let before = folder.names();
-    // Not even root may make files in /sys.
+    // Not even root can create files in /sys.
     for (place, said) in [
         ("/dev/full", "extension"),
         ("out.glb", "is a directory"),
@@ -147,7 +148,7 @@ fn machine_pipe_that_is_closed_changes_neither_files_nor_exit_code() {
     ];
     for (arguments, code) in cases {
         for stream in ["1", "2"] {
-            // The other end is gone before the command starts.
+            // The other end of the pipe is closed before the command starts.
             let script =
                 format!("{{ sleep 0.1; \"$0\" {arguments} 2>&{stream} >&{stream}; echo $? >code; }} | true");
             let run = Command::new("sh")
@@ -167,7 +168,7 @@ fn machine_pipe_that_is_closed_changes_neither_files_nor_exit_code() {
     assert!(!folder.names().iter().any(|name| name.ends_with(".tmp")));
 }
 
-/// Whether signals reach what this process starts: a runner in the background of a script has them ignored.
+/// Whether signals reach the processes started here: a runner in the background of a script has them ignored.
 #[cfg(target_os = "linux")]
 fn signals_are_ignored() -> bool {
     const HANGUP_INTERRUPT_TERMINATE: u64 = 1 | 1 << 1 | 1 << 14;
@@ -186,8 +187,8 @@ fn signal(child: &Child, name: &str) {
     assert!(status.unwrap().success());
 }
 
-/// Which of the hang-up, interrupt and terminate signals the command catches, and which it ignores; `None` until it is
-/// the command (a shell starts it) and has settled each of them.
+/// Which of the signals hang-up, interrupt and terminate the command catches, and which it ignores. `None`
+/// until the process is the command (a shell starts it) and has decided about all three.
 #[cfg(target_os = "linux")]
 fn listens(pid: u32) -> Option<[u64; 2]> {
     const ALL: u64 = 1 | 1 << 1 | 1 << 14;
@@ -200,7 +201,7 @@ fn listens(pid: u32) -> Option<[u64; 2]> {
     (status.starts_with("Name:\tumbrage\n") && caught | ignored == ALL).then_some([caught, ignored])
 }
 
-/// Waits until `ready` holds; `false` if the command was over before.
+/// Waits until `ready` holds; `false` if the command ended before.
 #[cfg(target_os = "linux")]
 fn wait_for(child: &mut Child, ready: impl Fn(u32) -> bool) -> bool {
     let start = Instant::now();
@@ -214,7 +215,8 @@ fn wait_for(child: &mut Child, ready: impl Fn(u32) -> bool) -> bool {
     true
 }
 
-/// Starts the command, sends `name` once `ready` holds; exit code and what was said. `None` if it was over before.
+/// Starts the command, and sends the signal `name` once `ready` holds. Returns exit code and message; `None`
+/// if the command ended before.
 #[cfg(target_os = "linux")]
 fn interrupted(mut command: Command, name: &str, ready: impl Fn(u32) -> bool) -> Option<(i32, String)> {
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
@@ -225,7 +227,7 @@ fn interrupted(mut command: Command, name: &str, ready: impl Fn(u32) -> bool) ->
     Some(ended(child))
 }
 
-/// Exit code and what was said, once the command has ended by itself.
+/// Exit code and message of a command that ends without a signal.
 #[cfg(target_os = "linux")]
 fn ended(child: Child) -> (i32, String) {
     let output = child.wait_with_output().unwrap();
@@ -276,7 +278,7 @@ fn machine_interrupted_writing_leaves_the_old_file_and_no_other() {
     let lights = LIGHT.to_owned() + " --light point:-9,1,1 --light point:1,-9,2 --light directional:1,2,3";
     let arguments = format!("volume ball.ply {lights} --faces all -o out.obj");
     let half_written = |_| folder.names().iter().any(|name| name.ends_with(".tmp"));
-    // One signal that is ignored takes nothing from the others.
+    // One ignored signal does not affect the others.
     for (setup, name) in [(":", "INT"), (":", "TERM"), ("trap '' HUP", "TERM"), ("trap '' INT", "HUP")] {
         let caught =
             (0..20).any(|_| match interrupted(shell(&folder, setup, &arguments), name, half_written) {
@@ -285,7 +287,7 @@ fn machine_interrupted_writing_leaves_the_old_file_and_no_other() {
                     assert_eq!(fs::read(folder.path("out.obj")).unwrap(), b"old");
                     true
                 }
-                // Too late: then it is there whole.
+                // The signal came too late: then the file is complete.
                 found => {
                     if let Some((code, said)) = found {
                         assert!(code == 0 || said.contains("1 file was written before"), "{code}: {said}");
@@ -320,8 +322,8 @@ fn machine_hangup_that_is_ignored_stays_ignored() {
     assert_eq!(ended(child).0, 130);
 }
 
-/// A full pipe holds whoever writes to standard error, and with it the lock: first the thread that says that the
-/// command was interrupted, then the one that says what was written.
+/// A full pipe blocks whoever writes to standard error and holds its lock: first the thread that reports the
+/// interruption, then the thread that reports the written file.
 #[cfg(target_os = "linux")]
 #[test]
 fn machine_second_signal_ends_it_though_nobody_reads_standard_error() {
@@ -367,7 +369,7 @@ fn machine_interrupted_while_it_prints_does_not_say_that_nothing_was_written() {
     }
     let folder = folder();
     folder.mesh("soup.ply", &shapes::soup(&shapes::icosphere(4)));
-    // More than a pipe holds: with its first byte read, the rest is still under way.
+    // More than a pipe holds: after its first byte is read, the rest is still being written.
     let mut child = shell(&folder, ":", "check soup.ply --weld none --limit 100000 --json")
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -379,7 +381,7 @@ fn machine_interrupted_while_it_prints_does_not_say_that_nothing_was_written() {
     assert_eq!(ended(child), (130, "umbrage: interrupted\n".to_owned()));
 }
 
-/// Small files that claim to be large, and a mesh that all stages take.
+/// Small files that claim to be large, and a mesh that all stages accept.
 #[cfg(target_os = "linux")]
 fn hostile(folder: &Folder) -> Vec<&'static str> {
     let mut stl = vec![0; 80];
@@ -408,13 +410,13 @@ fn hostile(folder: &Folder) -> Vec<&'static str> {
         fs::write(folder.path(name), bytes).unwrap();
     }
     folder.mesh("soup.ply", &shapes::soup(&shapes::icosphere(4)));
-    // Files of a terabyte that take no room on the disk.
+    // Sparse files of a terabyte that take no space on the disk.
     for (name, head) in
         [("vast.stl", &[0; 80][..]), ("vast.glb", b"glTF\x02\0\0\0"), ("vast.md2", b"IDP2\x08\0\0\0")]
     {
         fs::write(folder.path(name), head).unwrap();
         let file = fs::OpenOptions::new().append(true).open(folder.path(name)).unwrap();
-        // Of the STL the header's count is true.
+        // The STL's header states the true count.
         let (count, len) = (4_000_000_000_u32, 1_u64 << 38);
         if name == "vast.stl" {
             std::io::Write::write_all(&mut &file, &count.to_le_bytes()).unwrap();
@@ -457,7 +459,7 @@ fn machine_limit_on_memory_is_met_by_an_answer_or_one_line() {
     }
 }
 
-/// What a command wrote and printed, with nothing in it that may differ.
+/// The files and the output of a command, without anything that may differ between runs.
 fn outcome(arguments: &str, out: &[&str]) -> Vec<(PathBuf, Vec<u8>)> {
     let folder = folder();
     let run = folder.run(arguments);
@@ -491,7 +493,7 @@ fn machine_number_of_threads_changes_no_byte() {
         let [one, two, eight] = [1, 2, 8].map(|n| outcome(&format!("{arguments} --threads {n}"), &out));
         assert!(one == two && one == eight, "{arguments}");
     }
-    // Commands without that option: the same again.
+    // Commands without the option `--threads` run twice.
     for (arguments, out) in [
         ("check open.obj --json --mark a.glb --picture a.png".to_owned(), vec!["a.glb", "a.png"]),
         (format!("silhouette ball.ply {LIGHT} --json -o a.obj"), vec!["a.obj"]),

@@ -8,7 +8,7 @@ use super::Folder;
 use crate::support::gpu;
 
 /// Width, height and pixels.
-fn png(folder: &Folder, name: &str) -> (u32, u32, Vec<u8>) {
+pub(super) fn png(folder: &Folder, name: &str) -> (u32, u32, Vec<u8>) {
     let bytes = fs::read(folder.path(name)).unwrap();
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
@@ -59,7 +59,7 @@ fn check_draws_the_open_edges_in_red_and_says_so() {
         assert_eq!((width, height), (960, 540));
         pixels.chunks(4).filter(|pixel| pixel[0] > 200 && pixel[1] < 60 && pixel[2] < 60).count()
     };
-    // Four edges some hundred pixels long and two wide.
+    // Four edges, each some hundred pixels long and two wide.
     assert!(red("a.png") > 500, "{}", red("a.png"));
     let run = folder.run("check cube.obj --picture b.png");
     assert_eq!((run.code, red("b.png")), (0, 0));
@@ -106,7 +106,7 @@ fn render_by_stencil_pass_is_the_ray_cast_but_at_edges() {
         return;
     }
     let folder = Folder::with_cubes();
-    // The eye is in no shadow: zpass is right too.
+    // The eye is in no shadow, so zpass is correct too.
     let scene = "cube.obj --light point:3,5,4 --light directional:1,-1,0 --ground --size 96x64 --samples 1";
     assert_eq!(folder.code(&format!("render {scene} --method rays -o rays.png")), 0);
     let (.., rays) = png(&folder, "rays.png");

@@ -36,7 +36,7 @@ fn silhouette_of_a_cube_along_its_diagonal_is_a_hexagon() {
         assert_eq!(diagonal[key], value, "{key}");
     }
     assert_eq!((&diagonal["light"], &diagonal["method"]), (&"directional:-1,-1,-1".into(), &"scan".into()));
-    // Four sides are edge-on: the top and the bottom each keep their border.
+    // Four sides are edge-on: the top and the bottom each keep their outline.
     assert_eq!((&axis["front_faces"], &axis["edge_on_faces"]), (&2.into(), &8.into()));
     assert_eq!(
         (&axis["silhouette_edges"], &axis["outline_edges"], &axis["loops"]),
@@ -81,7 +81,8 @@ fn silhouette_output_holds_the_edges_as_lines() {
 
 #[test]
 fn silhouette_of_meshes_that_touch_keeps_them_apart() {
-    // Two cubes in one file that share a face: one mesh welds them together, two would not.
+    // Two cubes in one file that share a face: as one mesh they are welded together, as two meshes they are
+    // not.
     let folder = Folder::new();
     let right = shapes::cuboid([1.0, -1.0, -1.0], [3.0, 1.0, 1.0]);
     let both = umbrage::mesh::Mesh::concat(&[shapes::cube(), right]).unwrap();

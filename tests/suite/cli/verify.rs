@@ -69,7 +69,7 @@ fn verify_json_of_a_light_is_that_of_the_library() {
         found.iter().all(|(key, value)| said[key] == *value)
     };
     assert!(same(&found), "{said:#}");
-    // The sabotage: a disagreement.
+    // Negative test: a disagreement.
     found.strata[0].disagree += 1;
     assert!(!same(&found));
 }
@@ -110,7 +110,7 @@ mod gpu {
                 assert_eq!(pass["counting"], "stencil");
             }
         }
-        // Nothing is between the lamp and the camera: z-pass is proven to be right, and judged too.
+        // Nothing lies between the lamp and the camera: z-pass is proven correct, and compared too.
         assert_eq!(each[0]["passes"][1]["method"], "zpass");
         assert_eq!(document, run("--threads 2"));
     }
@@ -176,7 +176,7 @@ mod gpu {
         assert_eq!(document["pixel_disagree"], 0);
     }
 
-    /// The command with a Vulkan loader that finds no driver, or only one more variable.
+    /// Runs the command with one more environment variable, such as a Vulkan loader that finds no driver.
     fn with(folder: &Folder, variable: (&str, &str), arguments: &[&str]) -> Output {
         Command::new(assert_cmd::cargo::cargo_bin!("umbrage"))
             .current_dir(folder.path("."))

@@ -1,4 +1,4 @@
-//! The binary container, and buffers embedded, beside the file, and where they must not be.
+//! The binary container; buffers embedded, in a file next to the document, and at forbidden locations.
 
 use std::fs;
 
@@ -14,7 +14,7 @@ fn glb_reads_as_the_same_scene() {
     let scene = read_bytes(&builder.glb(), "a.glb").unwrap();
     assert_eq!(scene.meshes, builder.read().meshes);
     assert_eq!(scene.format, Some(umbrage::read::Format::Glb));
-    // Chunks of unknown types are passed over.
+    // Chunks of unknown types are skipped.
     let mut glb = builder.glb();
     glb.extend(b"\x04\0\0\0WHAT1234");
     let length = (glb.len() as u32).to_le_bytes();
@@ -147,7 +147,7 @@ fn gltf_file_that_many_buffers_name_counts_once() {
         fs::write(&path, builder.gltf()).unwrap();
         read(path).map(|scene| scene.meshes[0].vertex_count()).map_err(|error| error.to_string())
     };
-    // 4 Mi elements for nothing, and 12 Mi for the bytes of the one file.
+    // 4 Mi elements without data, and 12 Mi for the bytes of the single file.
     assert_eq!(read_with(15), Ok(15 * count));
     assert!(read_with(17).unwrap_err().contains("accessor 16 (gltf): asks for 1048576 elements"));
 }

@@ -1,4 +1,4 @@
-//! Primitives and accessors: what becomes vertices, triangles, parts and frames.
+//! Primitives and accessors: vertices, triangles, parts and frames that result from them.
 
 use serde_json::json;
 
@@ -40,7 +40,7 @@ fn gltf_strip_turns_every_other_triangle() {
     assert_eq!(scene.meshes[0].triangles(), [[0, 1, 2], [2, 1, 3], [3, 1, 0]]);
     let note = "mesh 0, primitive 0 and 1 more: stitching triangle of a strip left out";
     assert_eq!(scene.notes, [note]);
-    // Any two of the three may be the same.
+    // Any two of the three indices may be equal.
     for stitch in [[0, 0, 1], [0, 1, 1], [0, 1, 0]] {
         assert_eq!(Builder::mesh(&SQUARE, 5, Some(&stitch)).read().meshes[0].face_count(), 0);
     }

@@ -27,9 +27,9 @@ fn gltf_real_files_match_their_facts() {
         let frames = scene.meshes.iter().map(|mesh| mesh.frames().len()).max().unwrap_or(0);
         assert_eq!(frames, row["gltf_morph_targets"].parse().unwrap_or(0), "{name}: morph targets");
         let mut lights: Vec<&str> = scene
-            .lights
+            .lamps
             .iter()
-            .map(|light| match (light.light.is_directional(), light.spot) {
+            .map(|lamp| match (lamp.light().is_directional(), lamp.cone) {
                 (true, _) => "directional",
                 (false, None) => "point",
                 (false, Some(_)) => "spot",

@@ -1,7 +1,8 @@
-//! Nodes, lights, cameras, and the extensions that a scene may require.
+//! Nodes, lights, cameras, and the extensions that a document may require.
 
 use serde_json::json;
-use umbrage::scene::Scope;
+use umbrage::scene::{NamedCamera, Scope};
+use umbrage::view::Lens;
 
 use super::{Builder, SQUARE, identity};
 
@@ -87,12 +88,12 @@ fn gltf_lights_stand_in_the_world() {
     builder.doc["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     builder.doc["extensionsRequired"] = json!(["KHR_lights_punctual"]);
     builder.doc["extensions"] = json!({"KHR_lights_punctual": {"lights": [
-        {"type": "directional", "name": "sun", "intensity": 3, "color": [1, 0.5, 0.25]},
-        {"type": "point"},
+        {"type": "directional", "name": "sun", "intensity": 3, "range": 9, "color": [1, 0.5, 0.25]},
+        {"type": "point", "range": 7.5},
         {"type": "spot", "spot": {"innerConeAngle": 0.25, "outerConeAngle": 9}}
     ]}});
     let holds = |light: u32| json!({"KHR_lights_punctual": {"light": light}});
-    // A quarter turn about x carries −z to −y... and +y to +z.
+    // A quarter turn about x maps −z to −y and +y to +z.
     let down = [-0.707_106_77_f32, 0.0, 0.0, 0.707_106_77];
     builder.doc["nodes"] = json!([
         {"rotation": down, "translation": [1, 2, 3], "scale": [4, 4, 4], "children": [1, 2, 3]},
@@ -101,55 +102,62 @@ fn gltf_lights_stand_in_the_world() {
         {"extensions": holds(2)}
     ]);
     let scene = builder.read();
-    let [sun, lamp, spot] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+    let [sun, lamp, spot] = &scene.lamps[..] else { panic!("{:?}", scene.lamps) };
     let close =
         |a: [f32; 3], b: [f32; 3]| assert!(glam::Vec3::from(a).abs_diff_eq(b.into(), 1e-6), "{a:?} {b:?}");
-    assert!(sun.light.is_directional() && !lamp.light.is_directional() && !spot.light.is_directional());
-    close(sun.light.xyz(), [0.0, 1.0, 0.0]); // travels down, so it is up
+    assert!(sun.light().is_directional() && !lamp.light().is_directional() && !spot.light().is_directional());
+    close(sun.light().xyz(), [0.0, 1.0, 0.0]); // travels down, so it is up
     assert_eq!((sun.name.as_str(), sun.intensity, sun.color), ("sun", 3.0, [1.0, 0.5, 0.25]));
-    close(lamp.light.xyz(), [1.0, 6.0, 3.0]);
-    assert_eq!((lamp.name.as_str(), lamp.intensity, lamp.color, lamp.spot), ("lamp", 1.0, [1.0; 3], None));
-    close(spot.light.xyz(), [1.0, 2.0, 3.0]);
-    let cone = spot.spot.unwrap();
+    close(lamp.light().xyz(), [1.0, 6.0, 3.0]);
+    assert_eq!((lamp.name.as_str(), lamp.intensity, lamp.color, lamp.cone), ("lamp", 1.0, [1.0; 3], None));
+    close(spot.light().xyz(), [1.0, 2.0, 3.0]);
+    assert_eq!((sun.range, lamp.range, spot.range), (None, Some(7.5), None));
+    let cone = spot.cone.unwrap();
     close(cone.direction, [0.0, -1.0, 0.0]);
     assert_eq!((cone.inner_rad, cone.outer_rad), (0.25, std::f32::consts::FRAC_PI_2));
 
     builder.doc["nodes"][0]["scale"] = json!([1, 1, 0]);
     let scene = builder.read();
-    assert_eq!(scene.lights.len(), 1, "only a point light needs no direction");
+    assert_eq!(scene.lamps.len(), 1, "only a point light needs no direction");
     assert_eq!(
         scene.notes[0],
         "node 1 and 1 more: light left out, for its node is flattened to no direction"
     );
     builder.doc["nodes"][1]["extensions"] = holds(3);
     assert!(builder.refusal().contains("node 1, KHR_lights_punctual (gltf): names light 3, but there are 3"));
+    builder.doc["nodes"][1]["extensions"] = holds(1);
+    builder.doc["extensions"]["KHR_lights_punctual"]["lights"][1]["range"] = 0.into();
+    assert!(builder.refusal().contains("light 1 (gltf): has a range that is not above 0"));
 }
 
 #[test]
-fn gltf_first_perspective_camera_is_the_camera() {
+fn gltf_cameras_are_all_read() {
     let mut builder = Builder::square();
     builder.doc["cameras"] = json!([
-        {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 1, "znear": 0}},
+        {"type": "orthographic", "name": "plan", "orthographic": {"xmag": 1, "ymag": 3, "zfar": 1, "znear": 0}},
         {"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}},
-        {"type": "perspective", "perspective": {"yfov": 0.75, "znear": 0.1}}
+        {"type": "panorama"}
     ]);
     builder.doc["nodes"] = json!([
-        {"camera": 0, "children": [1, 2]},
-        {"camera": 1, "translation": [1, 2, 3], "rotation": [0, 1, 0, 0]},
+        {"camera": 1, "name": "front", "translation": [1, 2, 3], "rotation": [0, 1, 0, 0], "children": [1, 2]},
+        {"camera": 0},
         {"camera": 2}
     ]);
     let scene = builder.read();
-    let camera = scene.camera.unwrap();
-    assert_eq!(
-        (camera.eye, camera.forward, camera.up, camera.fov_y_rad),
-        ([1.0, 2.0, 3.0].into(), glam::Vec3::Z, glam::Vec3::Y, 0.5)
-    );
-    assert_eq!(
-        scene.notes[..2],
-        ["camera 0: camera that is not a perspective one left out", "node 2: further camera left out"]
-    );
+    let [front, plan] = &scene.cameras[..] else { panic!("{:?}", scene.cameras) };
+    assert_eq!((front.name.as_str(), plan.name.as_str()), ("front", "plan"));
+    let place = (glam::Vec3::new(1.0, 2.0, 3.0), glam::Vec3::Z, glam::Vec3::Y);
+    for NamedCamera { camera, .. } in [front, plan] {
+        assert_eq!((camera.eye, camera.forward, camera.up), place);
+    }
+    assert_eq!(front.camera.lens, Lens::Perspective { fov_y_rad: 0.5 });
+    assert_eq!(plan.camera.lens, Lens::Orthographic { height: 6.0 });
+    assert_eq!(scene.notes[0], "camera 2: camera that is neither perspective nor orthographic left out");
     builder.doc["cameras"][1]["perspective"]["yfov"] = 4.into();
     assert!(builder.refusal().contains("camera 1, perspective (gltf): yfov is 4"));
+    builder.doc["cameras"][1]["perspective"]["yfov"] = 0.5.into();
+    builder.doc["cameras"][0]["orthographic"]["ymag"] = 0.into();
+    assert!(builder.refusal().contains("camera 0, orthographic (gltf): ymag is 0"));
 }
 
 #[test]
@@ -164,7 +172,7 @@ fn gltf_extensions_that_leave_geometry_alone_are_accepted() {
         "KHR_lights_punctual",
         "KHR_mesh_quantization"
     ]);
-    // The image is only in the extension, and the material is nonsense: neither casts a shadow.
+    // The image is only in the extension, and the material is invalid: neither matters for shadows.
     builder.doc["textures"] = json!([{"extensions": {"KHR_texture_basisu": {"source": 0}}}]);
     builder.doc["materials"] = json!([{"alphaMode": 7}]);
     assert_eq!(builder.read().meshes[0].face_count(), 2);

@@ -1,4 +1,4 @@
-//! Coordinates at the ends of f32, through files and all judges.
+//! Coordinates at the ends of the range of f32, through files and all checks.
 
 use umbrage::facing::CasterFaces;
 use umbrage::mesh::{Mesh, Weld, weld};
@@ -9,7 +9,7 @@ use umbrage::write::{Layer, Model, Target, to_bytes};
 
 use super::figures::*;
 
-/// Written and read again in each format that keeps all digits, and welded.
+/// The mesh written and read again in each format that keeps all digits, and welded.
 fn through_files(mesh: &Mesh) -> Vec<Mesh> {
     let model = Model { layers: vec![Layer::from(mesh)] };
     let read = |name: &str| {
@@ -20,7 +20,7 @@ fn through_files(mesh: &Mesh) -> Vec<Mesh> {
     ["a.obj", "a.ply", "a.glb"].map(read).to_vec()
 }
 
-/// A cube from `low` to `high` as its own file, lit from beyond its upper corner.
+/// A cube from `low` to `high` in a file of its own, lit from beyond its upper corner.
 struct Row {
     mesh: Mesh,
     light: [f32; 3],
@@ -49,21 +49,21 @@ fn rows() -> Vec<Row> {
             [-3.0, -5.0, -7.25].map(|x| x * huge),
             8.0 * cubic(huge),
         ),
-        // No light can stand far beyond this one: a sun.
+        // No point light fits far beyond this cube: a sun.
         row(
             cube("largest", -largest, largest),
             [0.0; 3],
             [-largest, -largest, -largest],
             8.0 * cubic(largest),
         ),
-        // One step wide.
+        // A cube one ulp wide.
         row(
             cube("smallest", 0.0, smallest),
             [3.0, 5.0, 7.0].map(|x| x * smallest),
             [-2.0, -4.0, -6.0].map(|x| x * smallest),
             cubic(smallest),
         ),
-        // 2²⁰ diagonals from the origin: coordinates are whole quarters there.
+        // A cube 2²⁰ diagonals from the origin, where coordinates are multiples of a quarter.
         row(
             cube("far", far - 1.0, far + 1.0),
             [3.0, 5.0, 7.0].map(|x| x + far),
@@ -82,7 +82,7 @@ fn rows() -> Vec<Row> {
     ]
 }
 
-/// Guards against overflow, underflow, and any constant that holds for meshes of middling size alone.
+/// Guards against overflow, underflow, and any constant that is valid for meshes of moderate size only.
 #[test]
 fn hard_17_coordinates_at_either_end_of_f32_keep_every_number() {
     for Row { mesh, light, behind, volume, cubes } in rows() {
@@ -114,7 +114,7 @@ fn hard_17_coordinates_at_either_end_of_f32_keep_every_number() {
             );
             expect_figures(&[(&mesh, light, ([6 * cubes, 6 * cubes, 0], 6 * cubes, 12 * cubes))]);
             if mesh.name.starts_with("largest") {
-                // The corner itself is in its own shadow: a step inwards there is one face on the way.
+                // The corner itself is in its own shadow: one step inwards, one face lies on the segment.
                 let within = behind.map(f32::next_up);
                 expect_crossings(&mesh, &light, &[(within, 1)]);
             } else {
@@ -127,7 +127,8 @@ fn hard_17_coordinates_at_either_end_of_f32_keep_every_number() {
     }
 }
 
-/// Guards against ties that appear by rounding: lights on the vertices of such meshes, and across all their range.
+/// Guards against ties created by rounding: lights on the vertices of such meshes, and across all their
+/// range.
 #[test]
 fn hard_17_coordinates_at_either_end_agree_for_lights_on_their_vertices() {
     for Row { mesh, .. } in rows() {
@@ -141,7 +142,7 @@ fn hard_17_coordinates_at_either_end_agree_for_lights_on_their_vertices() {
             expect_agreement(&mesh, &light);
         }
     }
-    // The sabotage: a single step of the last place of the largest coordinate is seen.
+    // Negative test: a single ulp of the largest coordinate is noticed.
     let largest = &rows()[2].mesh;
     let (mut positions, triangles, ..) = largest.clone().into_parts();
     positions[7][2] = positions[7][2].next_down();
@@ -150,8 +151,8 @@ fn hard_17_coordinates_at_either_end_agree_for_lights_on_their_vertices() {
     assert_ne!(figures(&moved, &in_its_top), figures(largest, &in_its_top));
 }
 
-/// Guards against trusting a mesh that has lost its digits: far away a ball is a heap of coincident vertices, and what is
-/// left of it still casts a closed volume.
+/// Guards against trusting a mesh that has lost its digits. Far from the origin a ball becomes a heap of
+/// coincident vertices, and the rest of the ball still casts a closed volume.
 #[test]
 fn hard_17_coordinates_that_coincide_far_away_collapse_into_a_closed_rest() {
     let far = 2.0_f32.powi(21);
@@ -166,6 +167,6 @@ fn hard_17_coordinates_that_coincide_far_away_collapse_into_a_closed_rest() {
     expect_agreement(&welded, &light);
     expect_crossings(&welded, &light, &[([far - 3.0, far - 5.0, far - 7.25], 2)]);
     assert_eq!(winding(&welded, &light, CasterFaces::Front, [far - 3.0, far - 5.0, far - 7.25]), Some(1));
-    // The sabotage: near the origin nothing collapses.
+    // Negative test: near the origin nothing collapses.
     assert_eq!(counts(&weld(&shapes::icosphere(3), Weld::Exact).mesh).collapsed_faces, 0);
 }

@@ -1,4 +1,4 @@
-//! Many faces on one edge, and solids that touch in an edge or in a vertex.
+//! Many faces on one edge; solids that touch in an edge or in a vertex.
 
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::mesh::{Mesh, VertexId};
@@ -7,7 +7,7 @@ use umbrage::testing::shapes;
 
 use super::figures::*;
 
-/// The pages of a book that is opened half: all of them face a light at the side.
+/// The pages of a half-open book: all of them face a light at the side.
 fn half_open(pages: u32) -> Mesh {
     let (positions, mut triangles, ..) = shapes::book(2 * pages).into_parts();
     triangles.truncate(pages as usize);
@@ -23,7 +23,7 @@ fn lamp(at: [f32; 3]) -> umbrage::geom::Light {
     umbrage::geom::Light::point(at).unwrap()
 }
 
-/// Guards against edge tables with two places, where the third face overwrites one or is lost.
+/// Guards against edge tables with two slots, where the third face overwrites one or is lost.
 #[test]
 fn hard_03_edge_keeps_three_five_nine_and_eighteen_faces() {
     for (pages, [front, back], spine) in [(3_u32, [1, 2], 1), (5, [3, 2], 1), (9, [4, 5], 1), (18, [9, 9], 0)]
@@ -39,11 +39,11 @@ fn hard_03_edge_keeps_three_five_nine_and_eighteen_faces() {
         assert_eq!(topology.valence(edge), n);
         assert!(topology.half_edges(edge).all(|half_edge| topology.twin(half_edge).is_none()));
 
-        // A page at angle θ is in front of the light at 100.5° if θ is up to 180° behind it.
+        // A page at angle θ is in front of the light at 100.5° if θ is at most 180° behind this angle.
         let light = lamp(at_angle(100.5, 3.0));
         let edges = 2 * n + usize::from(spine > 0);
         expect_figures(&[(&book, light, ([front, back, 0], edges, 2 * n + spine))]);
-        // The way to the opposite side passes just beside the spine, through all pages of one kind.
+        // The segment to the opposite side passes just beside the spine, through all pages of one kind.
         expect_crossings(
             &book,
             &light,
@@ -53,7 +53,7 @@ fn hard_03_edge_keeps_three_five_nine_and_eighteen_faces() {
     }
 }
 
-/// Guards against multiplicities that are capped at one or two copies of a side.
+/// Guards against multiplicities capped at one or two copies of a side.
 #[test]
 fn hard_03_edge_that_all_faces_leave_one_way_has_a_side_for_each() {
     for pages in [3_u32, 5, 9, 18] {
@@ -63,7 +63,7 @@ fn hard_03_edge_that_all_faces_leave_one_way_has_a_side_for_each() {
         let (mut silhouette, _) = cast(&book, &light, CasterFaces::All);
         assert_eq!(silhouette.max_multiplicity(), pages);
 
-        // The sabotage: copies above two are dropped, and the spine opens by as many.
+        // Negative test: copies above two are dropped, and the spine is open by as many.
         for edge in &mut silhouette.edges {
             edge.multiplicity = edge.multiplicity.clamp(-2, 2);
         }
@@ -74,17 +74,19 @@ fn hard_03_edge_that_all_faces_leave_one_way_has_a_side_for_each() {
     }
 }
 
-/// Guards against pairing the four faces of a shared edge two by two: which pair is right depends on the light.
+/// Guards against pairing the four faces of a shared edge: the correct pairing depends on the light.
 #[test]
 fn hard_03_edge_of_two_cubes_is_no_outline_where_their_shadows_meet() {
     let cubes = shapes::cubes_sharing_edge();
     let c = counts(&cubes);
     assert_eq!((c.non_manifold_edges, c.max_faces_per_edge, c.boundary_edges, c.shells), (1, 4, 0, 1));
     assert_eq!((c.watertight, c.balanced, c.even, c.signed_volume), (false, true, true, 2.0));
-    // Along the common edge's own diagonal plane it is inside both hexagons; across it, on both: there it cancels.
+    // For a light along the common edge's own diagonal plane, the edge is inside both hexagons. For a light
+    // across this plane, the edge is on both hexagons and cancels.
     let (along, across) = (sun(-3.0, -5.0, -7.0), sun(-3.0, 5.0, -7.0));
     expect_figures(&[(&cubes, along, ([12, 12, 0], 12, 24)), (&cubes, across, ([12, 12, 0], 10, 20))]);
-    // Through both; and on either side of the way through the edge, where one shadow goes over into the other.
+    // Through both cubes; and on either side of the segment through the edge, where one shadow continues as
+    // the other.
     expect_crossings(&cubes, &sun(-1.0, -1.0, -0.01), &[([0.4, 0.5, 0.5], 3), ([-1.0, -0.9, 0.5], 4)]);
     expect_crossings(
         &cubes,
@@ -94,13 +96,13 @@ fn hard_03_edge_of_two_cubes_is_no_outline_where_their_shadows_meet() {
     for light in [along, across, point(1.0, 1.0, 9.0), point(1.0, 1.0, 0.5)] {
         expect_agreement(&cubes, &light);
     }
-    // The sabotage: the cubes apart have an outline of twelve edges each way.
+    // Negative test: the separate cubes have an outline of twelve edges for each light.
     let apart =
         Mesh::concat(&[shapes::cuboid([0.0; 3], [1.0; 3]), shapes::cuboid([1.0, 1.0, 0.0], [2.0, 2.0, 1.0])]);
     expect_figures(&[(&apart.unwrap(), across, ([12, 12, 0], 12, 24))]);
 }
 
-/// Guards against connecting through a vertex: fans would be walked from one cube into the other.
+/// Guards against connecting shells through a vertex: a fan would continue from one cube into the other.
 #[test]
 fn hard_03_edge_less_contact_in_a_vertex_keeps_two_shells() {
     let cubes = shapes::cubes_sharing_vertex();
@@ -120,7 +122,7 @@ fn hard_03_edge_less_contact_in_a_vertex_keeps_two_shells() {
     );
     expect_figures(&[(&cubes, sun(-3.0, 5.0, -7.0), ([12, 12, 0], 12, 24))]);
     expect_agreement(&cubes, &point(1.0, 1.0, 1.0));
-    // The sabotages: the same cubes each with a vertex of its own there, and cubes that connect.
+    // Negative tests: the same cubes, each with a vertex of its own at this position, and connected cubes.
     let apart = [shapes::cuboid([0.0; 3], [1.0; 3]), shapes::cuboid([1.0; 3], [2.0; 3])];
     assert_ne!(contact(&Mesh::concat(&apart).unwrap()), expected);
     assert_ne!(contact(&shapes::cubes_sharing_edge()), expected);

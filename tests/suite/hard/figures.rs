@@ -1,4 +1,4 @@
-//! What one light makes of a mesh, as numbers, and how often given points are behind it.
+//! Figures of a mesh under one light, and the number of faces between given points and the light.
 
 use umbrage::caster::Caster;
 use umbrage::check::{Counts, CrackReport};
@@ -30,12 +30,12 @@ pub(super) fn point(x: f32, y: f32, z: f32) -> Light {
     Light::point([x, y, z]).unwrap()
 }
 
-/// Travels along (x, y, z).
+/// A directional light that travels along (x, y, z).
 pub(super) fn sun(x: f32, y: f32, z: f32) -> Light {
     Light::directional([x, y, z]).unwrap()
 }
 
-/// The silhouette and the volume of the faces that `casters` names.
+/// The silhouette and the volume of the faces selected by `casters`.
 pub(super) fn cast(mesh: &Mesh, light: &Light, casters: CasterFaces) -> (Silhouette, ShadowVolume) {
     let (topology, signs) = (topology(mesh), casters.signs(&classify(mesh, light)));
     let silhouette = Silhouette::extract(&topology, &signs);
@@ -47,11 +47,12 @@ pub(super) fn shadow(mesh: &Mesh, light: &Light) -> ShadowVolume {
     cast(mesh, light, CasterFaces::All).1
 }
 
-/// Faces in front, behind and edge-on; silhouette edges; the sum of the magnitudes of their multiplicities.
+/// Faces in front, behind and edge-on; number of silhouette edges; sum of the magnitudes of their
+/// multiplicities.
 pub(super) type Figures = ([usize; 3], usize, usize);
 
-/// The figures of a mesh with all its faces casting. What follows from them is asserted here: both ways of deciding
-/// the sides agree, the volume has as many triangles as they ask for, and it is closed.
+/// The figures of a mesh with all its faces casting. Consequences of the figures are asserted too: both
+/// methods agree on the sides, the volume has the expected number of triangles, and the volume is closed.
 pub(super) fn figures(mesh: &Mesh, light: &Light) -> Figures {
     let facing = classify(mesh, light);
     assert_eq!(FacePlanes::new(mesh).classify(mesh, light), facing, "{} {light}", mesh.name);
@@ -66,15 +67,15 @@ pub(super) fn figures(mesh: &Mesh, light: &Light) -> Figures {
     (sides, silhouette.edges.len(), sum)
 }
 
-/// A table of figures; a mesh that is not what the row says is named.
+/// Asserts a table of figures; the message names the mesh of a wrong row.
 pub(super) fn expect_figures(rows: &[(&Mesh, Light, Figures)]) {
     for (mesh, light, expected) in rows {
         assert_eq!(figures(mesh, light), *expected, "{} {light}", mesh.name);
     }
 }
 
-/// Asserts how many faces lie between each point and the light: by the ray cast, by whole numbers, and by the winding
-/// number of the volume.
+/// Asserts the number of faces between each point and the light: by the ray cast, by big integers, and by the
+/// winding number of the volume.
 pub(super) fn expect_crossings(mesh: &Mesh, light: &Light, points: &[([f32; 3], u32)]) {
     let (oracle, volume) = (Oracle::build(mesh), shadow(mesh, light));
     for &(p, expected) in points {
@@ -87,7 +88,7 @@ pub(super) fn expect_crossings(mesh: &Mesh, light: &Light, points: &[([f32; 3], 
     }
 }
 
-/// Asserts that no judge contradicts another at adversarial points.
+/// Asserts that no method contradicts another at adversarial points.
 pub(super) fn expect_agreement(mesh: &Mesh, light: &Light) {
     let options = Options { points: 250, ..Options::default() };
     let found = Verifier::new(&Caster::new(mesh.clone())).verify(light, &options, &|_| {});
@@ -95,7 +96,7 @@ pub(super) fn expect_agreement(mesh: &Mesh, light: &Light) {
     assert_eq!(found.total().points, 250);
 }
 
-/// What a point is told by a volume that some other rule has made.
+/// The winding number of a point in a volume made by another rule.
 pub(super) fn winding(mesh: &Mesh, light: &Light, casters: CasterFaces, p: [f32; 3]) -> Option<i32> {
     winding_number(&cast(mesh, light, casters).1, p)
 }

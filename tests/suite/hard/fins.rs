@@ -1,5 +1,5 @@
-//! Sides that the eye sees nearly edge-on, some 256ths of a pixel from the middle of a pixel: a rasterizer covers pixels
-//! beside them, where their planes are anywhere.
+//! Sides that the eye sees nearly edge-on, a few 256ths of a pixel from a pixel's center. A rasterizer covers
+//! pixels beside such sides, where their planes may have any depth.
 
 use umbrage::facing::CasterFaces;
 use umbrage::glam::Vec3;
@@ -11,11 +11,11 @@ use umbrage::verify::pixels::PixelVerdict;
 use super::figures::*;
 use super::screen::*;
 
-/// Which way the light travels.
+/// The light's direction of travel.
 const TRAVEL: Vec3 = Vec3::new(1.0, 0.0, -1.0);
 
-/// A triangle over each pixel. `corners` takes the ray through a pixel's middle, as long as its depth is 1, a place next
-/// to that middle at the given depth, and random numbers from -1 to 1.
+/// One triangle per pixel. `corners` gets the ray through a pixel's center, scaled to depth 1, a position
+/// next to this center at the given depth, and random numbers from -1 to 1.
 fn fins(seed: u32, depth: f32, corners: impl Fn(Vec3, Vec3, &mut dyn FnMut() -> f32) -> [Vec3; 3]) -> Mesh {
     let mut state = seed;
     let mut next = || {
@@ -32,7 +32,8 @@ fn fins(seed: u32, depth: f32, corners: impl Fn(Vec3, Vec3, &mut dyn FnMut() -> 
     Mesh::new(positions, (0..256).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap()
 }
 
-/// Asserts that no pixel is miscounted, with few forgiven: their middles are beside the shadows, not on their rims.
+/// Asserts that no pixel is miscounted, and few are forgiven: the pixels' centers lie beside the shadows, not
+/// on their boundaries.
 fn expect_beside_shadows(seed: u32, fins: Mesh) {
     let (light, scene) = (sun(TRAVEL.x, TRAVEL.y, TRAVEL.z), walled(&[fins]));
     let caster = casting(&scene, Some(CasterFaces::All));
@@ -44,7 +45,7 @@ fn expect_beside_shadows(seed: u32, fins: Mesh) {
             assert!(comparison.count(PixelVerdict::Grazing) < 8);
         }
     }
-    // The sabotage: one more or less in each pixel, as a side on the wrong side of the wall makes it.
+    // Negative test: the count of each pixel is off by one, as with a side on the wrong side of the wall.
     let Some(Shot { mask, casting, .. }) =
         shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), None)
     else {
@@ -57,9 +58,9 @@ fn expect_beside_shadows(seed: u32, fins: Mesh) {
     assert!(found.count(PixelVerdict::Real) > 200);
 }
 
-/// Guards against the depth of a plane beyond its side: a rasterizer may cover a pixel there, and the plane of a steep
-/// side is before the wall where the side itself is behind it. Below a fin's tip that side meets another one, just
-/// beneath the wall.
+/// Guards against the depth of a plane beyond its side. A rasterizer may cover a pixel there, and the plane
+/// of a steep side is in front of the wall where the side itself is behind the wall. Below a fin's tip this
+/// side meets another one, just beneath the wall.
 #[test]
 fn hard_14_coincident_lines_of_a_steep_side_and_another_are_of_one_depth() {
     for seed in 1..=8 {
@@ -72,8 +73,9 @@ fn hard_14_coincident_lines_of_a_steep_side_and_another_are_of_one_depth() {
     }
 }
 
-/// Guards against the same beyond a silhouette edge. It runs from before the wall to behind it, and just behind the wall
-/// past the middle of the pixel; between the lines of its two ends, its side's plane is before the wall again.
+/// Guards against the same beyond a silhouette edge. The edge runs from in front of the wall to behind the
+/// wall, and just behind the wall past the pixel's center. Between the lines of the edge's two ends, the
+/// side's plane is in front of the wall again.
 #[test]
 fn hard_14_coincident_edge_and_flank_of_a_steep_side_are_of_one_depth() {
     for seed in 1..=8 {

@@ -1,4 +1,4 @@
-//! Frames of an animation: vertices that meet in one of them and part in another.
+//! Animation frames: vertices that coincide in one frame and separate in another.
 
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::mesh::{Mesh, Weld, weld};
@@ -8,7 +8,8 @@ use umbrage::testing::shapes;
 
 use super::figures::*;
 
-/// Two unit quads side by side, their common edge twice: in frame 0 closed, in frame 1 open by 1, in frame 2 closed.
+/// Two unit quads side by side, each with its own copy of the common edge: closed in frame 0, open by 1 in
+/// frame 1, closed in frame 2.
 fn zip() -> Mesh {
     let quad = |x: f32| [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x + 1.0, 1.0, 0.0], [x, 1.0, 0.0]];
     let closed = [quad(0.0), quad(1.0)].concat();
@@ -17,13 +18,13 @@ fn zip() -> Mesh {
     Mesh::new(closed.clone(), faces).unwrap().with_frames(vec![open, closed]).unwrap()
 }
 
-/// A frame of a mesh, as a mesh.
+/// One frame of a mesh, as a mesh.
 fn frame(mesh: &Mesh, number: usize) -> Mesh {
     let positions = if number == 0 { mesh.positions() } else { &mesh.frames()[number - 1] };
     Mesh::new(positions.to_vec(), mesh.triangles().to_vec()).unwrap()
 }
 
-/// Guards against adjacency that depends on the frame: edges would come and go, and buffers with them.
+/// Guards against adjacency that depends on the frame: edges and buffers would change from frame to frame.
 #[test]
 fn hard_23_frames_in_which_vertices_part_keep_them_apart_in_all() {
     let zip = zip();
@@ -37,7 +38,7 @@ fn hard_23_frames_in_which_vertices_part_keep_them_apart_in_all() {
         );
         for number in 0..3 {
             let mesh = frame(&welded, number);
-            // One topology serves every frame: eight edges of outline, be the slit open or not.
+            // One topology serves every frame: eight edges of outline, whether the slit is open or not.
             expect_figures(&[(&mesh, point(1.3, 0.4, 5.0), ([4, 0, 0], 8, 8))]);
             expect_agreement(&mesh, &point(1.3, 0.4, 5.0));
             let in_the_slit = u32::from(number != 1);
@@ -48,10 +49,10 @@ fn hard_23_frames_in_which_vertices_part_keep_them_apart_in_all() {
             );
         }
     }
-    // The sabotage: welded by one frame alone, the quads hang together and the slit cannot open.
+    // Negative test: welded by one frame alone, the quads are connected and the slit cannot open.
     let by_one = weld(&frame(&zip, 0), Weld::Exact).mesh;
     assert_eq!((by_one.vertex_count(), counts(&by_one).boundary_edges, counts(&by_one).shells), (6, 6, 1));
-    // A frame later is as good as the first: closed, open the other way round.
+    // A later frame is as good as the first: closed, and open in the opposite direction.
     let (positions, triangles, _, frames) = zip.into_parts();
     let [open, closed] = <[Vec<[f32; 3]>; 2]>::try_from(frames).unwrap();
     assert_eq!(positions, closed);
@@ -59,11 +60,12 @@ fn hard_23_frames_in_which_vertices_part_keep_them_apart_in_all() {
     assert_eq!(weld(&late, Weld::Exact).mesh.vertex_count(), 8);
 }
 
-/// Guards against keeping apart what never parts: split vertices that move alike are one.
+/// Guards against keeping vertices apart that never separate: split vertices that move alike are one.
 #[test]
 fn hard_23_frames_of_split_vertices_that_move_alike_close() {
     let ball = shapes::soup(&shapes::icosphere(1));
-    // Pressed flat more and more, and moved: in the last frame all lie in one plane, opposite ones in one place.
+    // Pressed flat step by step, and moved: in the last frame all vertices lie in one plane, opposite ones at
+    // one position.
     let pressed = |factor: f32| -> Vec<[f32; 3]> {
         ball.positions().iter().map(|&[x, y, z]| [x + 4.0 * factor, y, z * (1.0 - factor)]).collect()
     };
@@ -87,7 +89,7 @@ fn hard_23_frames_of_split_vertices_that_move_alike_close() {
         );
         expect_agreement(&mesh, &light);
     }
-    // The sabotage: the pressed frame by itself welds its two sides together.
+    // Negative test: welded alone, the pressed frame joins its two sides.
     let alone = weld(&Mesh::new(pressed(1.0), ball.triangles().to_vec()).unwrap(), Weld::Exact).mesh;
     assert!(alone.vertex_count() < 42 && !counts(&alone).watertight);
 }

@@ -1,4 +1,4 @@
-//! Lights inside closed shells; cavities, and shells in shells.
+//! Lights inside closed shells; cavities, and shells within shells.
 
 use umbrage::Reason;
 use umbrage::caster::ShellProof;
@@ -10,7 +10,7 @@ use umbrage::topology::Topology;
 
 use super::figures::*;
 
-/// What is chosen for each shell.
+/// The casting faces chosen for each shell.
 fn plan(mesh: &Mesh, light: &umbrage::geom::Light) -> ShellFaces {
     let topology: Topology = topology(mesh);
     let shells = topology.shells();
@@ -22,7 +22,8 @@ fn variants(plan: &ShellFaces) -> Vec<CasterFaces> {
     plan.choices.iter().map(|choice| choice.what).collect()
 }
 
-/// Guards against casting front faces alone, of which a light inside sees none: the world outside would be lit.
+/// Guards against casting front faces alone. A light inside sees none of them, so the world outside would be
+/// lit.
 #[test]
 fn hard_02_light_inside_a_closed_shell_shadows_all_outside() {
     let light = point(0.1, 0.2, 0.3);
@@ -31,7 +32,7 @@ fn hard_02_light_inside_a_closed_shell_shadows_all_outside() {
     {
         let inverted = mesh.name.contains("inside out");
         let sides = if inverted { [faces, 0, 0] } else { [0, faces, 0] };
-        // No silhouette at all: the volume is the two caps.
+        // No silhouette at all: the volume consists of the two caps.
         expect_figures(&[(&mesh, light, (sides, 0, 0))]);
         expect_crossings(
             &mesh,
@@ -44,12 +45,13 @@ fn hard_02_light_inside_a_closed_shell_shadows_all_outside() {
         assert_eq!(choice.why, Reason::LightInside { winding: if inverted { -1 } else { 1 } });
         assert_eq!(choice.to_string(), "the light is inside the shell");
     }
-    // The sabotage is that very engine.
+    // Negative test: front faces alone.
     let (_, nothing) = cast(&shapes::cube(), &light, CasterFaces::Front);
     assert_eq!((nothing.triangles().len(), nothing.boundary_sum().is_closed()), (0, true));
 }
 
-/// Guards against "inside" taken for "sees back faces alone": in a bent tube the light sees some of either kind.
+/// Guards against equating "inside" with "sees back faces only": in a bent tube the light sees some faces of
+/// either kind.
 #[test]
 fn hard_02_light_inside_a_ring_leaves_through_three_walls() {
     let ring = shapes::torus(24, 12, 2.0, 0.5);
@@ -67,12 +69,13 @@ fn hard_02_light_inside_a_ring_leaves_through_three_walls() {
     );
     expect_agreement(&ring, &light);
     assert_eq!(variants(&plan(&ring, &light)), [CasterFaces::All]);
-    // From behind the far tube front faces alone count two of the three, and none of the one before it.
+    // From behind the far tube, front faces alone count two of the three, and none of the one before.
     assert_eq!(winding(&ring, &light, CasterFaces::Front, [-4.0, 0.1, 0.05]), Some(1));
     assert_eq!(winding(&ring, &light, CasterFaces::Front, [0.3, 0.1, 0.05]), Some(0));
 }
 
-/// Guards against judging a cavity by itself (it would be inside out), and against one plan for the whole mesh.
+/// Guards against treating a cavity alone (it would be inside out), and against one choice for the entire
+/// mesh.
 #[test]
 fn hard_22_cavity_is_sound_and_each_shell_has_its_own_plan() {
     let hollow = shapes::hollow_cube();
@@ -87,7 +90,7 @@ fn hard_22_cavity_is_sound_and_each_shell_has_its_own_plan() {
     assert_eq!(shells, [(0, None, 64.0), (1, Some(0), -8.0)]);
 
     let (outside, between, within) = (point(0.3, 0.2, 9.0), point(0.3, 0.2, 1.5), point(0.3, 0.2, 0.5));
-    // Points in the cavity, in the wood below it, and below all of it.
+    // Points in the cavity, in the solid below the cavity, and below everything.
     let points = [[0.1, 0.25, -0.5], [0.1, 0.25, -1.5], [0.1, 0.25, -3.0]];
     for (light, expected, chosen) in [
         (outside, [2, 3, 4], [CasterFaces::Front, CasterFaces::Back]),
@@ -99,16 +102,16 @@ fn hard_22_cavity_is_sound_and_each_shell_has_its_own_plan() {
         expect_agreement(&hollow, &light);
         assert_eq!(variants(&plan(&hollow, &light)), chosen, "{light}");
     }
-    // The sabotage: without its cavity turned, the inner shell is inside out.
+    // Negative test: without its winding reversed, the inner shell is inside out.
     let solid_core = Mesh::concat(&[shapes::cuboid([-2.0; 3], [2.0; 3]), shapes::cube()]).unwrap();
     assert_eq!(counts(&solid_core).inside_out_shells, 1);
     assert!(!counts(&solid_core).sound());
 }
 
-/// Guards against looking one level deep only.
+/// Guards against nesting that is only one level deep.
 #[test]
 fn hard_22_nested_shells_alternate_between_solid_and_cavity() {
-    // Cubes of half sides 6 … 1, every second one turned: solid, cavity, solid, …
+    // Cubes of half sides 6 … 1, every second one reversed: solid, cavity, solid, …
     let cubes: Vec<Mesh> = (1..=6)
         .rev()
         .map(|k| {
@@ -128,11 +131,12 @@ fn hard_22_nested_shells_alternate_between_solid_and_cavity() {
     expect_agreement(&onion, &point(3.1, 2.2, 4.3));
     let (front, back) = (CasterFaces::Front, CasterFaces::Back);
     assert_eq!(variants(&plan(&onion, &light)), [front, back, front, back, front, back]);
-    // The sabotage: all of one winding, and every second one contradicts its depth.
+    // Negative test: with equal windings, every second cube contradicts its depth.
     assert_eq!(counts(&shapes::nested_cubes(6)).inside_out_shells, 3);
 }
 
-/// Guards against trusting edges: the prism is watertight and of positive volume, and one lobe has winding −1.
+/// Guards against relying on edges alone: the prism is watertight with a positive volume, but one lobe has
+/// winding −1.
 #[test]
 fn hard_21_winding_of_a_lobe_is_negative_and_front_faces_are_refused() {
     let mesh = shapes::figure_eight_prism();
@@ -143,9 +147,10 @@ fn hard_21_winding_of_a_lobe_is_negative_and_front_faces_are_refused() {
     assert!(found.counts.self_intersections > Some(0));
 
     let light = sun(0.0, 0.0, -1.0);
-    // Either cap is two triangles, one of each winding, that overlap; their common edge counts twice.
+    // Each cap consists of two overlapping triangles, one of each winding; their common edge counts twice.
     expect_figures(&[(&mesh, light, ([2, 2, 8], 10, 12))]);
-    // In the lobes, behind them, where the triangles overlap outside both, and beside.
+    // Points in the lobes, behind the lobes, where the triangles overlap outside both lobes, and beside the
+    // prism.
     let rows = [
         ([1.5, 0.1, 0.0], 1, 1),
         ([1.5, 0.1, -3.0], 2, 1),
@@ -160,13 +165,13 @@ fn hard_21_winding_of_a_lobe_is_negative_and_front_faces_are_refused() {
     let choice = plan(&mesh, &light).choices[0];
     assert_eq!((choice.what, choice.why), (CasterFaces::All, Reason::MeetsItself));
     assert_eq!(choice.to_string(), "the shell meets itself");
-    // The sabotage: front faces alone light the inside of the negative lobe.
+    // Negative test: front faces alone light the inside of the negative lobe.
     for (p, _, front) in rows {
         assert_eq!(winding(&mesh, &light, CasterFaces::Front, p), Some(front), "{p:?}");
     }
 }
 
-/// Guards against refusing to halve where parts merely overlap: each is sound by itself, and their counts add up.
+/// Guards against refusing to halve where parts merely overlap: each part is sound, and their counts add up.
 #[test]
 fn hard_21_winding_of_parts_that_interpenetrate_adds_up() {
     let both =
@@ -175,7 +180,7 @@ fn hard_21_winding_of_parts_that_interpenetrate_adds_up() {
     found.add_self_intersections(&both, &topology(&both), 1);
     assert!(found.counts.sound() && found.counts.self_intersections > Some(0));
     let light = point(0.4, 0.1, 50.0);
-    // In one, in both, behind one, behind both.
+    // Points in one part, in both, behind one, behind both.
     let rows = [
         ([-0.5, 0.1, 0.1], 1, 1),
         ([0.5, 0.2, 0.1], 2, 2),

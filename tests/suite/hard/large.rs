@@ -1,4 +1,4 @@
-//! Many vertices.
+//! Meshes with many vertices.
 //!
 //! `UMBRAGE_HARD_LARGE=1` adds a sheet of 16.8 million vertices, which takes some seconds and 2 GB.
 
@@ -12,7 +12,7 @@ use umbrage::topology::Topology;
 
 use super::figures::*;
 
-/// Guards against indices of 16 bits: the faces that matter come after the first 65,536 vertices.
+/// Guards against 16-bit indices: the faces tested come after the first 65,536 vertices.
 #[test]
 fn hard_16_many_vertices_beyond_sixteen_bits() {
     let n = 257_usize;
@@ -22,27 +22,27 @@ fn hard_16_many_vertices_beyond_sixteen_bits() {
     assert_eq!((c.edges, c.boundary_edges, c.boundary_loops), (3 * n * n + 2 * n, 4 * n, 1));
     let light = point(100.3, 200.4, 50.0);
     expect_figures(&[(&sheet, light, ([2 * n * n, 0, 0], 4 * n, 4 * n))]);
-    // Behind the last quad, whose corners are the last vertices.
+    // Points behind the last quad, whose corners are the last vertices.
     expect_crossings(&sheet, &sun(0.0, 0.0, -1.0), &[([256.6, 256.3, -5.0], 1), ([257.1, 256.3, -5.0], 0)]);
 
-    // Around the axis 300 segments, around the tube 220.
+    // 300 segments around the axis, 220 around the tube.
     let ring = shapes::torus(300, 220, 2.0, 0.5);
     let welded = weld(&shapes::soup(&ring), Weld::Exact).mesh;
     assert_eq!((welded.vertex_count(), ring.vertex_count()), (66_000, 66_000));
     let c = counts(&welded);
     assert_eq!((c.edges, c.euler_characteristic, c.sound()), (198_000, 0, true));
-    // From far above its axis: the outer rim, and the inner one.
+    // A light far above the torus on its axis: the silhouette is the outer rim and the inner one.
     let light = point(0.01, 0.02, 70.0);
     let (silhouette, volume) = cast(&welded, &light, CasterFaces::All);
     assert_eq!((silhouette.loops(&topology(&welded)).len(), silhouette.max_multiplicity()), (2, 2));
     assert!(volume.boundary_sum().is_closed());
-    // The sabotage: indices cut to 16 bits.
+    // Negative test: indices cut to 16 bits.
     let triangles = sheet.triangles().iter().map(|face| face.map(|v| v & 0xffff)).collect();
     let cut = Mesh::new(sheet.positions().to_vec(), triangles).unwrap();
     assert_ne!(counts(&cut).boundary_edges, 4 * n);
 }
 
-/// A cube whose vertices have the highest odd numbers of a list of `count`.
+/// A cube whose vertices have the highest odd indices of a list of `count`.
 fn cube_at_the_end(count: u32) -> Mesh {
     let (corners, triangles, ..) = shapes::cube().into_parts();
     let at = |vertex: u32| count - 32 + 2 * vertex + (count + 1) % 2;
@@ -71,7 +71,7 @@ fn hard_16_many_vertices_beyond_what_f32_counts_exactly() {
     assert_eq!(volume.casters().iter().map(|v| v.index() as u32).min(), Some(least));
     assert_eq!(winding_number(&volume, [-3.0, -5.0, -7.25]), Some(2));
     assert_eq!(weld(&mesh, Weld::Exact).mesh.vertex_count(), 8);
-    // The sabotage: through f32 two corners become one.
+    // Negative test: through f32 two corners become one.
     let narrow = mesh.triangles().iter().map(|face| face.map(|v| v as f32 as u32)).collect();
     let narrow = Mesh::new(mesh.positions().to_vec(), narrow).unwrap();
     assert_ne!(build(&narrow).edge_count(), 18);
@@ -98,7 +98,8 @@ fn hard_16_many_vertices_and_faces_in_one_sheet() {
     assert!(signs.iter().all(|&sign| sign == 1));
     let silhouette = Silhouette::extract(&topology, &signs);
     assert_eq!((silhouette.edges.len(), silhouette.max_multiplicity()), (4 * n, 1));
-    // The sabotage: the last face of all turned away, one of whose edges is on the boundary, shows by the other two.
+    // Negative test: the very last face turned away. One of its edges is on the boundary; the other two show
+    // the fault.
     *signs.last_mut().unwrap() = -1;
     assert_eq!(Silhouette::extract(&topology, &signs).edges.len(), 4 * n + 2);
 }

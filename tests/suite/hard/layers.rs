@@ -18,13 +18,13 @@ use umbrage::verify::pixels::PixelVerdict;
 use super::figures::*;
 use super::screen::*;
 
-/// How many of `n` nested cubes, of half sides 1/2, 1, 3/2, … about (1/4, 1/8), cover a pixel.
+/// Number of cubes that cover a pixel, of `n` nested cubes with half sides 1/2, 1, 3/2, … about (1/4, 1/8).
 fn covering(n: u32, x: f32, y: f32) -> i32 {
     let out = (x - 0.25).abs().max((y - 0.125).abs());
     (1..=n).filter(|&k| 0.5 * k as f32 > out).count() as i32
 }
 
-/// Guards against eight bits: 128 closed shells, or 256 where front faces alone cast, read as lit.
+/// Guards against eight bits: 128 closed shells, or 256 with front faces alone, wrap to lit.
 #[test]
 fn hard_13_wrap_of_the_stencil_is_foreseen_and_counted_beyond() {
     let light = sun(0.0, 0.0, -1.0);
@@ -46,7 +46,8 @@ fn hard_13_wrap_of_the_stencil_is_foreseen_and_counted_beyond() {
         assert_eq!(shot.casting.counting(), counting, "{shells} {faces:?}: {}", shot.casting.layers);
         assert_eq!(shot.wrong(8.0, must), [], "{shells} {faces:?}");
         assert!(shot.comparison.agrees(), "{:?}", shot.comparison.mismatches);
-        // The sabotage: to trust eight bits. The first count that they take for another is 256, all shells in a pixel.
+        // Negative test: trusting eight bits. The first count that they get wrong is 256, with all shells in
+        // a pixel.
         let eight =
             shoot_as(&caster, &light, &plain(), Some(StencilMethod::ZFail), Some(Counting::Stencil)).unwrap();
         let wraps = |x: f32, y: f32| Pixel::Count((each * covering(shells, x, y)) & 255);
@@ -56,14 +57,14 @@ fn hard_13_wrap_of_the_stencil_is_foreseen_and_counted_beyond() {
         let expected = match shells as i32 * each {
             60 | 120 => 0,
             256 => 1,
-            // Where at least 256 of 300, and 128 of them, are crossed: all of the picture.
+            // At least 256 crossings in every pixel: 256 of 300 cubes once, or 128 of them twice.
             _ => 256,
         };
         assert_eq!((overflown, eight.comparison.agrees()), (expected, expected == 0), "{shells} {faces:?}");
     }
 }
 
-/// The corners of a volume's side triangles, as positions.
+/// The corners of a volume's side triangles, as position bits.
 fn sides(volume: &ShadowVolume) -> BTreeSet<Vec<[u64; 4]>> {
     let corners = |triangle: &[u32; 3]| {
         let mut corners = triangle.map(|v| volume.vertex(v).to_f64().map(f64::to_bits)).to_vec();
@@ -73,7 +74,8 @@ fn sides(volume: &ShadowVolume) -> BTreeSet<Vec<[u64; 4]>> {
     volume.triangles()[volume.sides()].iter().map(corners).collect()
 }
 
-/// Guards against diagonals by vertex number: two meshes that meet would leave a raster crack between their sides.
+/// Guards against diagonals chosen by vertex index: two meshes that meet would leave a raster crack between
+/// their sides.
 #[test]
 fn hard_14_coincident_edges_sweep_the_same_two_triangles() {
     let mut state = 5_u32;
@@ -84,12 +86,12 @@ fn hard_14_coincident_edges_sweep_the_same_two_triangles() {
     let light = point(0.3, 4.0, 1.0);
     for _ in 0..200 {
         let [a, b, c, d]: [[f32; 3]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| next()));
-        // The edge from a to b in two meshes, its ends numbered one way and the other.
+        // The edge from a to b in two meshes, with its ends numbered in opposite order.
         let one = Mesh::new(vec![a, b, c], vec![[0, 1, 2]]).unwrap();
         let two = Mesh::new(vec![d, b, a], vec![[2, 0, 1]]).unwrap();
         let [one, two] = [one, two].map(|mesh| sides(&shadow(&mesh, &light)));
         assert_eq!(one.intersection(&two).count(), 2);
-        // The sabotage: the other diagonal of the same quad.
+        // Negative test: the other diagonal of the same quad.
         let quad = one.intersection(&two).flatten().copied().collect::<BTreeSet<_>>();
         assert_eq!(quad.len(), 4);
         let all: Vec<_> = quad.into_iter().collect();
@@ -103,10 +105,10 @@ fn hard_14_coincident_edges_sweep_the_same_two_triangles() {
     }
 }
 
-/// Guards against cracks of a pixel: inner edges of a torn sheet run exactly through the middles of pixels.
+/// Guards against cracks of a pixel: inner edges of a torn sheet run exactly through pixel centers.
 #[test]
 fn hard_14_coincident_edges_through_pixel_middles_leave_no_crack() {
-    // Seven by seven unit quads about the middle, every triangle with corners of its own, numbered at random.
+    // Seven by seven unit quads about the center, every triangle with corners of its own, numbered at random.
     let torn = shapes::shuffled(&shapes::soup(&placed(&shapes::sheet(7), 1.0, [-3.5, -3.5, 16.0])), 3);
     assert_eq!(counts(&torn).boundary_edges, 3 * 98);
     let must = |x: f32, y: f32| match x.abs().max(y.abs()) {
@@ -118,7 +120,7 @@ fn hard_14_coincident_edges_through_pixel_middles_leave_no_crack() {
     for light in [sun(0.0, 0.0, -1.0), point(0.0, 0.0, 1e9)] {
         expect_pixels("a torn sheet", &scene, &light, (0.5, 8.0), must);
     }
-    // The sabotage: one triangle less is a hole.
+    // Negative test: one triangle missing is a hole.
     let (positions, mut triangles, ..) = torn.into_parts();
     let middle = triangles.iter().position(|face| {
         let corners = face.map(|v| positions[v as usize]);
@@ -130,10 +132,10 @@ fn hard_14_coincident_edges_through_pixel_middles_leave_no_crack() {
     assert!(shot.is_none_or(|shot| !shot.wrong(8.0, must).is_empty()));
 }
 
-/// Guards against a slit that light shines through: what joins there is not the same vertices.
+/// Guards against light that shines through a slit: the meeting edges do not share the same vertices.
 #[test]
 fn hard_08_t_junction_throws_a_shadow_without_a_crack() {
-    // The open edge lies over the middles of a row of pixels.
+    // The open edge lies over the centers of a row of pixels.
     let scene = walled(&[placed(&shapes::t_junction(), 3.5, [0.25, 0.0, 20.0])]);
     let must = |x: f32, y: f32| match y.abs() {
         y if y > 3.5 || (x - 0.25).abs() > 3.5 => Pixel::Count(0),
@@ -141,10 +143,10 @@ fn hard_08_t_junction_throws_a_shadow_without_a_crack() {
         _ => Pixel::Either,
     };
     expect_pixels("a T-junction", &scene, &sun(0.0, 0.0, -1.0), (0.5, 8.0), must);
-    // Tilted so that the slit is over pixels that are dark on both of its sides.
+    // Tilted so that the slit lies over pixels that are dark on both sides of the slit.
     let tilted = walled(&[placed(&shapes::t_junction(), 4.0, [0.0, 20.5, 20.0])]);
     let must = |x: f32, y: f32| {
-        // The slanting sun moves each level by its height: lid (z = 24) and front (y = 16.5) side by side.
+        // The oblique sun shifts each level by its height: lid (z = 24) and front (y = 16.5) side by side.
         let dark = x.abs() < 4.0 && y > -7.5 && y < 8.5;
         counted(dark, 2)
     };
@@ -154,7 +156,8 @@ fn hard_08_t_junction_throws_a_shadow_without_a_crack() {
     assert!(shot.is_none_or(|shot| !shot.wrong(8.0, must).is_empty()), "the sabotage: no lid");
 }
 
-/// Guards against counts that cancel: the lobes have winding +1 and −1, and where their caps overlap both count.
+/// Guards against counts that cancel: the lobes have windings +1 and −1, and where their caps overlap both
+/// count.
 #[test]
 fn hard_21_winding_of_lobes_adds_up_in_the_stencil() {
     let scene = walled(&[placed(&shapes::figure_eight_prism(), 2.0, [0.25, 0.0, 16.0])]);
@@ -177,20 +180,20 @@ fn hard_21_winding_of_lobes_adds_up_in_the_stencil() {
     assert_eq!(shot.casting.faces.choices[1].what, CasterFaces::All);
     assert_eq!(shot.wrong(8.0, must), []);
     assert!([2, 4].iter().all(|count| shot.mask.raw().contains(count)));
-    // The sabotage: front faces alone count half.
+    // Negative test: front faces alone count half.
     let front = casting(&scene, Some(CasterFaces::Front));
     let shot = shoot_as(&front, &light, &plain(), Some(StencilMethod::ZFail), None).unwrap();
     assert!(!shot.wrong(8.0, must).is_empty());
 }
 
-/// Whether a round ball about the origin is lit at a point.
+/// Whether a smooth ball about the origin is lit at a point.
 fn round_is_lit(p: [f32; 3], light: &Light) -> bool {
     let (p, light) = (Vec3::from(p), Vec3::from(light.xyz()));
     p.dot(light - p) > 0.0
 }
 
-/// Guards against calling the staircase of a faceted terminator an error of the shadow, or blurring it away: a facet that
-/// looks away from the light is dark as a whole, whatever a smooth normal says.
+/// Guards against calling the staircase of a faceted terminator an error of the shadow, and against blurring
+/// it. A facet that faces away from the light is entirely dark, whatever a smooth normal says.
 #[test]
 fn hard_24_terminator_follows_the_facets() {
     let ball = placed(&shapes::icosphere(2), 4.0, [0.0, 0.0, 0.0]);
@@ -207,7 +210,8 @@ fn hard_24_terminator_follows_the_facets() {
                 assert_eq!(count, None);
                 continue;
             };
-            // From just outside a facet that looks away, the way leads in through it and out again.
+            // From just outside a facet that faces away, the segment enters the ball through this facet and
+            // leaves it again.
             let facing = facing_of(&ball, seen.face, &light);
             assert_eq!(count, Some(if facing == Facing::Front { 0 } else { 2 }), "{x} {y}");
             (lit, dark) =
@@ -216,12 +220,13 @@ fn hard_24_terminator_follows_the_facets() {
         }
     }
     assert!(lit > 10 && dark > 10);
-    // Next to the terminator facets and the round ball differ: counted here, and no disagreement there.
+    // Near the terminator, facets and smooth ball differ: such pixels are counted here, and are no
+    // disagreement.
     assert!(smooth_differs > 0, "{lit} lit, {dark} dark");
     let verdicts = [PixelVerdict::Lit, PixelVerdict::Shadowed, PixelVerdict::Real, PixelVerdict::Grazing];
     let found = verdicts.map(|verdict| shot.comparison.count(verdict) as i32);
     assert_eq!(found, [lit, dark, 0, 0]);
-    // The sabotage: a mask that shades the round ball is wrong in those very pixels.
+    // Negative test: a mask that shades the smooth ball is wrong in these pixels.
     let pixels = (0..16_u32).flat_map(|y| (0..16).map(move |x| (x, y)));
     let (mut raw, mut receivers) = (Vec::new(), Vec::new());
     for (x, y) in pixels {

@@ -1,7 +1,7 @@
-//! Sixteen by sixteen pixels whose counts are known in closed form.
+//! A picture of sixteen by sixteen pixels whose counts are known in closed form.
 //!
-//! The eye stands at (0, 0, 8) and looks down on the plane z = 0, where pixels are the unit squares of [−8, 8]²: their
-//! middles are half-integers. A wall there receives what casters in and out of view throw on it.
+//! The eye is at (0, 0, 8) and looks down at the plane z = 0. There pixels are the unit squares of [−8, 8]²,
+//! with half-integer centers. A wall in this plane receives the shadows of casters in and out of view.
 
 use std::sync::OnceLock;
 
@@ -21,18 +21,18 @@ use crate::support::gpu;
 
 const SIDE: u32 = 16;
 
-/// What a pixel must show.
+/// The expected content of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Pixel {
-    /// Nothing is there.
+    /// No surface.
     Sky,
-    /// So many casting faces are between the visible point and the light.
+    /// This number of casting faces between the visible point and the light.
     Count(i32),
-    /// The boundary of a shadow runs through its middle: either count is right.
+    /// A shadow boundary through the pixel's center: either count is correct.
     Either,
 }
 
-/// The eye, with the near plane at `near`; at depth 8 the picture reaches `reach` to each side.
+/// The projection with the near plane at `near`; at depth 8 the picture reaches `reach` to each side.
 pub(super) fn view(near: f32, reach: f32) -> Projection {
     let scale = 8.0 / reach;
     Projection {
@@ -41,10 +41,11 @@ pub(super) fn view(near: f32, reach: f32) -> Projection {
         up: [0.0, scale, 0.0],
         forward: [0.0, 0.0, -1.0],
         near,
+        kind: Default::default(),
     }
 }
 
-/// Pixels of unit squares, the near plane at 0.5.
+/// The projection with pixels of unit squares and the near plane at 0.5.
 pub(super) fn plain() -> Projection {
     view(0.5, 8.0)
 }
@@ -55,18 +56,18 @@ pub(super) fn plate(low: [f32; 2], high: [f32; 2], z: f32) -> Mesh {
     Mesh::new(vec![[x, y, z], [u, y, z], [u, v, z], [x, v, z]], vec![[0, 1, 2], [0, 2, 3]]).unwrap()
 }
 
-/// A wall behind everything, larger than the picture, with `casters` before it.
+/// A wall behind everything, larger than the picture, with `casters` in front of it.
 pub(super) fn walled(casters: &[Mesh]) -> Mesh {
     let wall = plate([-20.25, -20.5], [20.5, 20.75], 0.0);
     Mesh::concat(&[&[wall], casters].concat()).unwrap()
 }
 
-/// A solid's positions put elsewhere.
+/// A solid scaled by `factor` and moved to `at`.
 pub(super) fn placed(mesh: &Mesh, factor: f32, at: [f32; 3]) -> Mesh {
     shapes::translated(&shapes::scaled(mesh, factor), at)
 }
 
-/// A scene as drawn.
+/// A scene as drawn, with its counts.
 pub(super) struct Shot {
     pub(super) casting: StencilVolumes,
     pub(super) mask: ShadowMask,
@@ -74,7 +75,7 @@ pub(super) struct Shot {
 }
 
 impl Shot {
-    /// The pixels that do not show what they must, by their middles at depth 8, with what they show.
+    /// The pixels whose content is not as expected: their centers at depth 8, and the counts found.
     pub(super) fn wrong(&self, reach: f32, must: impl Fn(f32, f32) -> Pixel) -> Vec<([f32; 2], Option<i32>)> {
         let pixels = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
         let shown = pixels.map(|(x, y)| {
@@ -96,7 +97,7 @@ fn pass() -> Option<StencilPass> {
     PASS.get_or_init(|| gpu().map(|gpu| StencilPass::new(&gpu, Depth::Plane).unwrap())).clone()
 }
 
-/// Draws what `caster` throws on its mesh, and compares. `None` without an adapter.
+/// Draws the shadows that `caster` casts on its own mesh, and compares. `None` without an adapter.
 pub(super) fn shoot_as(
     (caster, faces): &(Caster, Option<CasterFaces>),
     light: &Light,
@@ -115,7 +116,7 @@ pub(super) fn shoot_as(
     Some(Shot { casting, mask, comparison })
 }
 
-/// The comparison of any mask with what the faces of `caster` cast by `signs`.
+/// Compares any mask with the shadows that the faces of `caster` cast with `signs`.
 pub(super) fn judge(
     caster: &Caster,
     signs: &[i8],
@@ -126,7 +127,7 @@ pub(super) fn judge(
     compare(&Rendered { caster, signs, light, projection, mask, unsure: &[] }, 3, &|_| {})
 }
 
-/// A caster of a mesh, with the faces that are asked to cast.
+/// A caster of a mesh, with the faces that should cast.
 pub(super) fn casting(mesh: &Mesh, faces: Option<CasterFaces>) -> (Caster, Option<CasterFaces>) {
     (Caster::new(mesh.clone()), faces)
 }
@@ -141,8 +142,8 @@ pub(super) fn shoot(
     shoot_as(&casting(mesh, Some(CasterFaces::All)), light, projection, asked, None)
 }
 
-/// Asserts every pixel, by z-fail and by the method that is chosen, and that the comparison agrees with both. Gives how
-/// many shells the choice counted by z-pass; `None` without an adapter.
+/// Asserts every pixel, by z-fail and by the chosen method, and that the pixel comparison agrees with both.
+/// Returns the number of shells for which z-pass was chosen; `None` without an adapter.
 pub(super) fn expect_pixels(
     what: &str,
     mesh: &Mesh,
@@ -171,7 +172,7 @@ pub(super) fn expect_pixels(
     Some(by_zpass)
 }
 
-/// 1 where `inside` holds and 0 elsewhere, times `count`.
+/// `count` where `inside` holds, 0 elsewhere.
 pub(super) fn counted(inside: bool, count: i32) -> Pixel {
     Pixel::Count(if inside { count } else { 0 })
 }

@@ -1,4 +1,4 @@
-//! Vertices that should be one and are not quite, numbers that are none, and vertices in the middle of an edge.
+//! Vertices that nearly coincide, numbers that are not finite, and vertices in the middle of an edge.
 
 use umbrage::check::DefectKind;
 use umbrage::mesh::{Mesh, Weld, weld};
@@ -9,7 +9,8 @@ use umbrage::write::{Layer, Model, Target, to_bytes};
 
 use super::figures::*;
 
-/// The octahedron as separate faces, every second of which (they alternate over each edge) has `zero` for a zero.
+/// The octahedron as separate faces. Every second face (alternating over each edge) has `zero` in place of a
+/// zero.
 fn octahedron(zero: f32) -> Vec<[[f32; 3]; 3]> {
     let solid = shapes::octahedron();
     let faces = solid.triangles().iter().map(|face| face.map(|vertex| solid.positions()[vertex as usize]));
@@ -47,12 +48,12 @@ fn binary_stl(faces: &[[[f32; 3]; 3]]) -> Vec<u8> {
     bytes
 }
 
-/// The mesh of a file, welded so.
+/// The mesh of a file, welded by `how`.
 fn welded(bytes: &[u8], name: &str, how: Weld) -> Mesh {
     weld(&read_bytes(bytes, name).unwrap().bake(Scope::Mesh).unwrap()[0], how).mesh
 }
 
-/// Guards against hashing the bits of a position: the two zeros are equal, and their bits are not.
+/// Guards against hashing the bits of a position: the two zeros are equal, but their bits differ.
 #[test]
 fn hard_07_seam_between_the_two_zeros_closes() {
     let faces = octahedron(-0.0);
@@ -70,12 +71,12 @@ fn hard_07_seam_between_the_two_zeros_closes() {
     }
 }
 
-/// Guards against calling a mesh closed, or open, without saying at which distance: `sin π` is not 0.
+/// Guards against calling a mesh closed, or open, without naming the distance: `sin π` is not 0.
 #[test]
 fn hard_07_seam_of_rounding_near_zero_needs_a_distance_and_none_in_ulps() {
     let faces = octahedron(2.7e-16);
     let separate = weld(&mesh(&faces), Weld::Exact).mesh;
-    // Each vertex is two now, so that all twelve edges are open on both sides.
+    // Each vertex is doubled now, so all twelve edges are open on both sides.
     let found = report(&separate);
     assert_eq!(
         (separate.vertex_count(), found.counts.boundary_edges, found.counts.watertight),
@@ -92,14 +93,15 @@ fn hard_07_seam_of_rounding_near_zero_needs_a_distance_and_none_in_ulps() {
             assert_eq!(mesh.vertex_count() == 6, closes, "{distance}");
         }
     }
-    // Open or not, the volume is closed and says what the ray cast says.
+    // Open or not, the volume is closed and agrees with the ray cast.
     let light = point(3.0, 5.0, 6.5);
     expect_figures(&[(&separate, light, ([4, 4, 0], 24, 24))]);
     expect_crossings(&separate, &light, &[([-3.0, -5.0, -7.25], 2), ([0.1, 0.2, 0.3], 1)]);
     expect_agreement(&separate, &light);
 }
 
-/// Guards against an epsilon in the exact weld, and against one too small in the other.
+/// Guards against an epsilon in the exact weld, and against one that is too small in the weld within a
+/// distance.
 #[test]
 fn hard_07_seam_of_one_ulp_stays_open_exactly_and_closes_at_that_distance() {
     let mesh = shapes::seam(1);
@@ -115,7 +117,7 @@ fn hard_07_seam_of_one_ulp_stays_open_exactly_and_closes_at_that_distance() {
         assert_eq!((counts(&mesh).boundary_edges, mesh.vertex_count()), (boundary, vertices), "{how:?}");
     }
     let light = point(9.0, 0.25, 1.0 + 0.5 * ulp);
-    // Through the slit, which is one ulp high: above it the lid, below it the rest.
+    // Through the slit, which is one ulp high: the lid is above, the rest below.
     for light in [light, point(3.0, 5.0, 7.0)] {
         figures(&mesh, &light);
         expect_agreement(&mesh, &light);
@@ -137,7 +139,8 @@ fn md2(offset: f32) -> Vec<u8> {
     bytes
 }
 
-/// Guards against numbers that are none: one NaN would make every box, plane and tree of its mesh one.
+/// Guards against numbers that are not finite: a single NaN would turn every box, plane and tree of its mesh
+/// into NaN.
 #[test]
 fn hard_07_seam_free_nan_and_infinity_in_a_file_are_errors_with_a_place() {
     let marker = 1234.5_f32;
@@ -180,7 +183,7 @@ fn hard_07_seam_free_nan_and_infinity_in_a_file_are_errors_with_a_place() {
             assert_eq!(error.lines().count(), 1, "{error}");
         }
     }
-    // The sabotage: with the number in its place each of them is read.
+    // Negative test: with a number instead, each of the files is read.
     for (name, bytes) in [
         ("a.ply", ascii_ply.to_vec()),
         ("b.ply", written("b.ply")),
@@ -194,11 +197,11 @@ fn hard_07_seam_free_nan_and_infinity_in_a_file_are_errors_with_a_place() {
     }
 }
 
-/// Guards against cracks that no weld closes: a vertex stands in the middle of its neighbor's edge.
+/// Guards against cracks that no weld closes: a vertex lies in the middle of its neighbor's edge.
 #[test]
 fn hard_08_t_junction_is_reported_and_the_volume_is_closed_all_the_same() {
     let exact = shapes::t_junction();
-    // Leaning by multiples of a tenth, and cut at a third: no f32 lies on that edge.
+    // Tilted by multiples of a tenth, and cut at a third: no f32 point lies on this edge.
     let (mut positions, triangles, ..) = exact.clone().into_parts();
     let lean = |x: f64, y: f64, z: f64| [x, y + 0.1 * x, z - 0.3 * x].map(|x| x as f32);
     for p in &mut positions[..8] {
@@ -219,9 +222,10 @@ fn hard_08_t_junction_is_reported_and_the_volume_is_closed_all_the_same() {
         }
         expect_crossings(mesh, &point(3.0, 5.0, 7.0), &[([-3.0, -5.0, -7.25], 2), ([0.1, 0.2, 0.3], 1)]);
     }
-    // The hexagon of the cube, but for one edge, whose two ways are three edges of multiplicity 1.
+    // The hexagon of the cube, except that one edge is replaced by three edges of multiplicity 1 along its
+    // two copies.
     expect_figures(&[(&exact, point(3.0, 5.0, 7.0), ([7, 6, 0], 8, 5 * 2 + 3))]);
-    // The sabotage: a vertex off the edge is a hole, not a T-junction.
+    // Negative test: a vertex off the edge makes a hole, not a T-junction.
     let (mut positions, triangles, ..) = exact.into_parts();
     positions[8][2] = 0.75;
     let hole = counts(&Mesh::new(positions, triangles).unwrap());

@@ -1,4 +1,4 @@
-//! Sheets: one layer of faces, lit from either side, single and double; and meshes that hold next to nothing.
+//! Sheets: one layer of faces, lit from either side, single and double; and meshes with few or no faces.
 
 use umbrage::facing::CasterFaces;
 use umbrage::mesh::Mesh;
@@ -6,31 +6,34 @@ use umbrage::testing::shapes;
 
 use super::figures::*;
 
-/// Guards against casting front faces (or back faces) alone: one of the two lights would see through the sheet.
+/// Guards against casting front faces (or back faces) alone: one of the two lights would shine through the
+/// sheet.
 #[test]
 fn hard_01_sheet_casts_whichever_side_the_light_is_on() {
     let sheet = shapes::sheet(1);
     let (above, below) = (point(0.3, 0.4, 5.0), point(0.3, 0.4, -5.0));
-    // A square of two triangles: four silhouette edges of multiplicity 1, as all the faces look the same way.
+    // A square of two triangles: four silhouette edges of multiplicity 1, since both faces have the same
+    // orientation.
     expect_figures(&[(&sheet, above, ([2, 0, 0], 4, 4)), (&sheet, below, ([0, 2, 0], 4, 4))]);
     for (light, side) in [(above, -1.0), (below, 1.0)] {
         let behind = [0.6, 0.5, 3.0 * side];
         expect_crossings(&sheet, &light, &[(behind, 1), ([0.6, 0.5, -3.0 * side], 0), ([2.5, 0.5, side], 0)]);
         expect_agreement(&sheet, &light);
     }
-    // The sabotage is that very engine.
+    // Negative test: front faces alone.
     assert_eq!(winding(&sheet, &above, CasterFaces::Front, [0.6, 0.5, -3.0]), Some(1));
     assert_eq!(winding(&sheet, &below, CasterFaces::Front, [0.6, 0.5, 3.0]), Some(0));
 }
 
-/// A mesh with each of its faces once more, the same way round.
+/// A mesh with each of its faces twice, in the same orientation.
 fn doubled(mesh: &Mesh) -> Mesh {
     let (positions, mut triangles, ..) = mesh.clone().into_parts();
     triangles.extend_from_within(..);
     Mesh::new(positions, triangles).unwrap()
 }
 
-/// Guards against merging equal faces, against cancelling opposite ones, and against edges with room for two faces.
+/// Guards against merging equal faces, against cancelling opposite ones, and against edges with only two
+/// slots.
 #[test]
 fn hard_04_duplicate_faces_are_reported_and_each_counts() {
     let light = point(0.3, 0.4, 5.0);
@@ -49,25 +52,25 @@ fn hard_04_duplicate_faces_are_reported_and_each_counts() {
         expect_crossings(mesh, &light, &[(below, 2), ([0.6, 0.5, 3.0], 0)]);
         expect_agreement(mesh, &light);
     }
-    // Opposite windings face opposite ways, so that their multiplicities add up as well.
+    // Opposite windings face opposite sides, so their multiplicities add up as well.
     expect_figures(&[(&same, light, ([4, 0, 0], 4, 8)), (&opposite, light, ([2, 2, 0], 4, 8))]);
-    // The sabotages: the mesh without its duplicates, and the sum of windings without the facing.
+    // Negative tests: the mesh without its duplicates, and the sum of windings without the facing.
     expect_crossings(&shapes::sheet(1), &light, &[(below, 1)]);
     assert_eq!(winding(&opposite, &light, CasterFaces::Front, below), Some(1));
 }
 
-/// Guards against a face that is dropped because its edges were full.
+/// Guards against dropping a face because its edges have no free slot.
 #[test]
 fn hard_04_duplicate_of_one_face_of_a_cube_deepens_the_shadow_of_that_half_alone() {
     let mesh = shapes::duplicated_face();
     let light = point(3.0, 5.0, 7.0);
-    // The cube's hexagon with multiplicity 2; the three edges of the third triangle get one more, one of which is in
-    // the hexagon already.
+    // The cube's hexagon with multiplicity 2. The three edges of the third triangle get one more; one of them
+    // already lies on the hexagon.
     expect_figures(&[(&shapes::cube(), light, ([6, 6, 0], 6, 12)), (&mesh, light, ([7, 6, 0], 8, 15))]);
     assert_eq!(cast(&mesh, &light, CasterFaces::All).0.max_multiplicity(), 3);
-    // Through the doubled triangle of the top, x < y, and through the other one.
+    // Through the doubled triangle of the top, x < y, and through the other triangle.
     let below = |x: f32, y: f32| -> [f32; 3] {
-        // From the light through (x, y, 1) on to z = −2.
+        // From the light through (x, y, 1) to z = −2.
         let t = 9.0 / 6.0;
         [3.0 + (x - 3.0) * t, 5.0 + (y - 5.0) * t, -2.0]
     };
@@ -75,7 +78,8 @@ fn hard_04_duplicate_of_one_face_of_a_cube_deepens_the_shadow_of_that_half_alone
     expect_crossings(&shapes::cube(), &light, &[(below(-0.5, 0.5), 2)]);
 }
 
-/// Guards against division by a face count, empty trees and buffers, and volumes of nothing that shadow everything.
+/// Guards against division by the number of faces, empty trees and buffers, and empty volumes that shadow
+/// everything.
 #[test]
 fn hard_20_empty_meshes_cast_nothing_and_are_sound() {
     let collapsed = Mesh::new(vec![[0.0; 3], [1.0; 3]], vec![[0, 0, 0], [0, 1, 0], [1, 1, 0]]).unwrap();
@@ -90,12 +94,12 @@ fn hard_20_empty_meshes_cast_nothing_and_are_sound() {
             expect_agreement(mesh, &light);
         }
     }
-    // The sabotage: a mesh that is not empty is told from them.
+    // Negative test: a mesh that is not empty differs from the empty ones.
     let triangle = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
     assert_ne!(figures(&triangle, &point(0.25, 0.5, 0.75)), ([0, 0, 0], 0, 0));
 }
 
-/// Guards against neighbors that are taken for granted: none of the three edges has one.
+/// Guards against assuming neighbors: none of the three edges has one.
 #[test]
 fn hard_20_one_triangle_casts_a_prism() {
     let triangle = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
@@ -104,7 +108,7 @@ fn hard_20_one_triangle_casts_a_prism() {
     let (lamp, day) = (point(0.25, 0.25, 2.0), sun(0.0, 0.0, -1.0));
     expect_figures(&[(&triangle, lamp, ([1, 0, 0], 3, 3)), (&triangle, day, ([1, 0, 0], 3, 3))]);
     expect_crossings(&triangle, &day, &[([0.25, 0.25, -9.0], 1), ([0.75, 0.75, -9.0], 0)]);
-    // At twice the distance from the light it is twice as large.
+    // At twice the distance from the light the shadow is twice as large.
     expect_crossings(
         &triangle,
         &lamp,
@@ -123,10 +127,11 @@ fn projection() -> umbrage::view::Projection {
         up: [0.0, 1.0, 0.0],
         forward: [0.0, 0.0, -1.0],
         near: 0.5,
+        kind: Default::default(),
     }
 }
 
-/// Guards against a direction of length zero, which would send every volume to no place at all.
+/// Guards against a direction of length zero, which would extrude every volume to no point at all.
 #[test]
 fn hard_20_light_that_is_none_is_an_error_that_says_so() {
     use umbrage::geom::Light;
@@ -142,7 +147,7 @@ fn hard_20_light_that_is_none_is_an_error_that_says_so() {
         "a light needs finite coordinates, not inf"
     );
     assert_eq!(message("point:1e39,0,0".parse()), "a light needs finite coordinates, not inf");
-    // A point light at the origin and the smallest direction there is are lights.
+    // A point light at the origin and the smallest direction are valid lights.
     assert!(Light::point([0.0; 3]).is_ok());
     let smallest = Light::directional([0.0, f32::from_bits(1), 0.0]).unwrap();
     assert_eq!(figures(&shapes::cube(), &smallest), ([2, 2, 8], 8, 8));

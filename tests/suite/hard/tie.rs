@@ -1,4 +1,4 @@
-//! Lights exactly in planes, on edges and on vertices, and the next number beside them.
+//! Lights exactly in planes, on edges and on vertices, and at the adjacent floats.
 
 use umbrage::facing::{FacePlanes, classify};
 use umbrage::geom::Facing;
@@ -11,14 +11,15 @@ use umbrage::testing::shapes;
 
 use super::figures::*;
 
-/// Guards against a tolerance about zero: on the cube's planes, edges and corners each ulp changes the closed form.
+/// Guards against a tolerance about zero: on the cube's planes, edges and corners each ulp changes the closed
+/// form.
 #[test]
 fn hard_09_tie_of_a_light_with_a_cube_is_exact_to_the_ulp() {
     let cube = shapes::cube();
     let (on, out, within) = (1.0, 1.0_f32.next_up(), 1.0_f32.next_down());
     #[rustfmt::skip]
     let rows = [
-        // In the plane of the top, outside it; above; below.
+        // In the plane of the top, outside the top; above; below.
         (point(5.0, 0.3, on),            ([2, 8, 2], 7, 3 * 2 + 4)),
         (point(5.0, 0.3, out),           ([4, 8, 0], 6, 12)),
         (point(5.0, 0.3, within),        ([2, 10, 0], 4, 8)),
@@ -26,13 +27,13 @@ fn hard_09_tie_of_a_light_with_a_cube_is_exact_to_the_ulp() {
         (point(0.2, 0.3, on),            ([0, 10, 2], 4, 4)),
         (point(0.2, 0.3, out),           ([2, 10, 0], 4, 8)),
         (point(0.2, 0.3, within),        ([0, 12, 0], 0, 0)),
-        // On an edge; off it in one way, in the other, in both.
+        // On an edge; off the edge in one direction, in the other, in both.
         (point(on, 0.25, on),            ([0, 8, 4], 6, 6)),
         (point(out, 0.25, on),           ([2, 8, 2], 7, 3 * 2 + 4)),
         (point(within, 0.25, on),        ([0, 10, 2], 4, 4)),
         (point(out, 0.25, out),          ([4, 8, 0], 6, 12)),
         (point(out, 0.25, within),       ([2, 10, 0], 4, 8)),
-        // On a corner; off it along one axis, along all.
+        // On a corner; off the corner along one axis, along all.
         (point(on, on, on),              ([0, 6, 6], 6, 6)),
         (point(out, on, on),             ([2, 6, 4], 8, 2 * 2 + 6)),
         (point(within, on, on),          ([0, 8, 4], 6, 6)),
@@ -47,7 +48,8 @@ fn hard_09_tie_of_a_light_with_a_cube_is_exact_to_the_ulp() {
     for (light, _) in rows {
         expect_agreement(&cube, &light);
     }
-    // The sabotage: a light that is rounded to three digits does not have the figures of its row, unless it is a tie.
+    // Negative test: a light rounded to three digits does not have the figures of its row, unless the light
+    // is a tie.
     let is_rejected = |(light, expected): &(Light, Figures)| {
         let xyz = light.xyz().map(|x| (x * 1000.0).round() / 1000.0);
         let rounded =
@@ -67,7 +69,7 @@ fn hard_09_tie_of_a_light_on_a_vertex_extrudes_nothing_from_it() {
         for (index, &vertex) in mesh.positions().iter().enumerate() {
             let light = Light::point(vertex).unwrap();
             figures(&mesh, &light);
-            // Every face there is edge-on: the vertex is in no cap and on no side.
+            // Every face at this vertex is edge-on: the vertex is in no cap and on no side.
             let facing = classify(&mesh, &light);
             let around =
                 mesh.triangles().iter().zip(&facing).filter(|(face, _)| face.contains(&(index as u32)));
@@ -80,7 +82,7 @@ fn hard_09_tie_of_a_light_on_a_vertex_extrudes_nothing_from_it() {
                 all.filter(|&v| volume.vertex(v).to_f64() == [0.0; 4]).count()
             };
             assert_eq!(far(&volume), 0);
-            // Even where all faces are made to cast there, the volume is closed, with that point in it.
+            // Even if all faces are made to cast, the volume is closed and contains this vertex.
             let signs = vec![1; mesh.face_count()];
             let silhouette = Silhouette::extract(&topology, &signs);
             let forced = ShadowVolume::extrude(&mesh, &topology, &light, &signs, &silhouette, Caps::Both);
@@ -108,7 +110,7 @@ fn through_the_origin() -> Mesh {
     Mesh::new(positions, (0..300).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap()
 }
 
-/// Guards against a filter with a constant bound, which certifies more than half of such ties as a side.
+/// Guards against a filter with a constant bound, which decides a side for more than half of such ties.
 #[test]
 fn hard_09_tie_of_all_planes_at_the_origin_is_found_by_every_way() {
     let mesh = through_the_origin();
@@ -116,7 +118,7 @@ fn hard_09_tie_of_all_planes_at_the_origin_is_found_by_every_way() {
     expect_crossings(&mesh, &point(0.0, 0.0, 0.0), &[]);
     expect_agreement(&mesh, &point(0.0, 0.0, 0.0));
 
-    // The smallest step there is off the origin decides all of them, by the sign of a × b, which f64 holds exactly.
+    // The smallest step off the origin decides all of them, by the sign of a × b, which f64 holds exactly.
     for axis in 0..3 {
         let mut step = [0.0; 3];
         step[axis] = f32::from_bits(1);
@@ -134,7 +136,7 @@ fn hard_09_tie_of_all_planes_at_the_origin_is_found_by_every_way() {
         assert!(expected.contains(&1) && expected.contains(&-1) && !expected.contains(&0));
     }
 
-    // The sabotage: the same sign in f32 is no tie for most of them.
+    // Negative test: the same sign in f32 is no tie for most of them.
     let naive = |face: &[u32; 3]| {
         let [a, b, c] = face.map(|v| Vec3::from(mesh.positions()[v as usize]));
         (b - a).cross(c - a).dot(-a)
@@ -142,7 +144,8 @@ fn hard_09_tie_of_all_planes_at_the_origin_is_found_by_every_way() {
     assert!(mesh.triangles().iter().filter(|face| naive(face) != 0.0).count() > 100);
 }
 
-/// Guards against special cases of the light at the origin of the mesh: a book's pages all pass through it.
+/// Guards against special cases of the light at the origin of the mesh: a book's pages all pass through the
+/// origin.
 #[test]
 fn hard_09_tie_of_a_light_on_the_spine_of_a_book_casts_nothing() {
     for pages in [1, 2, 5, 18] {
@@ -152,7 +155,7 @@ fn hard_09_tie_of_a_light_on_the_spine_of_a_book_casts_nothing() {
             expect_figures(&[(&book, point(0.0, 0.0, z), ([0, 0, n], 0, 0))]);
         }
         expect_agreement(&book, &point(0.0, 0.0, 0.25));
-        // One step beside it most pages have a side again.
+        // One ulp off the origin most pages have a side again.
         let beside = figures(&book, &point(f32::from_bits(1), -f32::from_bits(1), 0.25));
         assert!(beside.0[2] < n.max(2), "{beside:?}");
     }

@@ -1,4 +1,4 @@
-//! Windings that contradict each other, and transforms that turn them.
+//! Inconsistent windings, and transforms that reverse windings.
 
 use umbrage::check::DefectKind;
 use umbrage::facing::{CasterFaces, classify};
@@ -10,7 +10,7 @@ use umbrage::testing::shapes;
 
 use super::figures::*;
 
-/// Guards against pairing half-edges by direction, which finds a border where a strip closes with a twist.
+/// Guards against pairing half-edges by direction, which finds a boundary where a strip closes with a twist.
 #[test]
 fn hard_05_orientation_of_a_moebius_strip_has_one_seam_and_no_false_border() {
     for segments in [3, 24] {
@@ -21,7 +21,7 @@ fn hard_05_orientation_of_a_moebius_strip_has_one_seam_and_no_false_border() {
     }
     let strip = shapes::mobius(24);
     let topology = topology(&strip);
-    // At the seam the strip lies flat: its faces look opposite ways, and there is no outline.
+    // At the seam the strip lies flat: its faces have opposite orientations, and there is no outline.
     let light = point(0.9, 0.05, 7.0);
     let seam = topology.edges().find(|&edge| topology.is_misoriented(edge)).unwrap();
     let facing = classify(&strip, &light);
@@ -37,18 +37,19 @@ fn hard_05_orientation_of_a_moebius_strip_has_one_seam_and_no_false_border() {
         expect_crossings(&strip, &light, &[([0.9, 0.05, -7.0 * side], 1), ([-0.7, 0.05, -7.0 * side], 0)]);
         expect_agreement(&strip, &light);
     }
-    // The sabotage: with front faces alone the seam is a false border, and half the strip casts nothing.
+    // Negative test: with front faces alone the seam is a false boundary, and half the strip casts nothing.
     assert!(outline(CasterFaces::Front));
 }
 
-/// Guards against anything that reads a winding: with a winding a face's facing turns too, and the volume stays.
+/// Guards against any use of the winding alone: with a winding a face's facing is reversed too, and the
+/// volume is unchanged.
 #[test]
 fn hard_05_orientation_of_any_faces_leaves_the_volume_as_it_was() {
     let cube = shapes::cube();
     for light in [point(3.0, 5.0, 7.0), point(0.1, 0.2, 0.3), point(1.0, 0.5, 4.0), sun(0.0, -1.0, 0.0)] {
         let expected = shadow(&cube, &light);
         let mut differ = 0;
-        // All ways to wind the twelve faces.
+        // All combinations of windings of the twelve faces.
         for turned in 0..1_u32 << 12 {
             let (positions, mut triangles, ..) = cube.clone().into_parts();
             for (face, triangle) in triangles.iter_mut().enumerate() {
@@ -65,7 +66,7 @@ fn hard_05_orientation_of_any_faces_leaves_the_volume_as_it_was() {
                 "{turned:b}"
             );
             assert!(volume.boundary_sum().is_closed());
-            // The sabotage: front faces alone do see the windings of all but edge-on faces.
+            // Negative test: front faces alone depend on the windings of all but edge-on faces.
             let front = cast(&mesh, &light, CasterFaces::Front).1;
             differ += usize::from(front.triangles() != cast(&cube, &light, CasterFaces::Front).1.triangles());
         }
@@ -74,7 +75,7 @@ fn hard_05_orientation_of_any_faces_leaves_the_volume_as_it_was() {
     }
 }
 
-/// Guards against calling everything a border, or nothing: what is wrong with a winding has its own name.
+/// Guards against calling everything a boundary, or nothing: each fault of a winding has its own name.
 #[test]
 fn hard_05_orientation_defects_are_told_apart() {
     let (sound, mixed, inverted) =
@@ -91,7 +92,7 @@ fn hard_05_orientation_defects_are_told_apart() {
     ] {
         let c = counts(mesh);
         assert_eq!(found(mesh), (expected, watertight));
-        // The sabotage: either of the other two in its place.
+        // Negative test: each of the other two meshes instead.
         let like_it = [&sound, &mixed, &inverted].map(|mesh| found(mesh) == (expected, watertight));
         assert_eq!(like_it.iter().filter(|&&like_it| like_it).count(), 1, "{like_it:?}");
         assert!(c.even);
@@ -114,11 +115,12 @@ fn baked(mesh: &Mesh, world_from_mesh: Mat4) -> Mesh {
     scene.bake(Scope::Mesh).unwrap().remove(0)
 }
 
-/// Guards against a mirror that turns a solid inside out, and against normals carried by the matrix itself.
+/// Guards against a mirror that turns a solid inside out, and against normals transformed by the matrix
+/// itself.
 #[test]
 fn hard_15_transform_that_mirrors_turns_the_windings_with_it() {
     let scale = |x, y, z| Mat4::from_scale(Vec3::new(x, y, z));
-    // x takes in half of y: volumes stay.
+    // A shear: x gains half of y, and volumes do not change.
     let shear = Mat4::from_cols_array(&[
         1.0, 0.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
     ]);
@@ -135,7 +137,7 @@ fn hard_15_transform_that_mirrors_turns_the_windings_with_it() {
         let mesh = baked(&shapes::cube(), transform);
         let c = counts(&mesh);
         assert_eq!((c.signed_volume, c.sound(), c.inside_out_shells), (volume, true, 0), "{transform}");
-        // Lit from far along a diagonal of the box, a box has three sides in front, whatever the transform.
+        // Lit from far along a diagonal of the box, a box has three front sides, whatever the transform.
         let [x, y, z] = transform.transform_point3(Vec3::new(31.0, 52.0, 73.0)).to_array();
         let light = point(x, y, z);
         expect_figures(&[(&mesh, light, ([6, 6, 0], 6, 12))]);
@@ -143,11 +145,11 @@ fn hard_15_transform_that_mirrors_turns_the_windings_with_it() {
         expect_crossings(&mesh, &light, &[(behind, 2)]);
         expect_agreement(&mesh, &light);
     }
-    // The sabotage: positions mirrored, windings left alone.
+    // Negative test: positions mirrored, windings unchanged.
     assert_eq!(counts(&shapes::scaled(&shapes::cube(), -1.0)).inside_out_shells, 1);
 }
 
-/// Guards against a determinant of zero taken for either sign, and against flat faces that tear the volume.
+/// Guards against a determinant of zero taken for either sign, and against flat faces that open the volume.
 #[test]
 fn hard_15_transform_that_flattens_leaves_a_closed_volume() {
     let scaled = |z| {
@@ -160,11 +162,11 @@ fn hard_15_transform_that_flattens_leaves_a_closed_volume() {
         assert_eq!((c.boundary_edges, c.balanced), (0, true));
         ([c.collapsed_faces, c.zero_area_faces, c.duplicate_faces], figures(mesh, &light).0)
     };
-    // Top and bottom fall on each other, the four sides collapse to lines.
+    // Top and bottom coincide, the four sides collapse to lines.
     let (flat, expected) = (scaled(0.0), ([8, 0, 2], [2, 2, 8]));
     assert_eq!(found(&flat), expected);
     assert_eq!(counts(&flat).signed_volume, 0.0);
-    // The sabotage: a scale that is all but zero.
+    // Negative test: a scale of nearly zero.
     assert_ne!(found(&scaled(f32::MIN_POSITIVE)), expected);
     expect_crossings(&flat, &light, &[([0.35, -0.1, -2.0], 2), ([9.0, 0.1, -2.0], 0)]);
     expect_agreement(&flat, &light);

@@ -1,4 +1,4 @@
-//! Everything that is asked of a case.
+//! All results that are compared for a case.
 
 use std::collections::BTreeMap;
 
@@ -12,13 +12,13 @@ use umbrage::silhouette::Silhouette;
 use umbrage::testing::strategy::Case;
 use umbrage::topology::Topology;
 
-/// The silhouette by its vertices, smaller first.
+/// The silhouette by its vertices, the smaller one first.
 pub(super) type Outline = BTreeMap<[u32; 2], i32>;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Answers {
     pub(super) facing: Vec<Facing>,
-    /// Of all faces, and of front faces.
+    /// The silhouettes of all faces, and of front faces.
     pub(super) outlines: [Outline; 2],
     pub(super) points: Vec<PointAnswer>,
 }
@@ -27,33 +27,33 @@ pub(super) struct Answers {
 pub(super) struct PointAnswer {
     pub(super) verdict: Verdict,
     pub(super) crossings: Crossings,
-    /// Of the volume of all faces; `None` on the volume itself.
+    /// The winding number in the volume of all faces; `None` on the volume itself.
     pub(super) winding: Option<i32>,
 }
 
-/// What a judgement is to find.
+/// The fault to inject, if any.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Fault {
     None,
-    /// The relation's own: what it makes of the case.
+    /// The relation's own fault: it spoils the image of the case.
     Image,
-    /// In one answer about it, so that one comparison alone can see it.
+    /// A wrong answer about the image, so that only one comparison can find it.
     Answer(Slip),
 }
 
-/// A wrong answer.
+/// A kind of wrong answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Slip {
-    /// The last face is not spoken of.
+    /// The last face is missing.
     Faces,
     Facing,
-    /// An edge more or less in the silhouette of all faces, or of front faces.
+    /// One edge more or less in the silhouette of all faces, or of front faces.
     Outline(usize),
-    /// The last point is not spoken of.
+    /// The last point is missing.
     Points,
-    /// A lit point is said to be in shadow.
+    /// A lit point is reported in shadow.
     Darker,
-    /// A point in shadow is said to be lit.
+    /// A point in shadow is reported lit.
     Lighter,
     Crossings,
     Winding,
@@ -64,7 +64,7 @@ impl Fault {
         self == Self::Image
     }
 
-    /// Makes one of the answers wrong, if that is asked for and there is one of its kind.
+    /// Makes one answer of this kind wrong, if there is one.
     pub(super) fn spoil(self, answers: &mut Answers) {
         let Self::Answer(slip) = self else { return };
         let Answers { facing, outlines, points } = answers;
@@ -95,7 +95,7 @@ impl Fault {
     }
 }
 
-/// Which of two ways to the same answer goes wrong.
+/// Which of two implementations of the same result goes wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Way {
     Planes,
@@ -106,11 +106,11 @@ enum Way {
 }
 
 impl Answers {
-    /// Asks. What has two implementations is asked twice.
+    /// Computes all results. Results with two implementations are computed by both.
     ///
     /// # Errors
     ///
-    /// If a volume is open, or two answers that must be one are two.
+    /// If a volume is open, or if the two implementations disagree.
     pub(super) fn of(case: &Case) -> Result<Self, String> {
         Self::with(case, None)
     }
@@ -175,7 +175,7 @@ impl Answers {
     }
 }
 
-/// What the cases of a run have seen.
+/// Number of cases per outcome in a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tally {
     edge_on: usize,
@@ -204,7 +204,7 @@ impl Tally {
     }
 }
 
-/// Both are the same, or a line that says which are not.
+/// Checks that both values are equal; the error names what differs.
 pub(super) fn equal<T: PartialEq + std::fmt::Debug>(
     what: &str,
     found: &T,
@@ -219,7 +219,7 @@ pub(super) fn directed(outline: &Outline, a: u32, b: u32) -> i32 {
     if a < b { m } else { -m }
 }
 
-/// Sets it; 0 takes the edge out.
+/// Sets the multiplicity of an edge in the direction from `a` to `b`; 0 removes the edge.
 pub(super) fn set_directed(outline: &mut Outline, a: u32, b: u32, m: i32) {
     let key = [a.min(b), a.max(b)];
     match m {
@@ -233,7 +233,8 @@ pub(super) fn rebuilt(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mes
     Mesh::new(positions, triangles).expect("a relation keeps to the domain")
 }
 
-/// The case on multiples of 2⁻¹², so that exact sums and middles are common; what is larger than 2¹¹ is one already.
+/// The case with coordinates rounded to multiples of 2⁻¹², so that exact sums and midpoints are common.
+/// Coordinates beyond 2¹¹ are multiples already.
 pub(super) fn on_grid(case: &Case) -> Case {
     let round = |p: [f32; 3]| p.map(|x| if x.abs() < 2048.0 { (x * 4096.0).round() / 4096.0 } else { x });
     let (positions, triangles, ..) = case.mesh.clone().into_parts();
@@ -245,7 +246,7 @@ pub(super) fn on_grid(case: &Case) -> Case {
     Case { mesh, light, points: case.points.iter().map(|&p| round(p)).collect() }
 }
 
-/// Each comparison of two ways to one answer can fail.
+/// Each comparison of two implementations can fail.
 #[test]
 fn metamorphic_answers_that_differ_by_the_way_are_found() {
     use proptest::strategy::{Strategy, ValueTree};

@@ -1,4 +1,4 @@
-//! Relations under which every answer stays what it was, bit for bit.
+//! Relations that keep every result the same, bit for bit.
 
 use umbrage::geom::Light;
 use umbrage::mesh::Mesh;
@@ -12,11 +12,11 @@ use super::answers::{
 
 type Judgement = Option<Result<Tally, String>>;
 
-/// Where the vertices and faces of the original are found again.
+/// Positions of the original's vertices and faces within the image.
 struct Copy {
     vertices: Vec<u32>,
     faces: Vec<u32>,
-    /// Whether its faces run the other way round.
+    /// Whether the faces of the copy are reversed.
     turned: bool,
 }
 
@@ -27,7 +27,7 @@ impl Copy {
     }
 }
 
-/// What each comparison of [`judge`] says of a wrong answer.
+/// The message of each comparison of [`judge`] about a wrong answer.
 pub(super) const COMPARISONS: &[(Slip, &str)] = &[
     (Slip::Faces, "faces: "),
     (Slip::Facing, "facing: "),
@@ -40,8 +40,8 @@ pub(super) const COMPARISONS: &[(Slip, &str)] = &[
     (Slip::Winding, "point "),
 ];
 
-/// Each copy has the original's facing and silhouette, there is nothing beside, and every count is as often there
-/// as there are copies.
+/// Checks that each copy has the original's facing and silhouette, that there is nothing else, and that every
+/// count is multiplied by the number of copies.
 fn judge(original: &Case, image: &Case, copies: &[Copy], fault: Fault) -> Result<Tally, String> {
     let (before, mut after) = (Answers::of(original)?, Answers::of(image)?);
     fault.spoil(&mut after);
@@ -74,8 +74,8 @@ fn judge(original: &Case, image: &Case, copies: &[Copy], fault: Fault) -> Result
     Ok(before.tally())
 }
 
-/// The case with every place put through `map`, and the original without the points that `map` refuses; `None`
-/// if it refuses a vertex or the light.
+/// The case with every position mapped by `map`, and the original without the points for which `map` fails.
+/// `None` if `map` fails for a vertex or for the light.
 fn moved(
     case: &Case,
     map: impl Fn([f32; 3]) -> Option<[f32; 3]>,
@@ -93,14 +93,14 @@ fn moved(
     Some((Case { points: kept, ..case.clone() }, image))
 }
 
-/// All three, if none of them is refused.
+/// All three coordinates mapped; `None` if `map` fails for one of them.
 fn each(p: [f32; 3], map: impl Fn(f32) -> Option<f32>) -> Option<[f32; 3]> {
     Some([map(p[0])?, map(p[1])?, map(p[2])?])
 }
 
-/// Every length times 2ᵏ, wherever that is exact. Fault: the light stays.
+/// Every length times 2ᵏ, where this is exact. Fault: the light stays.
 pub(super) fn scaled(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
-    // What is small enough to fall out at one end is not at the other.
+    // An exponent that leaves the range of f32 at one end does not at the other.
     let (original, mut image) = [twist.exponent, -twist.exponent].into_iter().find_map(|exponent| {
         let factor = 2.0_f32.powi(exponent);
         let scale =
@@ -113,7 +113,8 @@ pub(super) fn scaled(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     Some(judge(&original, &image, &[Copy::identity(&case.mesh)], fault))
 }
 
-/// Every place moved by the same way, wherever that is exact. Fault: one so far that the places are rounded.
+/// Every position translated by the same vector, where this is exact. Fault: the translation is so large that
+/// positions are rounded.
 pub(super) fn translated(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let case = on_grid(case);
     let keep = |p| Some(p);
@@ -124,7 +125,7 @@ pub(super) fn translated(case: &Case, twist: &Twist, fault: Fault) -> Judgement 
         |p| {
             let exact = |i: usize| {
                 let sum = p[i] + shift[i];
-                // Knuth's two-sum: the rounding error of a sum is itself a number, here to be none.
+                // Knuth's two-sum: the rounding error of a sum is itself a float, and must be 0 here.
                 let back = sum - p[i];
                 let error = (p[i] - (sum - back)) + (shift[i] - back);
                 (error == 0.0).then_some(sum)
@@ -139,12 +140,12 @@ pub(super) fn translated(case: &Case, twist: &Twist, fault: Fault) -> Judgement 
     Some(judge(&original, &image, &[Copy::identity(&case.mesh)], fault))
 }
 
-/// The same faces, wound the other way.
+/// The same faces with reversed windings.
 fn turned(mesh: &Mesh) -> Mesh {
     rebuilt(mesh.positions().to_vec(), mesh.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect())
 }
 
-/// The axes in another order; an odd one turns space inside out, and so the windings. Fault: they stay.
+/// The axes permuted. An odd permutation mirrors space, so the windings are reversed. Fault: they are not.
 pub(super) fn permuted(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let (order, odd) = [
         ([0, 1, 2], false),
@@ -157,7 +158,8 @@ pub(super) fn permuted(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     rigid(case, |p| order.map(|axis| p[axis]), odd, fault)
 }
 
-/// Some axes turned round; an odd number of them turns space inside out, and so the windings. Fault: they stay.
+/// Some axes mirrored. An odd number of them mirrors space, so the windings are reversed. Fault: they are
+/// not.
 pub(super) fn mirrored(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let map = |p: [f32; 3]| std::array::from_fn(|i| if twist.mirrored >> i & 1 == 1 { -p[i] } else { p[i] });
     rigid(case, map, twist.mirrored.count_ones() % 2 == 1, fault)
@@ -176,7 +178,7 @@ fn stored(case: &Case, positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Ca
     Case { mesh: rebuilt(positions, triangles), ..case.clone() }
 }
 
-/// Other numbers for the vertices. Fault: the first two positions stay behind.
+/// The vertices renumbered. Fault: the first two positions are not moved.
 pub(super) fn relabelled(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let to = twist.permutation(case.mesh.vertex_count());
     let mut positions = vec![[0.0; 3]; to.len()];
@@ -189,7 +191,7 @@ pub(super) fn relabelled(case: &Case, twist: &Twist, fault: Fault) -> Judgement 
     Some(judge(case, &stored(case, positions, triangles), &[copy], fault))
 }
 
-/// Other numbers for the faces. Fault: one of them is lost, and another is there twice.
+/// The faces renumbered. Fault: one face is lost, and another is there twice.
 pub(super) fn reordered(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let to = twist.permutation(case.mesh.face_count());
     let mut triangles = vec![[0; 3]; to.len()];
@@ -201,7 +203,7 @@ pub(super) fn reordered(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     Some(judge(case, &stored(case, case.mesh.positions().to_vec(), triangles), &[copy], fault))
 }
 
-/// Each face from another corner on. Fault: one of them the other way round.
+/// The corners of each face rotated. Fault: one face is reversed.
 pub(super) fn rotated(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let mut triangles = case.mesh.triangles().to_vec();
     for (face, corners) in triangles.iter_mut().enumerate() {
@@ -214,7 +216,7 @@ pub(super) fn rotated(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     Some(judge(case, &stored(case, case.mesh.positions().to_vec(), triangles), &[copy], fault))
 }
 
-/// Vertices between the others that no face uses, near and far. Fault: the first face uses one.
+/// Unreferenced vertices inserted between the others, near and far. Fault: the first face uses one of them.
 pub(super) fn unreferenced(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let (mut positions, mut vertices) = (Vec::new(), Vec::new());
     let stray = |i: usize| [(twist.scattered(i) as f32) * 2.0_f32.powi(-60), 3.0e38, -1.0];
@@ -234,7 +236,8 @@ pub(super) fn unreferenced(case: &Case, twist: &Twist, fault: Fault) -> Judgemen
     Some(judge(case, &stored(case, positions, triangles), &[copy], fault))
 }
 
-/// The whole mesh a second time at the same place, with vertices of its own. Fault: a face of the copy has collapsed.
+/// The entire mesh a second time at the same position, with vertices of its own. Fault: a face of the copy
+/// has collapsed.
 pub(super) fn duplicated(case: &Case, _: &Twist, fault: Fault) -> Judgement {
     let (v, f) = (case.mesh.vertex_count() as u32, case.mesh.face_count() as u32);
     let (mut positions, mut triangles, ..) = case.mesh.clone().into_parts();

@@ -1,4 +1,4 @@
-//! Relations under which the shadow stays what it was, while faces and their numbers change.
+//! Relations that keep the shadow the same while the faces and their indices change.
 
 use std::collections::HashMap;
 
@@ -18,7 +18,7 @@ fn with_mesh(case: &Case, mesh: Mesh) -> Case {
     Case { mesh, ..case.clone() }
 }
 
-/// All windings flipped: front is back, and nothing else changes. Fault: one face keeps its winding.
+/// All windings reversed: front becomes back, and nothing else changes. Fault: one face keeps its winding.
 pub(super) fn turned(case: &Case, _: &Twist, fault: Fault) -> Judgement {
     let mut triangles: Vec<_> = case.mesh.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
     if let (true, Some(first)) = (fault.in_image(), triangles.first_mut()) {
@@ -28,7 +28,7 @@ pub(super) fn turned(case: &Case, _: &Twist, fault: Fault) -> Judgement {
     Some(judge_turned(case, &image, fault))
 }
 
-/// What each comparison of [`judge_turned`] says of a wrong answer.
+/// The message of each comparison of [`judge_turned`] about a wrong answer.
 pub(super) const TURNED: &[(Slip, &str)] = &[
     (Slip::Facing, "facing: "),
     (Slip::Outline(0), "the silhouette: "),
@@ -47,7 +47,7 @@ fn judge_turned(original: &Case, image: &Case, fault: Fault) -> Result<Tally, St
         Facing::Back => Facing::Front,
     };
     equal("facing", &after.facing, &before.facing.iter().map(opposite).collect())?;
-    // A face that is turned has its sign turned and runs along its edges the other way.
+    // A reversed face has the opposite sign and runs along its edges in the opposite direction.
     equal("the silhouette", &after.outlines[0], &before.outlines[0])?;
     for (point, (after, before)) in after.points.iter().zip(&before.points).enumerate() {
         let Crossings { front, back, touching } = before.crossings;
@@ -59,14 +59,14 @@ fn judge_turned(original: &Case, image: &Case, fault: Fault) -> Result<Tally, St
     Ok(before.tally())
 }
 
-/// The same surface with its faces cut otherwise.
+/// The same surface with its faces cut differently.
 struct Recut {
     mesh: Mesh,
-    /// The face of the original that each face is a piece of, or as good as.
+    /// For each face, the face of the original that contains it, or an equivalent one.
     parents: Vec<u32>,
 }
 
-/// What each comparison of [`judge`] says of a wrong answer, the silhouettes' first.
+/// The message of each comparison of [`judge`] about a wrong answer, those of the silhouettes first.
 pub(super) const RECUT: &[(Slip, &str)] = &[
     (Slip::Outline(0), "silhouettes: "),
     (Slip::Outline(1), "silhouettes: "),
@@ -78,13 +78,14 @@ pub(super) const RECUT: &[(Slip, &str)] = &[
     (Slip::Winding, "winding number at point "),
 ];
 
-/// Those where the silhouettes cannot be said.
+/// The comparisons without expected silhouettes.
 pub(super) const QUARTERED: &[(Slip, &str)] = RECUT.split_at(2).1;
 
-/// Pieces face as their parents, and the shadow is the same wherever neither mesh is touched.
+/// Checks that pieces face like their parents, and that the shadow is the same wherever neither mesh is
+/// touched.
 ///
-/// `outlines` gives the silhouettes that are expected, where they can be said; then the volumes are the same sets
-/// of points, and the winding numbers agree on them too.
+/// `outlines` gives the expected silhouettes, if they are known. Then the volumes are the same sets of
+/// points, and the winding numbers are compared too.
 fn judge(
     original: &Case,
     recut: Recut,
@@ -118,7 +119,7 @@ fn judge(
     Ok(before.tally())
 }
 
-/// The middle of two places, if every coordinate of it is an `f32`.
+/// The midpoint of two positions, if every coordinate is an exact `f32`.
 fn exact_middle(p: [f32; 3], q: [f32; 3]) -> Option<[f32; 3]> {
     let middle = |i: usize| {
         let (x, y) = (f64::from(p[i]), f64::from(q[i]));
@@ -133,7 +134,7 @@ fn has_edges([a, b, c]: [u32; 3]) -> bool {
     a != b && b != c && c != a
 }
 
-/// An edge cut at its middle, and with it all faces at that edge. Fault: the middle lies elsewhere.
+/// An edge split at its midpoint, together with all faces at this edge. Fault: the new vertex lies elsewhere.
 pub(super) fn split(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let case = &on_grid(case);
     let (mut positions, mut triangles, ..) = case.mesh.clone().into_parts();
@@ -174,8 +175,8 @@ pub(super) fn split(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     Some(judge(case, recut, Some(outlines), fault))
 }
 
-/// Flat convex quads cut along the other diagonal, among them a parallelogram that is added for the purpose.
-/// Fault: one half of it is lost.
+/// Flat convex quads cut along the other diagonal, among them a parallelogram added for this purpose. Fault:
+/// one half of a quad is lost.
 pub(super) fn recut(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let (mut positions, mut triangles, ..) = case.mesh.clone().into_parts();
     let [origin, u, v] = twist.quad.map(|place| place.map(f32::from));
@@ -220,7 +221,7 @@ pub(super) fn recut(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     ))
 }
 
-/// Whether four corners lie exactly in one plane and turn strictly the same way.
+/// Whether four corners lie exactly in one plane and turn strictly in the same direction.
 fn is_convex([a, b, c, d]: [[f32; 3]; 4]) -> bool {
     let apexes = [[1e4, 0.0, 0.0], [0.0, 1e4, 0.0], [0.0, 0.0, 1e4], [-1e4, 0.0, 0.0]];
     let Some(apex) = apexes.into_iter().find(|&apex| !orient3d(a, b, c, apex).is_zero()) else {
@@ -231,8 +232,8 @@ fn is_convex([a, b, c, d]: [[f32; 3]; 4]) -> bool {
         && [[b, c, d], [c, d, a], [d, a, b]].iter().all(|&[x, y, z]| orient3d(x, y, z, apex) == turn)
 }
 
-/// Three in four faces cut in four at the middles of their edges, while their neighbors stay: T-junctions that are exact.
-/// Fault: the inner quarter is another.
+/// Three in four faces cut into four at the midpoints of their edges, while their neighbors stay: exact
+/// T-junctions. Fault: the inner quarter is a different triangle.
 pub(super) fn quartered(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let case = &on_grid(case);
     let (mut positions, mut triangles, ..) = case.mesh.clone().into_parts();

@@ -1,4 +1,4 @@
-//! Several casters: their crossings add up, and their shadows cover each other.
+//! Relations of several casters: their crossings add up, and their shadows form a union.
 
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::{Crossings, Verdict};
@@ -9,7 +9,7 @@ use super::answers::{Answers, Fault, Slip, Tally, equal, rebuilt};
 
 type Judgement = Option<Result<Tally, String>>;
 
-/// What each comparison of [`adding`] says of a wrong answer.
+/// The message of each comparison of [`adding`] about a wrong answer.
 pub(super) const ADDING: &[(Slip, &str)] = &[
     (Slip::Lighter, "point "),
     (Slip::Facing, "facing: "),
@@ -18,7 +18,7 @@ pub(super) const ADDING: &[(Slip, &str)] = &[
     (Slip::Winding, "winding number at point "),
 ];
 
-/// What each comparison of [`parting`] says of one.
+/// The message of each comparison of [`parting`] about a wrong answer.
 pub(super) const PARTING: &[(Slip, &str)] = &[
     (Slip::Lighter, "verdict at point "),
     (Slip::Darker, "verdict at point "),
@@ -26,7 +26,7 @@ pub(super) const PARTING: &[(Slip, &str)] = &[
     (Slip::Winding, "winding number at point "),
 ];
 
-/// Two casters and both together.
+/// Two casters, and both together.
 struct Three {
     one: Answers,
     other: Answers,
@@ -41,7 +41,8 @@ impl Three {
         Ok(three)
     }
 
-    /// In shadow if one of them throws it, grazing if one of them is touched; and the counts add up.
+    /// Checks that a point is in shadow if one caster shadows it, grazing if one is touched, and that the
+    /// counts add up.
     fn add_up(&self) -> Result<(), String> {
         let parts = self.one.points.iter().zip(&self.other.points);
         for (point, (both, (one, other))) in self.both.points.iter().zip(parts).enumerate() {
@@ -59,7 +60,7 @@ impl Three {
                 touching: a.touching + b.touching,
             };
             equal(&format!("crossings at point {point}"), &both.crossings, &crossings)?;
-            // Where sides of two volumes cancel, only one of the three may say so.
+            // Where sides of two volumes cancel, a point may lie on these volumes but not on the third.
             if let (Some(a), Some(b), Some(sum)) = (one.winding, other.winding, both.winding) {
                 equal(&format!("winding number at point {point}"), &sum, &(a + b))?;
             }
@@ -68,7 +69,7 @@ impl Three {
     }
 }
 
-/// Another caster, with vertices of its own or joined to the mesh. Fault: it stands in for half of the mesh.
+/// A second caster, with vertices of its own or joined to the mesh. Fault: it replaces half of the mesh.
 pub(super) fn adding(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let mut whole = case.mesh.clone();
     if fault.in_image() {
@@ -98,7 +99,7 @@ pub(super) fn adding(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     Some(judge())
 }
 
-/// The faces of the mesh dealt out to two casters. Fault: the second loses half of its faces.
+/// The faces of the mesh divided among two casters. Fault: the second loses half of its faces.
 pub(super) fn parting(case: &Case, twist: &Twist, fault: Fault) -> Judgement {
     let mut hands = [Vec::new(), Vec::new()];
     for (face, &corners) in case.mesh.triangles().iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The picture by stencil shadows against the exact one of the same view.
+//! Pictures with stencil shadows against exact pictures of the same view.
 
 use umbrage::caster::Caster;
 use umbrage::facing::{CasterFaces, classify};
@@ -19,13 +19,13 @@ use umbrage::view::{Camera, Up};
 use super::{QUIET, bounds, light, render, size};
 use crate::support::gpu;
 
-/// What is left out on purpose.
+/// An injected fault: what is left out.
 #[derive(Clone, Copy, PartialEq)]
 enum Fault {
     None,
-    /// The volumes have no caps.
+    /// The caps of the volumes.
     Caps,
-    /// The first lamp has no volume.
+    /// The volume of the first lamp.
     Volume,
 }
 
@@ -82,7 +82,7 @@ impl Subject {
     }
 }
 
-/// How many pixels differ by more than `most` in any channel.
+/// Number of pixels that differ by more than `most` in any channel.
 fn differing(a: &Picture, b: &Picture, most: u8) -> usize {
     assert_eq!(a.size, b.size);
     let differ = |(a, b): &(&[u8; 4], &[u8; 4])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > most);
@@ -95,21 +95,22 @@ fn subjects() -> [Subject; 4] {
     let knot = shapes::translated(&shapes::torus_knot(2, 3, 60, 10, 0.4), [0.0, 1.0, 0.0]);
     let mut spot = equal(&["point:2,5,3"]);
     let direction = glam::Vec3::new(-2.0, -5.0, -3.0).normalize().into();
-    spot[0].spot = Some(SpotCone { direction, inner_rad: 0.1, outer_rad: 0.35 });
+    spot[0].cone = Some(SpotCone { direction, inner_rad: 0.1, outer_rad: 0.35 });
     [
         Subject::new(knot, [3.0, 4.0, 9.0], equal(&["point:3,9,4", "directional:0.3,-1,-0.2"])),
         // The eye is in a shadow.
         Subject::new(shapes::menger_sponge(2), [-1.0, 0.2, 0.6], equal(&["directional:1,-0.6,-0.9"])),
-        // Faces in the light's planes, and an open mesh.
+        // Faces in the lights' planes, and an open mesh.
         Subject::new(shapes::open_cube(), [1.5, 3.0, 3.5], equal(&["directional:0,-1,0", "point:-3,4,0"])),
         Subject::new(shapes::icosphere(3), [1.0, 3.0, 5.0], spot),
     ]
 }
 
-/// Bytes differ by no more than this where nothing but rounding differs: light adds up in half floats.
+/// Bytes may differ by this much where only rounding differs: light is summed in half floats.
 const NOISE: u8 = 2;
 
-/// How many of the 6144 pixels may differ by more: the middle of a pixel is in a rasterizer's footprint of an edge.
+/// Number of the 6144 pixels that may differ by more: a pixel's center lies in a rasterizer's footprint of an
+/// edge.
 const AT_EDGES: usize = 6;
 
 #[test]
@@ -135,17 +136,56 @@ fn stencil_picture_is_the_exact_one_but_at_edges() {
 }
 
 #[test]
+fn stencil_picture_has_the_falloff_of_the_exact_one() {
+    let Some(gpu) = gpu() else { return };
+    let lights = ["point:2,3,2", "point:-1,2.5,0.5", "directional:0.3,-1,-0.2"].map(light);
+    for range in [None, Some(4.0)] {
+        // Much larger and smaller than the scene too: lengths are scaled on the device.
+        for scale in [1.0, 1e15, 1e-15] {
+            let mesh = shapes::scaled(&shapes::icosphere(3), scale);
+            let mut lamps = ShadedLight::equal(&lights.map(|light| scaled(&light, scale)));
+            let bounds = bounds(&mesh);
+            let plain = Subject::new(mesh.clone(), [1.0, 3.0, 5.0].map(|x| x * scale), lamps.clone());
+            for lamp in &mut lamps {
+                *lamp = lamp.with_physical_falloff(range.map(|range| range * scale), &bounds);
+            }
+            let subject = Subject { lamps, ..plain };
+            let exact = render(&Oracle::build(&subject.mesh), &subject.view(1), QUIET);
+            let picture =
+                |subject: &Subject| subject.by_stencil(&gpu, Depth::Plane, Counting::Stencil, 1, Fault::None);
+            let wrong = differing(&picture(&subject), &exact, NOISE);
+            assert!(wrong <= AT_EDGES, "{range:?} {scale}: {wrong}");
+            // The fault: a device that knows of no falloff, or of no range.
+            let endless = |lamp: &ShadedLight| lamp.with_physical_falloff(None, &bounds);
+            let lamps = if range.is_none() {
+                ShadedLight::equal(&lights.map(|light| scaled(&light, scale)))
+            } else {
+                subject.lamps.iter().map(endless).collect()
+            };
+            let missed = differing(&picture(&Subject { lamps, ..subject }), &exact, NOISE);
+            assert!(missed > 50 * AT_EDGES, "{range:?} {scale}: {missed}");
+        }
+    }
+}
+
+/// The same light where everything is `scale` times as large.
+fn scaled(light: &Light, scale: f32) -> Light {
+    let xyz = light.xyz().map(|x| x * scale);
+    if light.is_directional() { *light } else { Light::point(xyz).unwrap() }
+}
+
+#[test]
 fn stencil_picture_smooths_as_the_exact_one() {
     let Some(gpu) = gpu() else { return };
     for (number, subject) in subjects().iter().enumerate() {
         let exact = render(&Oracle::build(&subject.mesh), &subject.view(2), QUIET);
         for counting in [Counting::Stencil, Counting::Integer] {
             let picture = subject.by_stencil(&gpu, Depth::Plane, counting, 2, Fault::None);
-            // The exact one takes several rays only where a pixel differs from its neighbor by 20.
+            // The exact picture takes several rays only where a pixel differs from its neighbor by 20.
             let [more, edges] = [NOISE, 20].map(|most| differing(&picture, &exact, most));
             assert!(more <= 10 * AT_EDGES && edges <= AT_EDGES, "{number} {counting:?}: {more} {edges}");
         }
-        // The sabotage: without smoothing hundreds of pixels differ.
+        // Negative test: without smoothing hundreds of pixels differ.
         let plain = subject.by_stencil(&gpu, Depth::Plane, Counting::Stencil, 1, Fault::None);
         assert!(differing(&plain, &exact, NOISE) > 10 * AT_EDGES, "{number}");
     }

@@ -44,7 +44,7 @@ fn md2_positions_are_scaled_and_frames_follow() {
 #[test]
 fn md2_clockwise_faces_are_turned() {
     assert_eq!(mesh(sample(), "a.md2").triangles(), [[0, 2, 1], [0, 3, 2]]);
-    // A tetrahedron that is clockwise seen from outside has a positive volume once it is turned.
+    // A tetrahedron that is clockwise seen from outside has a positive volume once its faces are turned.
     let clockwise =
         file(&[[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], 1);
     let mesh = mesh(clockwise, "a.md2");

@@ -87,7 +87,7 @@ fn obj_keeps_unreferenced_and_repeated_vertices_in_order() {
 #[test]
 fn obj_names_make_parts_that_cover_all_faces() {
     let face = "f 1 2 3\n";
-    // Names without faces leave nothing, and the same name twice in a row is one part.
+    // Names without faces leave no part, and the same name twice in a row is one part.
     let text = format!(
         "{TRIANGLE}{face}g empty\ng a b\n{face}usemtl m\nusemtl\n{face}g a b\n{face}o last one \n{face}usemtl #1\n{face}"
     );
@@ -105,7 +105,8 @@ fn obj_long_names_are_cut() {
 
 #[test]
 fn obj_numbers_are_correctly_rounded() {
-    // Halfway between two floats and just beside it, the smallest ones, the largest one, and a minus zero.
+    // Halfway between two floats and just beside the middle, the smallest floats, the largest one, and a
+    // minus zero.
     let text =
         "v 16777217 16777217.0000001 16777219\nv 1e-45 0.7e-45 1.17549435e-38\nv 3.4028235e38 -0 +.5\n";
     let largest = [f32::MAX, 0.0, 0.5];

@@ -179,7 +179,7 @@ fn ply_claims_beyond_the_file_are_refused_at_once() {
                 assert!(message.ends_with("but only 4 bytes follow it; export the file again"), "{message}");
             }
         }
-        // A list that claims more than is left, and items without data, end just as soon.
+        // A list that claims more than the rest of the file, and items without data, are refused as quickly.
         let header =
             format!("ply\nformat {encoding} 1.0\nelement nothing 18446744073709551615\nelement face 1\n");
         let list = header + "property list uint int vertex_indices\nend_header\n";
@@ -294,7 +294,7 @@ fn ply_binary_errors_name_the_item() {
     );
 }
 
-/// A file of many vertices and faces in either byte order, larger than what is read at a time: rare items among plain ones.
+/// A file of many vertices and faces in either byte order, larger than one read: rare items among plain ones.
 fn large(big: bool, signed: bool, quads: bool, seed: u64) -> Vec<u8> {
     // A linear congruential generator, its upper half (Donald E. Knuth, *MMIX*).
     let mut state = seed;
@@ -304,7 +304,7 @@ fn large(big: bool, signed: bool, quads: bool, seed: u64) -> Vec<u8> {
     };
     let (vertices, faces) = (9_000 + below(1000), 30_000);
     let (extra, index) = (below(3) as usize, if signed { "int" } else { "uint" });
-    // Headers of the same length, so that everything stands at the same place.
+    // Headers of equal length, so that all offsets are equal.
     let order = if big { "comment be\nformat binary_big" } else { "comment\nformat binary_little" };
     let mut bytes = format!("ply\n{order}_endian 1.0\nelement vertex {vertices}\nproperty uchar a\n");
     bytes += "property float z\nproperty float x\nproperty float y\n";
@@ -350,11 +350,11 @@ fn ply_runs_of_plain_items_agree_with_items_read_one_by_one() {
             (single.positions(), single.triangles()),
             "seed {seed}"
         );
-        // A file comes in pieces, which end anywhere in an item.
+        // A file arrives in pieces, which may end within an item.
         let path = folder.path().join("a.ply");
         std::fs::write(&path, &little).unwrap();
         assert_eq!(umbrage::read::read(&path).unwrap().meshes[0], run);
-        // The sabotage: one bit of the last index.
+        // Negative test: one bit of the last index.
         let last = little.len() - 4;
         little[last] ^= 1;
         assert_ne!(mesh(&little, "a.ply").triangles(), single.triangles());

@@ -29,7 +29,7 @@ pub(super) fn binary(triangles: &[[[f32; 3]; 3]]) -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
     bytes.extend((triangles.len() as u32).to_le_bytes());
     for triangle in triangles {
-        bytes.extend([0xff; 12]); // a normal that is not a number: nobody may look at it
+        bytes.extend([0xff; 12]); // a normal of NaN: readers must ignore it
         bytes.extend(triangle.as_flattened().iter().flat_map(|value| value.to_le_bytes()));
         bytes.extend([0, 0]);
     }

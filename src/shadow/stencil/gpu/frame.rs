@@ -36,7 +36,7 @@ impl StencilPass {
         receivers: &Receivers,
         volumes: &[Draw<'_>],
     ) -> Result<StencilFrame, GpuError> {
-        let frame = self.gpu.uniform(&self.frame(projection, size, receivers))?;
+        let frame = self.gpu.uniform(&self.frame(projection, size, receivers)?)?;
         let bind = |draw: &Draw<'_>| {
             let (bind, _) = self.bind_volume(projection, size, draw.volume)?;
             Ok((draw.method, bind, draw.volume.into()))

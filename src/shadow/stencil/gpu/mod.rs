@@ -21,8 +21,8 @@ use crate::gpu::raster::Target;
 use crate::gpu::{Gpu, GpuError, wgpu};
 use crate::mesh::FaceId;
 use crate::shadow::volume::{GpuVolume, Part};
-use crate::view::Projection;
 use crate::view::Size;
+use crate::view::{Projection, ProjectionKind};
 
 /// Where the depth of a fragment comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -122,7 +122,7 @@ impl StencilPass {
         counting: Counting,
     ) -> Result<ShadowMask, GpuError> {
         let target = Target::new(&self.gpu, size)?;
-        let receivers_frame = self.gpu.uniform(&self.frame(projection, size, receivers))?;
+        let receivers_frame = self.gpu.uniform(&self.frame(projection, size, receivers)?)?;
         let bind = self.bind_receivers(&receivers_frame, receivers)?;
         let counter = self.counter(&target, projection, volumes, counting)?;
         let depth_back = self.gpu.staging_for(&target.0, 4)?;
@@ -231,8 +231,15 @@ impl StencilPass {
         &self.pipelines.layout
     }
 
-    pub(crate) fn frame(&self, projection: &Projection, size: Size, receivers: &Receivers) -> Frame {
-        Frame::new(projection, size, receivers.largest, None, 0)
+    /// Refuses projections whose depth the shaders do not have.
+    pub(crate) fn frame(
+        &self,
+        projection: &Projection,
+        size: Size,
+        receivers: &Receivers,
+    ) -> Result<Frame, GpuError> {
+        drawable(projection)?;
+        Ok(Frame::new(projection, size, receivers.largest, None, 0))
     }
 
     pub(crate) fn bind_receivers(
@@ -249,6 +256,7 @@ impl StencilPass {
         size: Size,
         volume: &GpuVolume,
     ) -> Result<(wgpu::BindGroup, wgpu::Buffer), GpuError> {
+        drawable(projection)?;
         let frame = Frame::new(projection, size, volume.largest, Some(&volume.light), volume.vertex_count);
         let frame = self.gpu.uniform(&frame)?;
         // No normals: the vertices stand in.
@@ -290,6 +298,14 @@ impl StencilPass {
     }
 }
 
+fn drawable(projection: &Projection) -> Result<(), GpuError> {
+    match projection.kind {
+        ProjectionKind::InfinitePerspective => Ok(()),
+        ProjectionKind::Perspective { .. } => Err(GpuError::NotBuilt("a far plane")),
+        ProjectionKind::Orthographic { .. } => Err(GpuError::NotBuilt("an orthographic camera")),
+    }
+}
+
 /// The volumes of one light, ready to be counted.
 pub(crate) struct Counter<'a> {
     volumes: &'a [Draw<'a>],
@@ -322,6 +338,13 @@ mod tests {
             pass.mask(&camera.projection(size, 1.0), size, &receivers, &[], counting)
         };
         assert!(mask(64, 64, Counting::Stencil).is_ok());
+        let size = Size::new(64, 64).unwrap();
+        let infinite = camera.projection(size, 1.0);
+        let ending = Projection { kind: ProjectionKind::Perspective { far: 9.0 }, ..infinite };
+        for projection in [ending, camera.orthographic(3.0).unwrap().projection(size, 1.0)] {
+            let refused = pass.mask(&projection, size, &receivers, &[], Counting::Stencil);
+            assert!(matches!(refused, Err(GpuError::NotBuilt(_))), "{refused:?}");
+        }
         for (width, height, counting) in
             [(64, 64, Counting::Integer), (128, 200, Counting::Stencil), (2049, 1, Counting::Stencil)]
         {

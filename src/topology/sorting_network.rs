@@ -1,9 +1,9 @@
-//! Sorting networks: the same comparisons whatever the order, so that many lists are sorted side by side.
+//! Sorting networks: a fixed sequence of comparisons, so that many lists are sorted side by side.
 
-/// Sorts a list of 8, 12 or 16 without a branch.
+/// Branch-free sort of 8, 12 or 16 keys.
 ///
-/// With 19, 39 and 60 comparisons: the fewest that are known. Donald E. Knuth, *The Art of Computer Programming*,
-/// vol. 3, 1998, section 5.3.4 (8 and 16; that of 16 is Green's).
+/// It makes 19, 39 and 60 comparisons, the fewest known. Donald E. Knuth, *The Art of Computer Programming*,
+/// vol. 3, 1998, section 5.3.4 (8 and 16; the network of 16 is Green's).
 #[inline(always)]
 pub(super) fn sort<const N: usize>(list: &mut [i64; N]) {
     macro_rules! exchange {
@@ -50,7 +50,7 @@ mod tests {
         assert!(sorts_all::<8>(sort));
         assert!(sorts_all::<12>(sort));
         assert!(sorts_all::<16>(sort));
-        // The sabotage: a comparison undone.
+        // Fault injected: a comparison undone.
         assert!(!sorts_all::<8>(|list| {
             sort(list);
             if list[3] != list[4] {

@@ -200,11 +200,11 @@ const FILES: [(&str, u64); 7] = [
 ];
 #[cfg(feature = "verify")]
 const VERIFICATION: [(&str, u64); 7] = [
-    ("sphere", 0xd5f5_0bd2_0afb_ce71),
-    ("open cube", 0x00a3_a588_8638_3552),
-    ("t-junction", 0xf79f_8d4a_2ad8_017b),
-    ("nested", 0x5a7d_416c_01e0_795a),
-    ("figure eight", 0x6494_55f3_f283_d9c7),
-    ("double sheet", 0xa65d_c640_9542_1d37),
-    ("two parts", 0x3064_3834_04eb_3746),
+    ("sphere", 0xde2a_0f82_5529_2f9e),
+    ("open cube", 0xa0c0_d3aa_e746_c115),
+    ("t-junction", 0x693e_fb7b_edd2_568d),
+    ("nested", 0xae19_fffb_9227_9c90),
+    ("figure eight", 0x6c09_1d1f_c3d9_e877),
+    ("double sheet", 0x2f88_8114_44fd_150b),
+    ("two parts", 0x8bc1_33f2_1591_b148),
 ];

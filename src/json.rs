@@ -191,13 +191,13 @@ mod verified {
 
     // Torture.
 
-    map!(torture::Stratum, row => {
+    map!(torture::Outcomes, row => {
         name, queries, wrong, plain_f32_wrong, ties, faces, faces_wrong, plain_f32_faces_wrong, volumes, open_volumes,
         judged_by_whole_numbers, grazing, abstained, rounds,
     });
 
     /// A disagreement under the name of its stratum.
-    struct Named<'a>(&'a str, &'a torture::Disagreement);
+    struct Named<'a>(&'a str, &'a torture::Contradiction);
 
     map!(Named<'_>, this => {
         stratum: this.0,

@@ -1,4 +1,4 @@
-//! Pseudo-random numbers, the same on every platform.
+//! Pseudo-random numbers, the same on every platform, and other sources of choices.
 
 /// SplitMix64 generator: a counter passed through a mixing function. Not for cryptography.
 ///
@@ -35,6 +35,95 @@ impl SplitMix64 {
             order.swap(last, self.below(last + 1));
         }
         order
+    }
+}
+
+/// A source of choices.
+#[cfg(feature = "verify")]
+pub trait Draw {
+    /// An integer below `n`, which is not 0. The generators order every choice so that 0 is the simplest.
+    fn below(&mut self, n: u32) -> u32;
+
+    /// A number in [0, 1).
+    fn unit(&mut self) -> f64;
+}
+
+#[cfg(feature = "verify")]
+impl Draw for SplitMix64 {
+    fn below(&mut self, n: u32) -> u32 {
+        Self::below(self, n as usize) as u32 // below `n`
+    }
+
+    fn unit(&mut self) -> f64 {
+        Self::unit(self)
+    }
+}
+
+#[cfg(feature = "verify")]
+impl dyn Draw + '_ {
+    /// An index below `len`, which is 1 to 2³² − 1.
+    pub(crate) fn index(&mut self, len: usize) -> usize {
+        self.below(len as u32) as usize
+    }
+
+    /// One element of a list that is not empty; the first one is the simplest.
+    pub(crate) fn pick<T: Copy>(&mut self, list: &[T]) -> T {
+        list[self.index(list.len())]
+    }
+
+    /// True for one of two choices; false is the simpler one.
+    pub(crate) fn flag(&mut self) -> bool {
+        self.below(2) == 1
+    }
+
+    /// An integer from `low`, at most 0, to `high`, at least 0, in the order 0, 1 … `high`, −1 … `low`.
+    pub(crate) fn between(&mut self, low: i32, high: i32) -> i32 {
+        let n = self.below((high - low + 1) as u32) as i32;
+        if n <= high { n } else { high - n }
+    }
+
+    /// A number in (−1, 1); 0 is the simplest.
+    pub(crate) fn signed(&mut self) -> f64 {
+        let u = self.unit();
+        if u < 0.5 { 2.0 * u } else { 1.0 - 2.0 * u }
+    }
+
+    /// Any finite `f32`, all exponents alike.
+    pub(crate) fn bits(&mut self) -> f32 {
+        let bits = self.below(1 << 16) << 16 | self.below(1 << 16);
+        let any = f32::from_bits(bits);
+        // Without the highest bit of its exponent a number is finite.
+        if any.is_finite() { any } else { f32::from_bits(bits & !(1 << 30)) }
+    }
+
+    /// A coordinate from −3 to 3: four in five are integers, where exact ties are common.
+    pub(crate) fn coordinate(&mut self) -> f32 {
+        if self.below(5) < 4 { self.between(-3, 3) as f32 } else { (3.0 * self.signed()) as f32 }
+    }
+
+    /// A position: three times [`coordinate`](Self::coordinate).
+    pub(crate) fn position(&mut self) -> [f32; 3] {
+        [(); 3].map(|()| self.coordinate())
+    }
+
+    /// What `item` draws, up to `slots` times and at least `least` times: about one in eight is left out.
+    ///
+    /// All are drawn, so that to leave one out does not change what the others are drawn from.
+    pub(crate) fn list<T>(
+        &mut self,
+        least: usize,
+        slots: usize,
+        mut item: impl FnMut(&mut dyn Draw) -> T,
+    ) -> Vec<T> {
+        let mut items = Vec::with_capacity(slots);
+        for left in (1..=slots).rev() {
+            let is_kept = self.below(8) > 0 || items.len() + left <= least;
+            let item = item(self);
+            if is_kept {
+                items.push(item);
+            }
+        }
+        items
     }
 }
 

@@ -12,12 +12,12 @@ pub fn run(target: &str, data: &[u8]) {
 pub mod command {
     use crate::body::command;
 
-    /// The arguments that `data` stands for.
+    /// The arguments that `data` encodes.
     pub fn arguments(data: &[u8]) -> Vec<String> {
         command::arguments(data)
     }
 
-    /// Panics unless what the command says of arguments is one line.
+    /// Panics unless the message of the command is one line.
     pub fn is_one_line(refusal: &str) {
         command::is_one_line(refusal);
     }

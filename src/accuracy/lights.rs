@@ -4,19 +4,20 @@ use super::{MOST_LIGHTS, Options};
 use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
-use crate::testing::torture::lights::Place;
+use crate::testing::generate::LightKind;
+use crate::verify::points::feature::Feature;
 
 /// Names of the light strata, each with the rule that draws its lights. `None` stands for the lights given by
 /// the user. See [`Question::strata`](super::Question::strata).
-pub(super) const STRATA: [(&str, Option<Place>); 8] = [
+pub(super) const STRATA: [(&str, Option<LightKind>); 8] = [
     ("given", None),
-    ("general", Some(Place::Outside)),
-    ("vertex", Some(Place::Vertex)),
-    ("face_plane", Some(Place::Plane)),
-    ("one_ulp_off", Some(Place::UlpOff)),
-    ("far", Some(Place::Far)),
-    ("axis", Some(Place::Axis)),
-    ("along_face", Some(Place::InPlane)),
+    ("general", Some(LightKind::Outside)),
+    ("vertex", Some(LightKind::On(Feature::Vertex))),
+    ("face_plane", Some(LightKind::On(Feature::Plane))),
+    ("one_ulp_off", Some(LightKind::UlpOff)),
+    ("far", Some(LightKind::FAR)),
+    ("axis", Some(LightKind::Axis)),
+    ("along_face", Some(LightKind::InPlane)),
 ];
 
 /// Maximum number of lights per stratum: enough for a mesh of few faces.
@@ -25,11 +26,11 @@ const MOST: u64 = 4096;
 /// The lights of each stratum for `mesh`, which has at least one face.
 pub(super) fn draw(mesh: &Mesh, given: &[Light], options: &Options) -> Vec<Vec<Light>> {
     let count = options.queries.div_ceil(mesh.face_count() as u64).clamp(1, MOST);
-    let of_stratum = |(stratum, (_, place)): (usize, (_, Option<Place>))| match place {
+    let of_stratum = |(stratum, (_, kind)): (usize, (_, Option<LightKind>))| match kind {
         None => spread(given),
-        Some(place) => {
+        Some(kind) => {
             let mut random = source(options.seed, stratum);
-            (0..count).map(|_| place.draw(mesh, &mut random)).collect()
+            (0..count).map(|_| kind.draw(&mut random, mesh)).collect()
         }
     };
     STRATA.into_iter().enumerate().map(of_stratum).collect()

@@ -23,6 +23,7 @@ pub use shadow::{ShadowAccuracy, ShadowRow};
 
 use crate::geom::Light;
 use crate::mesh::Mesh;
+use crate::verify::Tally;
 
 /// Maximum number of given lights used: from a longer list this many are taken, evenly spaced.
 pub const MOST_LIGHTS: usize = 16;
@@ -204,18 +205,23 @@ impl Accuracy {
 }
 
 impl Row {
+    /// The counts as those of any verification.
+    #[must_use]
+    pub fn tally(&self) -> Tally {
+        let Self { queries, ties, judged, wrong, .. } = *self;
+        Tally { queries, ties, judged, wrong }
+    }
+
     /// Wrong answers per judged query.
     #[must_use]
     pub fn error(&self) -> f64 {
-        self.wrong as f64 / self.judged.max(1) as f64
+        self.tally().error()
     }
 
-    /// Upper bound of the error rate with 95 % confidence: 3/n after no wrong answer in n judged queries (the
-    /// rule of three). The bound assumes independent draws; queries on one mesh share its surface and its
-    /// lights. `None` after a wrong answer, or without a judged query.
+    /// See [`Tally::bound_95`]. The queries of one mesh share its surface and its lights.
     #[must_use]
     pub fn bound_95(&self) -> Option<f64> {
-        (self.wrong == 0 && self.judged > 0).then(|| (3.0 / self.judged as f64).min(1.0))
+        self.tally().bound_95()
     }
 }
 

@@ -1,10 +1,37 @@
 //! Hard inputs, for this crate's tests and for those of others. Promises nothing between versions.
 //!
-//! [`shapes`] generates meshes, `strategy` draws them for proptest, and `torture` attacks the exactness itself.
+//! Names, draws and counts here may change in every release, for the sake of harder inputs. All else in the
+//! crate keeps to semantic versioning.
+//!
+//! - [`shapes`]: meshes with known counts
+//! - `generate` (feature `verify`): meshes, lights and points from any source of choices, each written once
+//! - `strategy` (feature `testing`): the same for proptest, with shrinking
+//! - `torture` (feature `verify`): the same at random, and all exact methods compared on them
+//!
+//! A property test of another crate usually needs three things: a `strategy`, a
+//! [`Caster`](crate::caster::Caster) with its [`Oracle`](crate::oracle::Oracle), and the
+//! [`Verdict`](crate::oracle::Verdict) to compare with:
+//!
+//! ```
+//! use umbrage::caster::Caster;
+//! use umbrage::geom::Light;
+//! use umbrage::oracle::Verdict;
+//! use umbrage::testing::shapes;
+//!
+//! let caster = Caster::new(shapes::cube());
+//! let light = Light::point([0.0, 5.0, 0.0])?;
+//! let verdict = |p| caster.oracle().verdict(p, &light);
+//! assert_eq!(verdict([0.0, -2.0, 0.5]), Verdict::Shadowed);
+//! assert_eq!(verdict([0.0, 3.0, 0.5]), Verdict::Lit);
+//! assert_eq!(verdict([1.0, -1.0, 1.0]), Verdict::Grazing); // on a corner: either answer is right
+//! # Ok::<(), umbrage::geom::LightError>(())
+//! ```
 
 #[cfg(any(test, feature = "testing"))]
 pub use crate::built::{Part as BuiltPart, record as record_built};
 
+#[cfg(feature = "verify")]
+pub mod generate;
 pub mod shapes;
 #[cfg(any(test, feature = "testing"))]
 pub mod strategy;

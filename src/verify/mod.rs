@@ -11,8 +11,10 @@ pub mod pixels;
 pub mod points;
 #[cfg(feature = "verify")]
 mod reference;
+mod tally;
 
 #[cfg(feature = "verify")]
 pub use reference::{Reference, reference};
 #[cfg(feature = "verify")]
 pub(crate) use reference::{WholeLight, WholePlane};
+pub use tally::Tally;

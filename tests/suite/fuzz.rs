@@ -17,6 +17,7 @@ use umbrage::geom::Light;
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::oracle::Oracle;
 use umbrage::read::read_bytes;
+use umbrage::testing::generate::Bytes;
 use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 
@@ -64,6 +65,29 @@ fn fuzz_finds_stay_fixed() {
     }
     for (target, _) in TARGETS {
         files(&format!("fuzz/regressions/{target}")).iter().for_each(|path| replay(target, path));
+    }
+}
+
+/// The bytes of a find mean what its name says, and its claim still fails where its exception is left out.
+#[test]
+fn fuzz_finds_are_what_their_names_say() {
+    for (name, is_so) in [
+        ("light_at_a_corner", (|at, p, _| at == p) as fn([f32; 3], [f32; 3], [f32; 3]) -> bool),
+        ("light_on_an_edge", |at, p, q| p != q && [0, 1, 2].map(|i| 0.5 * (p[i] + q[i])) == at),
+    ] {
+        let data =
+            fs::read(format!("{}/fuzz/regressions/shadow/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let (mesh, light, points) = shadow::drawn(&mut Bytes::new(&data));
+        let vertices = mesh.positions();
+        let pairs = vertices.iter().flat_map(|&p| vertices.iter().map(move |&q| (p, q)));
+        assert!(
+            !light.is_directional() && pairs.into_iter().any(|(p, q)| is_so(light.xyz(), p, q)),
+            "{name}: {light}"
+        );
+        assert_eq!((mesh.face_count(), vertices.len()), (4, 4), "{name}");
+        let facing = classify(&mesh, &light);
+        assert!(!fails(|| shadow::judge(&mesh, &light, &points, &facing)));
+        assert!(fails(|| shadow::judge_signs(&mesh, &light, &points, &facing, &[-1; 4])), "{name}");
     }
 }
 

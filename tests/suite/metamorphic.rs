@@ -110,12 +110,34 @@ fn families() -> [(&'static str, u32, BoxedStrategy<Mesh>); 4] {
     ]
 }
 
+/// What broke a relation once: one face, and a point in its plane beside it.
+fn found_once() -> Vec<Case> {
+    let mesh = Mesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).expect("finite");
+    let points = vec![[2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 2.0, 0.0], [0.25, -3.0, 0.0]];
+    ["point:0,0,1", "point:0.25,0.25,-2", "point:-1,-1,0", "directional:0,0,1", "directional:1,1,0"]
+        .map(|light| Case {
+            mesh: mesh.clone(),
+            light: light.parse().expect("a light"),
+            points: points.clone(),
+        })
+        .to_vec()
+}
+
 /// Default number of cases per family (overridden by `PROPTEST_CASES`): each outcome occurs dozens of times.
 const CASES: u32 = 60;
 
 /// Asserts that the relation holds on every case of each family, that every outcome occurs, that its fault is
 /// found, and that each of its `comparisons` finds the wrong answer made for it.
 fn hold(name: &'static str, relation: Relation, comparisons: &[(Slip, &str)]) {
+    for case in found_once() {
+        let mut runner = TestRunner::deterministic();
+        for _ in 0..20 {
+            let twist = twist().new_tree(&mut runner).expect("nothing is rejected").current();
+            if let Some(Err(broken)) = relation(&case, &twist, Fault::None) {
+                panic!("{name} of {case:?}, {twist:?}: {broken}");
+            }
+        }
+    }
     let asked = std::env::var_os("PROPTEST_CASES").map_or(CASES, |_| Config::default().cases);
     for (family, times, meshes) in families() {
         let cases = (case(meshes, 6), twist());

@@ -3,18 +3,18 @@
 //! Long form:
 //! `UMBRAGE_TORTURE_QUERIES=1000000000 cargo test --release --test suite torture_all -- --nocapture`.
 
-use umbrage::testing::torture::{Options, run};
+use umbrage::testing::torture::{Effort, run};
 
 #[test]
 fn torture_all_judges_agree_and_plain_f32_does_not() {
     let queries = std::env::var("UMBRAGE_TORTURE_QUERIES")
         .map_or(10_000_000, |n| n.parse().expect("a number of queries"));
-    let found = run(&Options { queries, ..Options::default() }, &|_| {});
+    let found = run(&Effort { queries, ..Effort::default() }, &|_| {});
     let total = found.total();
     eprintln!("{total:?}, rate of disagreement below {:?}", found.bound_95());
     assert!(found.agrees(), "{:?} {:?}", found.strata, found.disagreements);
     assert_eq!(total.queries, queries);
-    let tries = |row: &umbrage::testing::torture::Stratum| (row.queries - row.ties) as f64;
+    let tries = |row: &umbrage::testing::torture::Outcomes| (row.queries - row.ties) as f64;
     let [generic, adversarial @ ..] = found.strata.as_slice() else { panic!("no strata") };
     assert_eq!(generic.name, "generic");
     for row in adversarial {

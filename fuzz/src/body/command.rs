@@ -1,15 +1,14 @@
 //! Bytes to the arguments of a command line, and the values that it takes.
 //!
-//! Arguments are put together from words that the command knows and from free text. No argument holds a separator
-//! of folders, and none is `..`, so that whatever runs with them in a scratch folder stays there.
+//! Arguments are put together from words that the command knows and from free text. No argument holds a
+//! separator of folders, and none is `..`, so that whatever runs with them in a scratch folder stays there.
 
 use std::fmt::{Debug, Display};
 use std::str::FromStr;
 
 use umbrage::geom::Light;
+use umbrage::testing::generate::{Bytes, Draw};
 use umbrage::view::Size;
-
-use super::bytes::Bytes;
 
 #[rustfmt::skip]
 const WORDS: [&str; 64] = [
@@ -37,7 +36,7 @@ pub(crate) fn arguments(data: &[u8]) -> Vec<String> {
 }
 
 fn text(bytes: &mut Bytes) -> String {
-    let length = bytes.below(32);
+    let length = bytes.below(32) as usize;
     let text = String::from_utf8_lossy(bytes.take(length)).replace(['/', '\\', ':', '\0'], ":");
     if text == ".." { ".".to_owned() } else { text }
 }

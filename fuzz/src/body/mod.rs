@@ -1,12 +1,10 @@
 //! What every target does with its bytes. No fuzzer is needed to run it: the tests of the crate replay these.
 
-mod bytes;
 pub(crate) mod command;
 mod naive;
 pub(crate) mod oracle;
 pub(crate) mod read;
 pub(crate) mod shadow;
-mod shape;
 pub(crate) mod topology;
 mod whole;
 

@@ -1,31 +1,30 @@
-//! The ray cast against a loop over all faces, and against whole numbers.
+//! The ray cast against a loop over all faces, and against big integers.
 
 use num_bigint::BigInt;
-use umbrage::geom::Facing;
-use umbrage::geom::Light;
+use umbrage::geom::{Facing, Light};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::{Crossings, Hit, Intersection, Oracle, intersect};
+use umbrage::testing::generate::{Bytes, light, mesh, point, position};
 use umbrage::verify::reference;
 
-use super::bytes::Bytes;
-use super::{shape, whole};
+use super::whole;
 
 pub(crate) fn run(data: &[u8]) {
     let bytes = &mut Bytes::new(data);
-    let mesh = shape::mesh(bytes);
+    let mesh = mesh(bytes);
     let oracle = Oracle::build(&mesh);
     for _ in 0..4 {
-        let light = shape::light(bytes, &mesh);
-        let p = shape::point(bytes, &mesh);
+        let light = light(bytes, &mesh);
+        let p = point(bytes, &mesh, &light);
         judge(&mesh, &oracle, p, &light);
-        judge_hit(&mesh, &oracle, p, bytes.place());
+        judge_hit(&mesh, &oracle, p, position(bytes));
         if bytes.is_empty() {
             break;
         }
     }
 }
 
-/// Panics unless `oracle` says of the way from `p` to `light` what a loop over all faces and whole numbers say.
+/// Panics unless `oracle` finds between `p` and `light` what a loop over all faces and big integers find.
 pub(crate) fn judge(mesh: &Mesh, oracle: &Oracle, p: [f32; 3], light: &Light) {
     let mut looped = Crossings::default();
     for face in (0..mesh.face_count()).map(FaceId::new) {
@@ -41,13 +40,13 @@ pub(crate) fn judge(mesh: &Mesh, oracle: &Oracle, p: [f32; 3], light: &Light) {
     assert_eq!(
         crossings,
         reference(mesh, p, light).crossings,
-        "predicates and whole numbers, {p:?} to {light}"
+        "predicates and big integers, {p:?} to {light}"
     );
     assert_eq!(oracle.verdict(p, light), crossings.verdict());
 }
 
-/// Panics unless the first face along a ray passes through it, no other one is surely nearer, and the visible point
-/// is on the eye's side.
+/// Panics unless the first face along a ray passes through it, no other one is surely nearer, and the visible
+/// point is on the eye's side.
 fn judge_hit(mesh: &Mesh, oracle: &Oracle, eye: [f32; 3], direction: [f32; 3]) {
     let found = oracle.first_hit(eye, direction);
     let Ok(back) = Light::directional(direction.map(|x| -x)) else {

@@ -1,30 +1,28 @@
-//! Sides of faces, silhouettes, volumes and winding numbers, each against something that cannot be wrong.
+//! Sides of faces, silhouettes, volumes and winding numbers, each against a naive reference.
 
 use std::collections::BTreeMap;
 
 use umbrage::caster::{ShellBoxes, ShellProof};
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
-use umbrage::geom::Facing;
-use umbrage::geom::{Aabb, Light};
-use umbrage::mesh::{FaceId, Mesh};
+use umbrage::geom::{Aabb, Facing, Light};
+use umbrage::mesh::{FaceId, Mesh, Weld, weld};
 use umbrage::oracle::{Intersection, Oracle};
 use umbrage::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex, winding_number};
 use umbrage::silhouette::Silhouette;
+use umbrage::testing::generate::{Bytes, Draw, light, mesh, point};
 use umbrage::topology::Topology;
 
-use super::bytes::Bytes;
-use super::{naive, shape, whole};
+use super::{naive, whole};
 
 pub(crate) fn run(data: &[u8]) {
     let bytes = &mut Bytes::new(data);
-    let mesh = shape::welded(bytes);
-    let light = shape::light(bytes, &mesh);
-    let points: Vec<[f32; 3]> = (0..1 + bytes.below(6)).map(|_| shape::point(bytes, &mesh)).collect();
+    let (mesh, light, points) = drawn(bytes);
     let facing = FacePlanes::new(&mesh).classify(&mesh, &light);
     judge(&mesh, &light, &points, &facing);
 
-    // Any signs at all: the volume is closed, and counts what they say. Only faces that the light lies on (here: that
-    // are edge-on, with the light in their box) do not cast: they leave it open which way is away from the light.
+    // Any signs: the volume is closed, and counts as they say. Only faces that the light lies on (here: that
+    // are edge-on, with the light in their box) do not cast: at such a face no direction is away from the
+    // light.
     let holds_light = |face: usize| {
         let corners = mesh.corners(FaceId::new(face));
         let in_box = !light.is_directional() && Aabb::around(corners).contains(light.xyz());
@@ -32,7 +30,20 @@ pub(crate) fn run(data: &[u8]) {
     };
     let sign = |face| if holds_light(face) { 0 } else { bytes.below(3) as i8 - 1 };
     let any: Vec<i8> = (0..mesh.face_count()).map(sign).collect();
-    Scene::new(&mesh, &light, &points).judge_volume(&any, &facing);
+    judge_signs(&mesh, &light, &points, &facing, &any);
+}
+
+/// A mesh without doubled vertices, a light, and points.
+pub(crate) fn drawn(bytes: &mut Bytes) -> (Mesh, Light, Vec<[f32; 3]>) {
+    let mesh = weld(&mesh(bytes), Weld::Exact).mesh;
+    let light = light(bytes, &mesh);
+    let points = (0..1 + bytes.below(6)).map(|_| point(bytes, &mesh, &light)).collect();
+    (mesh, light, points)
+}
+
+/// Panics unless the volume of any signs is closed and counts as they say.
+pub(crate) fn judge_signs(mesh: &Mesh, light: &Light, points: &[[f32; 3]], facing: &[Facing], signs: &[i8]) {
+    Scene::new(mesh, light, points).judge_volume(signs, facing);
 }
 
 /// Panics unless `facing` is right, and so are the volumes made of it.
@@ -40,7 +51,7 @@ pub(crate) fn judge(mesh: &Mesh, light: &Light, points: &[[f32; 3]], facing: &[F
     assert_eq!(facing, classify(mesh, light), "filtered, and face by face");
     for (face, facing) in facing.iter().enumerate() {
         let truth = whole::side_of_light(mesh.corners(FaceId::new(face)), light);
-        assert_eq!(facing.sign(), truth, "face {face}, in whole numbers");
+        assert_eq!(facing.sign(), truth, "face {face}, by big integers");
     }
     let scene = Scene::new(mesh, light, points);
     for casters in [CasterFaces::All, CasterFaces::Front] {
@@ -78,7 +89,7 @@ impl<'a> Scene<'a> {
         Self { mesh, light, points, topology, oracle: Oracle::build(mesh) }
     }
 
-    /// Casts the faces with `signs`; gives the winding number at each point.
+    /// Casts the faces with `signs`; returns the winding number at each point.
     fn judge_volume(&self, signs: &[i8], facing: &[Facing]) -> Vec<Option<i32>> {
         let silhouette = Silhouette::extract(&self.topology, signs);
         self.judge_silhouette(signs, &silhouette);

@@ -1,17 +1,17 @@
-//! Topology and crack report of small meshes against all pairs and whole numbers.
+//! Topology and crack report of small meshes against all pairs and big integers.
 
 use umbrage::check::{CrackReport, DefectKind};
 use umbrage::mesh::{EdgeId, FaceId, HalfEdgeId, Mesh, VertexId, Weld, Welded, weld};
+use umbrage::testing::generate::{Bytes, mesh, position};
 use umbrage::topology::Topology;
 
-use super::bytes::Bytes;
-use super::{naive, shape, whole};
+use super::{naive, whole};
 
 pub(crate) fn run(data: &[u8]) {
     let bytes = &mut Bytes::new(data);
-    let mesh = shape::mesh(bytes);
+    let mesh = mesh(bytes);
     judge_exact_weld(&mesh, &weld(&mesh, Weld::Exact));
-    let reach = bytes.coordinate().abs();
+    let reach = position(bytes)[0].abs();
     judge_weld_within(&mesh, reach, &weld(&mesh, Weld::Within(reach)));
     let welded = weld(&mesh, Weld::Exact).mesh;
     let unwelded = (welded != mesh).then_some(mesh);
@@ -22,7 +22,7 @@ pub(crate) fn run(data: &[u8]) {
     }
 }
 
-/// Panics unless `topology`, and the report of it, are those of `mesh`.
+/// Panics unless `topology` and its report are those of `mesh`.
 pub(crate) fn judge(mesh: &Mesh, topology: &Topology) {
     edges_are_all_pairs(mesh.triangles(), topology);
     let mut report = CrackReport::of(mesh, topology);
@@ -34,11 +34,11 @@ pub(crate) fn judge(mesh: &Mesh, topology: &Topology) {
 pub(crate) fn judge_report(mesh: &Mesh, topology: &Topology, report: &CrackReport) {
     counts_are_naive(mesh, report);
     report_is_consistent(mesh, topology, report);
-    volumes_are_those_in_whole_numbers(mesh, topology, report);
+    volumes_are_those_of_big_integers(mesh, topology, report);
     self_intersections_are_all_pairs(mesh, report);
 }
 
-fn volumes_are_those_in_whole_numbers(mesh: &Mesh, topology: &Topology, report: &CrackReport) {
+fn volumes_are_those_of_big_integers(mesh: &Mesh, topology: &Topology, report: &CrackReport) {
     let of_face = topology.shells().of_face;
     for (number, shell) in report.shell_list.iter().enumerate() {
         let faces = topology.faces().filter(|face| of_face[face.index()] == Some(number as u32));
@@ -48,7 +48,8 @@ fn volumes_are_those_in_whole_numbers(mesh: &Mesh, topology: &Topology, report: 
     }
 }
 
-/// Only pairs without a common vertex, which is where to touch is to intersect; and few faces, for time's sake.
+/// Only pairs without a common vertex, which is where to touch is to intersect; and few faces, for time's
+/// sake.
 fn self_intersections_are_all_pairs(mesh: &Mesh, report: &CrackReport) {
     let faces = mesh.triangles();
     if faces.len() > 14 {
@@ -83,8 +84,8 @@ pub(crate) fn judge_exact_weld(mesh: &Mesh, welded: &Welded) {
     }
 }
 
-/// Panics unless in `welded` each vertex of `mesh` has joined the first kept one within reach. Nothing is claimed where
-/// a distance is so nearly `reach` that rounding decides.
+/// Panics unless in `welded` each vertex of `mesh` has joined the first kept one within reach. Nothing is
+/// claimed where a distance is so nearly `reach` that rounding decides.
 pub(crate) fn judge_weld_within(mesh: &Mesh, reach: f32, welded: &Welded) {
     let positions = mesh.positions();
     let mut kept: Vec<usize> = Vec::new();

@@ -1,4 +1,4 @@
-//! Signs and distances in whole numbers (multiples of 2⁻¹⁴⁹), sharing no code with the crate.
+//! Signs and distances by big integers (multiples of 2⁻¹⁴⁹), sharing no code with the crate.
 
 use num_bigint::{BigInt, Sign};
 use umbrage::geom::Light;
@@ -43,7 +43,7 @@ fn normal(corners: [[f32; 3]; 3]) -> (Vector, Vector) {
     (cross(&minus(&b, &a), &minus(&c, &a)), a)
 }
 
-/// On which side of a face the light is.
+/// The side of a face that the light is on.
 pub(crate) fn side_of_light(corners: [[f32; 3]; 3], light: &Light) -> i8 {
     let (normal, a) = normal(corners);
     let light_at = vector(light.xyz());
@@ -51,7 +51,7 @@ pub(crate) fn side_of_light(corners: [[f32; 3]; 3], light: &Light) -> i8 {
     sign(&dot(&normal, &to_light))
 }
 
-/// On which side of a face a point is.
+/// The side of a face that a point is on.
 pub(crate) fn side_of_point(corners: [[f32; 3]; 3], p: [f32; 3]) -> i8 {
     let (normal, a) = normal(corners);
     sign(&dot(&normal, &minus(&vector(p), &a)))
@@ -86,8 +86,10 @@ pub(crate) fn volume_sign(faces: impl Iterator<Item = [[f32; 3]; 3]>) -> i8 {
     sign(&sum)
 }
 
-/// Whether two closed triangles with area have a point in common: they have none iff their shadows are apart on a
-/// normal, on the product of two edges, or, in one plane, on the normal of an edge.
+/// Whether two closed triangles with area have a point in common: the separating axis test.
+///
+/// They have none iff their projections are disjoint on a normal, on the cross product of two edges, or, in
+/// one plane, on the normal of an edge.
 pub(crate) fn intersect(f: [[f32; 3]; 3], g: [[f32; 3]; 3]) -> bool {
     let (f, g) = (f.map(vector), g.map(vector));
     let edges = |[a, b, c]: &[Vector; 3]| [minus(b, a), minus(c, b), minus(a, c)];
@@ -100,12 +102,12 @@ pub(crate) fn intersect(f: [[f32; 3]; 3], g: [[f32; 3]; 3]) -> bool {
         .chain(in_plane(&normals[1], &of_g))
         .chain(normals.clone());
     !axes.any(|axis| {
-        let shadow = |corners: &[Vector; 3]| {
+        let projection = |corners: &[Vector; 3]| {
             let mut along = corners.clone().map(|corner| dot(&corner, &axis));
             along.sort();
             along
         };
-        let (f, g) = (shadow(&f), shadow(&g));
+        let (f, g) = (projection(&f), projection(&g));
         f[2] < g[0] || g[2] < f[0]
     })
 }

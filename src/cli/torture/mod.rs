@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use umbrage::testing::torture;
-use umbrage::testing::torture::{Case, CaseError, Options};
+use umbrage::testing::torture::{Effort, Repro, ReproError};
 
 use super::output::{self, Output};
 use super::parsers::{large, require_folder, seed};
@@ -68,7 +68,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     }
     require_folder(&args.case)?;
     args.threads.apply()?;
-    let options = Options { queries: args.queries, seed: args.seed, keep: SHOWN };
+    let options = Effort { queries: args.queries, seed: args.seed, keep: SHOWN };
     let progress = Progress::bar("judging queries", args.queries);
     let start = Instant::now();
     let found = torture::run(&options, &|queries| progress.done(queries));
@@ -92,7 +92,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
 }
 
 fn replay(file: &Path) -> Result<Outcome, Failure> {
-    let case = Case::read(file)?;
+    let case = Repro::read(file)?;
     let ruling = case.judge();
     let mut output = Output::new();
     output.text(text::replay(file, &case, &ruling))?;
@@ -101,10 +101,10 @@ fn replay(file: &Path) -> Result<Outcome, Failure> {
 }
 
 /// Its message already has problem and remedy.
-impl From<CaseError> for Failure {
-    fn from(error: CaseError) -> Self {
+impl From<ReproError> for Failure {
+    fn from(error: ReproError) -> Self {
         match error {
-            CaseError::Mesh(error) => error.into(),
+            ReproError::Mesh(error) => error.into(),
             error => Self::of(error.to_string(), None),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use umbrage::testing::torture::{Case, Ruling, Stratum, Torture};
+use umbrage::testing::torture::{Outcomes, Repro, Ruling, Torture};
 
 use crate::cli::output::{Table, counted, plain, significant};
 
@@ -68,7 +68,7 @@ pub(super) fn report(found: &Torture, seed: u64, seconds: f64, case: Option<&Pat
     )
 }
 
-fn cells(row: &Stratum) -> Vec<String> {
+fn cells(row: &Outcomes) -> Vec<String> {
     let rate = match row.queries - row.grazing {
         0 => "-".to_owned(),
         trials => format!("{:.2} %", 100.0 * row.plain_f32_wrong as f64 / trials as f64),
@@ -80,7 +80,7 @@ fn cells(row: &Stratum) -> Vec<String> {
 }
 
 /// What each method answers for one case.
-pub(super) fn replay(file: &Path, case: &Case, ruling: &Ruling) -> String {
+pub(super) fn replay(file: &Path, case: &Repro, ruling: &Ruling) -> String {
     let [x, y, z] = case.point;
     let faces = counted(case.mesh.face_count(), "face", "faces");
     let verdict = if ruling.agrees { "all methods agree" } else { "methods contradict each other" };

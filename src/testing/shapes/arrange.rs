@@ -1,4 +1,4 @@
-//! The same mesh in another order, place or storage.
+//! The same mesh in another order, position or storage.
 
 use super::Mesh;
 use crate::mesh::MeshError;
@@ -8,7 +8,7 @@ use crate::random::SplitMix64;
 /// from `seed`. Same shape, same windings, same counts; without parts, as they are mixed.
 ///
 /// Drawn in this order with SplitMix64: a permutation of the vertices, one of the faces (Fisher & Yates,
-/// from the last place down), then a rotation for each new face. What depends on the order of a file shows
+/// from the last index down), then a rotation for each new face. Any dependence on the order of a file shows
 /// here.
 #[must_use]
 pub fn shuffled(mesh: &Mesh, seed: u64) -> Mesh {
@@ -34,7 +34,7 @@ pub fn shuffled(mesh: &Mesh, seed: u64) -> Mesh {
 
 /// `mesh` with three vertices of its own for each face, as an STL file holds it: V 3F, E 3F, χ F.
 ///
-/// Parts and frames are kept. An exact weld brings back the adjacency, if no two vertices shared a place.
+/// Parts and frames are kept. An exact weld brings back the adjacency, if no two vertices shared a position.
 ///
 /// # Panics
 ///
@@ -50,7 +50,7 @@ pub fn soup(mesh: &Mesh) -> Mesh {
         .with_name(mesh.name.clone())
 }
 
-/// `mesh` with every face wound the other way: `[a, b, c]` becomes `[a, c, b]`. Counts stay, the volume's
+/// `mesh` with the winding of every face reversed: `[a, b, c]` becomes `[a, c, b]`. Counts stay, the volume's
 /// sign turns.
 #[must_use]
 pub fn inside_out(mesh: &Mesh) -> Mesh {
@@ -87,7 +87,7 @@ pub fn scaled(mesh: &Mesh, factor: f32) -> Mesh {
     moved(mesh, |p| p.map(|x| x * factor))
 }
 
-/// `mesh` with each position of each frame put through `place`.
+/// `mesh` with each position of each frame mapped by `place`.
 fn moved(mesh: &Mesh, place: impl Fn([f32; 3]) -> [f32; 3]) -> Mesh {
     let all = |old: &[[f32; 3]]| old.iter().map(|&p| place(p)).collect();
     let frames = mesh.frames().iter().map(|frame| all(frame)).collect();

@@ -60,9 +60,9 @@ pub fn octahedron() -> Mesh {
 
 /// The unit sphere: an icosahedron, each face cut into four `subdivisions` times and pushed out to radius 1.
 ///
-/// With 4ⁿ for n subdivisions: V 10·4ⁿ + 2, E 30·4ⁿ, F 20·4ⁿ, χ 2. The four parts of a face stand side by
-/// side in the list, at every level, so that faces near in the list are near in space. Good for timing: 1.3
-/// million faces at n = 8. Linear in the faces, without hashing.
+/// With 4ⁿ for n subdivisions: V 10·4ⁿ + 2, E 30·4ⁿ, F 20·4ⁿ, χ 2. The four parts of a face are stored side
+/// by side in the list, at every level, so that faces near in the list are near in space. Good for timing:
+/// 1.3 million faces at n = 8. Linear in the faces, without hashing.
 ///
 /// # Panics
 ///
@@ -201,7 +201,7 @@ pub fn torus_knot(p: u32, q: u32, segments: u32, ring_segments: u32, tube_radius
     })
 }
 
-/// A grid of `columns` × `rows` quads that closes both ways, its corners at `point(column, row)`.
+/// A grid of `columns` × `rows` quads that closes in both directions, its corners at `point(column, row)`.
 fn ring_surface(name: &str, columns: u32, rows: u32, point: impl Fn(u32, u32) -> [f64; 3]) -> Mesh {
     assert!(columns >= 3 && rows >= 3, "{columns} × {rows} segments do not close: each count is at least 3");
     assert!(

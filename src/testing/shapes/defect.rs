@@ -10,7 +10,7 @@ pub fn open_cube() -> Mesh {
     build("open cube", positions, triangles)
 }
 
-/// [`cube`] with its last face wound the other way: V 8, E 18, F 12, χ 2. Three misoriented edges.
+/// [`cube`] with the winding of its last face reversed: V 8, E 18, F 12, χ 2. Three misoriented edges.
 #[must_use]
 pub fn misoriented_cube() -> Mesh {
     let (positions, mut triangles, ..) = cube().into_parts();

@@ -5,7 +5,7 @@
 //! from outside. Vertices are shared between faces unless the function says otherwise.
 //!
 //! The same arguments give the same bytes on every platform: coordinates come from `+ − × ÷ √` alone, which
-//! IEEE 754 rounds one way only, never from the platform's sine.
+//! IEEE 754 rounds in one way only, never from the platform's sine.
 //!
 //! - sound: [`cube`], [`cuboid`], [`tetrahedron`], [`octahedron`], [`icosphere`], [`torus`], [`torus_knot`],
 //!   [`menger_sponge`], [`hollow_cube`]

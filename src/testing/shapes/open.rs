@@ -18,9 +18,10 @@ pub fn sheet(quads: u32) -> Mesh {
     build("sheet", positions, grid(quads, quads, |i, j| i * points + j))
 }
 
-/// [`sheet`] of one quad with each triangle a second time, wound the other way: V 4, E 5, F 4, χ 3.
+/// [`sheet`] of one quad with each triangle a second time, with the opposite winding: V 4, E 5, F 4, χ 3.
 ///
-/// Balanced and without a boundary edge; its volume is zero, and each face has a duplicate of opposite winding.
+/// Balanced and without a boundary edge; its volume is zero, and each face has a duplicate of opposite
+/// winding.
 #[must_use]
 pub fn double_sheet() -> Mesh {
     let (positions, mut triangles, ..) = sheet(1).into_parts();
@@ -60,8 +61,8 @@ pub fn mobius(segments: u32) -> Mesh {
 
 /// Triangles on one shared edge, spread evenly around it: V n + 2, E 2n + 1, F n, χ 1, for n `pages`.
 ///
-/// The edge runs from the origin to (0, 0, 1), the same way in every triangle: n faces on one edge, all
-/// against each other.
+/// The edge runs from the origin to (0, 0, 1), in the same direction in every triangle: n faces on one edge,
+/// all against each other.
 ///
 /// # Panics
 ///

@@ -14,7 +14,7 @@ struct Counts {
     boundary: usize,
     /// Edges with over two faces.
     non_manifold: usize,
-    /// Edges with two faces that both run the same way.
+    /// Edges whose two faces both run in the same direction.
     misoriented: usize,
     volume: f64,
 }

@@ -6,9 +6,10 @@ use super::{Mesh, build, split};
 /// The boundary of the unit cells of a box of `size` cells for which `filled([x, y, z])` holds.
 ///
 /// Cell `[x, y, z]` reaches from that point one unit along each axis; coordinates are small integers. Two
-/// faces stand between each filled and each empty neighbor, and corners are shared, so that every edge has
-/// as many faces one way as the other: 0, 1 or 2 each way, 2 where two cells touch along the edge alone.
-/// Good for random closed meshes with a known inside. Linear in the cells of the box, eight bytes each.
+/// faces lie between each filled cell and each empty neighbor, and corners are shared, so that every edge has
+/// as many faces in one direction as in the other: 0, 1 or 2 in each, 2 where two cells touch along the edge
+/// alone. Good for random closed meshes with a known inside. Linear in the cells of the box, eight bytes
+/// each.
 ///
 /// # Panics
 ///
@@ -78,8 +79,8 @@ pub fn menger_sponge(level: u32) -> Mesh {
 
 /// Two unit cubes that share one edge and its two vertices: V 14, E 35, F 24, χ 3.
 ///
-/// Closed; the shared edge has four faces, two each way. Which of them pair up decides whether there is one
-/// shell or two: an edge table with two places overwrites.
+/// Closed; the shared edge has four faces, two in each direction. Which of them pair up decides whether there
+/// is one shell or two: an edge table with two slots overwrites.
 #[must_use]
 pub fn cubes_sharing_edge() -> Mesh {
     voxels([2, 2, 1], |[x, y, _]| x == y).with_name("cubes sharing an edge")

@@ -1,16 +1,17 @@
 //! Strategies for property tests: meshes, lights and points that are hard for shadows.
 //!
-//! For the `proptest` crate. Everything is built from its combinators, so a failure shrinks to few faces with
-//! small whole coordinates. Sizes are small: hundreds of cases take seconds.
+//! For the `proptest` crate. Values come from [`generate`](super::generate). The choices of the generator are
+//! what shrinks, so a failure ends at few faces with small integer coordinates. Sizes are small: hundreds of
+//! cases take seconds.
 //!
-//! - meshes: [`soup`], [`soup_at`]; [`closed()`] (of [`voxel_solid`], [`hollow`], [`bent`], [`several`]); [`cad()`];
-//!   [`damaged`], which tells what it did; [`at_scale`]
+//! - meshes: [`soup`], [`soup_at`]; [`closed()`] (of [`voxel_solid`], [`hollow`], [`bent`], [`several`]);
+//!   [`cad()`]; [`damaged`], which reports its damage; [`mesh()`], any of the small ones; [`at_scale`]
 //! - lights: [`light()`], and for a given mesh [`LightPick`]
 //! - points: [`place`], and for a given mesh and light [`PointPick`]
 //! - all three together: [`case()`], a [`Case`]
 //!
 //! A pick is drawn before the mesh is known and resolved by its method `at`, as proptest's own
-//! [`Index`](proptest::sample::Index) is: so mesh, light and points shrink each for itself.
+//! [`Index`](proptest::sample::Index) is: so mesh, light and points shrink independently.
 //!
 //! # Your own shadows against the oracle
 //!
@@ -61,22 +62,16 @@
 //! assert!(matches!(found, Err(TestError::Fail(..)))); // the case, shrunk
 //! ```
 
-mod cad;
 mod case;
-mod closed;
-mod defect;
-mod feature;
-mod light;
+mod choices;
 mod mesh;
-mod point;
 
 #[cfg(test)]
 mod tests;
 
-pub use cad::cad;
-pub use case::{Case, case};
-pub use closed::{bent, closed, hollow, several, voxel_solid};
-pub use defect::{Damage, Damaged, damaged};
-pub use light::{LightPick, light};
-pub use mesh::{at_scale, coordinate, place, power_of_two, soup, soup_at};
-pub use point::PointPick;
+pub use super::generate::Damage;
+pub use case::{Case, LightPick, PointPick, case, light};
+pub use mesh::{
+    Damaged, at_scale, bent, cad, closed, coordinate, damaged, hollow, mesh, place, power_of_two, several,
+    soup, soup_at, voxel_solid,
+};

@@ -1,36 +1,39 @@
-//! A case with as little in it as still disagrees.
+//! Minimizing a contradiction: fewer faces, simpler coordinates.
+//!
+//! After Andreas Zeller and Ralf Hildebrandt, "Simplifying and isolating failure-inducing input", TSE 2002.
 
-use super::repro::Case;
+use super::repro::Repro;
 use super::round::Seam;
 use crate::geom::Light;
 use crate::mesh::Mesh;
 
-/// How often the judges are asked at most.
+/// The most queries that a search makes.
 const MOST_ASKED: usize = 4000;
 
-/// Drops faces while the judges still disagree, then vertices that no face uses, then digits of coordinates.
+/// Drops faces and collapses edges while the methods still contradict each other, then drops vertices that no face
+/// uses, then digits of coordinates.
 ///
-/// A case on which the judges agree comes back as it is.
-pub(super) fn minimize(case: &Case, seam: Seam) -> Case {
+/// A query on which the methods agree is returned unchanged.
+pub(super) fn minimize(case: &Repro, seam: Seam) -> Repro {
     let mut search = Search { case: case.clone(), seam, left: MOST_ASKED };
     if search.case.judge_with(seam).agrees {
         return search.case;
     }
-    while search.drop_faces() {}
+    while search.drop_faces() || search.merge_vertices() {}
     search.drop_vertices();
     while search.simplify() {}
     search.case
 }
 
 struct Search {
-    case: Case,
+    case: Repro,
     seam: Seam,
     left: usize,
 }
 
 impl Search {
-    /// Takes a simpler case over if the judges disagree about it too.
-    fn attempt(&mut self, case: Option<Case>) -> bool {
+    /// Replaces the case by a simpler one if the methods contradict each other there too.
+    fn attempt(&mut self, case: Option<Repro>) -> bool {
         let Some(case) = case.filter(|_| self.left > 0) else { return false };
         self.left -= 1;
         let disagrees = !case.judge_with(self.seam).agrees;
@@ -40,15 +43,38 @@ impl Search {
         disagrees
     }
 
+    /// Drops runs of faces: half of them at once, then a quarter, at last one by one.
     fn drop_faces(&mut self) -> bool {
         let mut dropped = false;
-        for face in (0..self.case.mesh.face_count()).rev() {
-            let mut triangles = self.case.mesh.triangles().to_vec();
-            triangles.remove(face);
-            let case = self.with_mesh(self.case.mesh.positions().to_vec(), triangles);
-            dropped |= self.attempt(case);
+        let mut run = self.case.mesh.face_count().div_ceil(2);
+        while run > 0 {
+            for start in (0..self.case.mesh.face_count()).step_by(run).rev() {
+                let mut triangles = self.case.mesh.triangles().to_vec();
+                triangles.drain(start..triangles.len().min(start + run));
+                let case = self.with_mesh(self.case.mesh.positions().to_vec(), triangles);
+                dropped |= self.attempt(case);
+            }
+            run /= 2;
         }
         dropped
+    }
+
+    /// Collapses edges, which keeps a closed mesh closed: two vertices become one, and faces that have both go.
+    fn merge_vertices(&mut self) -> bool {
+        let mut merged = false;
+        for vertex in (1..self.case.mesh.vertex_count() as u32).rev() {
+            let is_used = self.case.mesh.triangles().as_flattened().contains(&vertex);
+            merged |= is_used
+                && (0..vertex).any(|other| {
+                    let rename = |v: u32| if v == vertex { other } else { v };
+                    let mut triangles: Vec<[u32; 3]> =
+                        self.case.mesh.triangles().iter().map(|face| face.map(rename)).collect();
+                    triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+                    let case = self.with_mesh(self.case.mesh.positions().to_vec(), triangles);
+                    self.attempt(case)
+                });
+        }
+        merged
     }
 
     fn drop_vertices(&mut self) {
@@ -66,7 +92,7 @@ impl Search {
         self.attempt(case);
     }
 
-    /// Every coordinate in turn: 0, then whole, then with fewer and fewer bits left out.
+    /// Every coordinate in turn: 0, then an integer, then fewer and fewer bits left out.
     fn simplify(&mut self) -> bool {
         let mut simplified = false;
         for vertex in 0..self.case.mesh.vertex_count() {
@@ -91,7 +117,7 @@ impl Search {
                 } else {
                     Light::point(xyz)
                 };
-                if self.attempt(light.ok().map(|light| Case { light, ..self.case.clone() })) {
+                if self.attempt(light.ok().map(|light| Repro { light, ..self.case.clone() })) {
                     simplified = true;
                     break;
                 }
@@ -99,7 +125,7 @@ impl Search {
             for simpler in simpler(self.case.point[axis]) {
                 let mut point = self.case.point;
                 point[axis] = simpler;
-                if self.attempt(Some(Case { point, ..self.case.clone() })) {
+                if self.attempt(Some(Repro { point, ..self.case.clone() })) {
                     simplified = true;
                     break;
                 }
@@ -108,8 +134,8 @@ impl Search {
         simplified
     }
 
-    fn with_mesh(&self, positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Option<Case> {
-        Some(Case { mesh: Mesh::new(positions, triangles).ok()?, ..self.case.clone() })
+    fn with_mesh(&self, positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Option<Repro> {
+        Some(Repro { mesh: Mesh::new(positions, triangles).ok()?, ..self.case.clone() })
     }
 }
 

@@ -1,4 +1,4 @@
-//! What is judged beside the exact answers: the same questions in plain `f32`, as most programs ask them.
+//! The competitor: the same queries in plain `f32`, as most programs answer them.
 
 use glam::Vec3A;
 use obvhs::ray::Ray;
@@ -27,7 +27,7 @@ impl Plain {
         Self { triangles, light: light.xyz().into(), directional: light.is_directional() }
     }
 
-    /// How many faces are taken for the side that they are not on. Where the truth is edge-on, both answers are right.
+    /// How many faces get the wrong side. Where the truth is edge-on, both answers are right.
     pub(super) fn faces_wrong(&self, truth: &[Facing]) -> u64 {
         let wrong = |(triangle, truth): (&Triangle, &Facing)| {
             let Triangle { v0, v1, v2 } = *triangle;
@@ -42,13 +42,14 @@ impl Plain {
         self.triangles.iter().zip(truth).map(|pair| u64::from(wrong(pair))).sum()
     }
 
-    /// Whether something is hit on the way to the light.
+    /// Whether the shadow ray hits a face.
     #[inline]
     pub(super) fn shadowed(&self, p: [f32; 3]) -> bool {
         let origin = Vec3A::from(p);
         let (direction, tmax) =
             if self.directional { (self.light, f32::INFINITY) } else { (self.light - origin, 1.0) };
-        // Not by `Ray::new`, which asserts in debug builds that nothing overflows. Only trees use the inverse.
+        // Not by `Ray::new`, which asserts in debug builds that nothing overflows. Only trees use the
+        // inverse.
         let ray = Ray { origin, direction, inv_direction: Vec3A::ZERO, tmin: 0.0, tmax };
         self.triangles.iter().any(|triangle| triangle.intersect(&ray) < f32::INFINITY)
     }

@@ -1,4 +1,4 @@
-//! One query on its own, and a file that holds it: a plain OBJ whose comments say the rest.
+//! One query on its own, and a file that holds it: a plain OBJ whose comments hold light and point.
 
 #[cfg(feature = "files")]
 use std::io::Write;
@@ -9,7 +9,7 @@ use super::round::{Found, Prepared, Seam};
 #[cfg(feature = "files")]
 use super::stratum::RECIPES;
 #[cfg(feature = "files")]
-use super::{Disagreement, Torture};
+use super::{Contradiction, Torture};
 #[cfg(feature = "files")]
 use crate::geom::LightError;
 use crate::geom::{Aabb, Light};
@@ -19,36 +19,47 @@ use crate::read::{self, Format, ReadError};
 #[cfg(feature = "files")]
 use crate::write::{Layer, Model, Target, WriteError, write_atomic, write_to};
 
-/// One query.
+/// One query, complete: enough to repeat it.
+///
+/// ```
+/// use umbrage::geom::{Aabb, Light};
+/// use umbrage::testing::{shapes, torture::Repro};
+///
+/// let (mesh, light, point) = (shapes::cube(), Light::point([3.0, 4.0, 5.0])?, [-2.0, -3.0, -4.0]);
+/// let within = Aabb::around([point]);
+/// let ruling = Repro { mesh, light, point, signs: 1, within }.judge();
+/// assert!(ruling.agrees, "{:?}", ruling.said);
+/// # Ok::<(), umbrage::geom::LightError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Case {
+pub struct Repro {
     /// The mesh, as it is: nothing is welded.
     pub mesh: Mesh,
     /// The light.
     pub light: Light,
     /// The point.
     pub point: [f32; 3],
-    /// What random signs are drawn from, whose volume has to be closed as well.
+    /// The seed of random signs, whose volume has to be closed as well.
     pub signs: u64,
-    /// The box of the points that were asked about together, which holds the point: the ways of winding numbers lead
-    /// through it.
+    /// The box of the points that were asked about together, which contains the point: the segments that
+    /// winding numbers are counted along lie in it.
     pub within: Aabb,
 }
 
-/// What the judges said of a case.
+/// What all methods answered for a query.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ruling {
-    /// Whether no judge contradicts another.
+    /// Whether no method contradicts another.
     pub agrees: bool,
-    /// One line a judge.
+    /// One line per method.
     pub said: Vec<String>,
 }
 
+/// Why a file holds no query.
 #[cfg(feature = "files")]
-/// Why a file holds no case.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum CaseError {
+pub enum ReproError {
     /// It is no mesh that can be read.
     #[error(transparent)]
     Mesh(#[from] ReadError),
@@ -78,7 +89,7 @@ pub enum CaseError {
 }
 
 impl Found {
-    /// What was found out about the faces and volumes, one line each.
+    /// The results for the faces and volumes, one line each.
     pub(super) fn say(&self) -> Vec<String> {
         let mark = |wrong: u64| if wrong > 0 { " (contradicts)" } else { "" };
         vec![
@@ -98,8 +109,8 @@ impl Found {
     }
 }
 
-impl Case {
-    /// Asks every judge.
+impl Repro {
+    /// Asks every method.
     #[must_use]
     pub fn judge(&self) -> Ruling {
         self.judge_with(Seam::SOUND)
@@ -113,22 +124,22 @@ impl Case {
         Ruling { agrees, said: [found.say(), judged.say()].concat() }
     }
 
-    /// Reads a case.
+    /// Reads a file that [`Torture::write_case`] wrote, or one by hand.
     ///
-    /// Of its comments only `# light point:X,Y,Z` (or `directional:`, with the way the light travels) and
-    /// `# point X,Y,Z` need to be there; `# signs N` may be, and `# within X,Y,Z X,Y,Z` (low and high corner; else
-    /// the box of mesh and point).
+    /// Two comments are required: `# light point:X,Y,Z` (or `directional:` and the direction in which the
+    /// light travels) and `# point X,Y,Z`. Two are optional: `# signs N`, and `# within X,Y,Z X,Y,Z` (low and
+    /// high corner; without it, the box of mesh and point).
     ///
     /// # Errors
     ///
-    /// [`CaseError`], in one line that names the file.
+    /// [`ReproError`], in one line that names the file.
     #[cfg(feature = "files")]
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, CaseError> {
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, ReproError> {
         let path = path.as_ref();
         let file = path.to_string_lossy().replace(char::is_control, "\u{fffd}");
         let mut scene = read::read(path)?;
         if scene.format != Some(Format::Obj) || scene.meshes.is_empty() {
-            return Err(CaseError::Format(file));
+            return Err(ReproError::Format(file));
         }
         let mesh = scene.meshes.swap_remove(0);
         let bytes = std::fs::read(path).map_err(|error| {
@@ -187,14 +198,14 @@ impl Comments<'_> {
         word: &'static str,
         example: &'static str,
         parse: impl Fn(&str) -> Result<T, String>,
-    ) -> Result<T, CaseError> {
+    ) -> Result<T, ReproError> {
         let file = self.file.clone();
         let Some((line, text)) = self.line(word) else {
-            return Err(CaseError::Missing { file, word, example });
+            return Err(ReproError::Missing { file, word, example });
         };
         parse(text).map_err(|problem| {
             let problem = problem.replace(char::is_control, "\u{fffd}");
-            CaseError::Comment { file, line, problem: format!("{problem}; write `{example}`") }
+            ReproError::Comment { file, line, problem: format!("{problem}; write `{example}`") }
         })
     }
 }
@@ -209,8 +220,9 @@ fn point(text: &str) -> Result<[f32; 3], String> {
 
 #[cfg(feature = "files")]
 impl Torture {
-    /// Writes the minimized first disagreement, if there is one: a plain OBJ whose comments hold where it was found,
-    /// light and point as decimals that read back bit for bit, and what each judge said. Whole or not at all.
+    /// Writes the minimized first contradiction, if there is one, to a plain OBJ. Its comments hold where it
+    /// was found, light and point as decimals that read back bit for bit, and what each method answered. The
+    /// file is complete or not there.
     ///
     /// # Errors
     ///
@@ -223,12 +235,12 @@ impl Torture {
 
 #[cfg(feature = "files")]
 fn write_case(
-    case: &Case,
-    Disagreement { stratum, round, query, said, .. }: &Disagreement,
+    case: &Repro,
+    Contradiction { stratum, round, query, said, .. }: &Contradiction,
     seed: u64,
     writer: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    let Case { mesh, light, point: [x, y, z], signs, within } = case;
+    let Repro { mesh, light, point: [x, y, z], signs, within } = case;
     let name = RECIPES[*stratum].name;
     writeln!(
         writer,

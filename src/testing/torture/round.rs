@@ -1,4 +1,4 @@
-//! Everything that judges the points of one mesh under one light.
+//! All methods that answer for the points of one mesh under one light.
 
 use super::naive_f32::Plain;
 use crate::caster::{ShellBoxes, ShellProof};
@@ -11,21 +11,21 @@ use crate::random::SplitMix64;
 use crate::shadow::volume::{Caps, ShadowVolume, ShellFaces, WindingIndex, WindingTable, stands_on};
 use crate::silhouette::Silhouette;
 use crate::topology::Topology;
-use crate::verify::points::draw::Sampler;
 use crate::verify::points::judge::Cast;
+use crate::verify::points::sampler::Sampler;
 
-/// Where tests spoil what a judge works with, to show that the fault is seen.
+/// Where tests inject faults, to show that they are found.
 #[derive(Clone, Copy)]
 pub(super) struct Seam {
     pub(super) facing: fn(&mut [Facing]),
-    /// The signs that all faces cast with, and those of the halved volume.
+    /// Changes the signs that all faces cast with, and those of the halved volume.
     pub(super) signs: fn(&mut [i8]),
     pub(super) volume: fn(&mut ShadowVolume),
     pub(super) oracle: fn(&Mesh) -> Oracle,
     pub(super) cast: fn(&mut Cast),
-    /// What a winding judge answers.
+    /// Changes the answer of a winding number.
     pub(super) winding: fn(Option<i32>) -> Option<i32>,
-    /// How many queries of a round that touch or stand on something are judged in whole numbers.
+    /// How many queries per round that touch or lie on something are decided with big integers.
     pub(super) audits: usize,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Seam {
 const AUDITS: usize = 8;
 
 impl Seam {
-    /// Nothing is spoiled.
+    /// No fault.
     pub(super) const SOUND: Self = Self {
         facing: |_| {},
         signs: |_| {},
@@ -45,28 +45,28 @@ impl Seam {
     };
 }
 
-/// A mesh under a light, ready to be judged.
+/// A mesh under a light, with its volumes and its ray cast.
 pub(super) struct Prepared<'a> {
     mesh: &'a Mesh,
     light: &'a Light,
     seam: Seam,
-    pub(super) topology: Topology,
-    pub(super) silhouette: Silhouette,
+    topology: Topology,
+    silhouette: Silhouette,
     oracle: Oracle,
     all: ShadowVolume,
-    /// The volume of the faces that [`Plan`] chooses.
+    /// The volume of the faces that [`ShellFaces`] chooses.
     half: Option<ShadowVolume>,
-    /// The signs of `half`, else of all faces.
+    /// The signs of `half`; without it, those of all faces.
     chosen: Vec<i8>,
     plain: Plain,
     pub(super) found: Found,
 }
 
-/// What is known of a round before any point is asked about.
+/// The checks of a round that need no point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Found {
     pub(super) faces: u64,
-    /// Faces whose side is another one by the filter than by the predicate.
+    /// Faces whose side by the filter differs from that by the predicate.
     pub(super) faces_wrong: u64,
     pub(super) plain_f32_faces_wrong: u64,
     pub(super) volumes: u64,
@@ -74,22 +74,15 @@ pub(super) struct Found {
 }
 
 impl<'a> Prepared<'a> {
-    /// What draws points around the mesh and its light.
+    /// Draws points around the mesh and its shadow.
     pub(super) fn sampler(&self) -> Sampler<'_> {
-        let [low, high] = self.mesh.bounds().expect("a drawn mesh has a face");
-        Sampler {
-            mesh: self.mesh,
-            topology: &self.topology,
-            silhouette: &self.silhouette,
-            light: self.light,
-            bounds: Aabb { low, high },
-        }
+        Sampler::new(self.mesh, self.light, &self.topology, &self.silhouette)
     }
 
-    /// `signs` is what random signs are drawn from; their volume has to be closed as well. With `half` the halved
-    /// volume is judged beside the general one.
+    /// `signs` is the seed of random signs, whose volume has to be closed as well. With `half` the halved
+    /// volume is checked too.
     pub(super) fn new(mesh: &'a Mesh, light: &'a Light, signs: u64, half: bool, seam: Seam) -> Self {
-        // 1. The side of every face, by the filter and one by one.
+        // 1. The side of every face, by the filter and face by face.
         let topology = Topology::of(mesh);
         let mut facing = FacePlanes::new(mesh).classify(mesh, light);
         (seam.facing)(&mut facing);
@@ -138,7 +131,7 @@ impl<'a> Prepared<'a> {
         Self { mesh, light, seam, topology, silhouette, oracle, all, half, chosen, plain, found }
     }
 
-    /// Ready for points in a box that is not empty.
+    /// The methods for points in a box that is not empty.
     pub(super) fn bench(&'a self, within: Aabb) -> Bench<'a> {
         Bench {
             prepared: self,
@@ -149,36 +142,36 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// The judges of one mesh and light.
+/// All methods for one mesh and light.
 pub(super) struct Bench<'a> {
     prepared: &'a Prepared<'a>,
-    /// How many more ties are judged in whole numbers.
+    /// How many more ties are decided with big integers.
     audits: usize,
     all: WindingTable<'a>,
     half: Option<WindingIndex<'a>>,
 }
 
-/// What the judges said of one point.
+/// What the methods answered for one point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Judged {
     cast: Cast,
     all: Option<i32>,
-    /// Of the halved volume, where there is one.
+    /// The winding number of the halved volume, where there is one.
     half: Option<Option<i32>>,
-    /// The judges that abstain without standing on their volume.
+    /// The volumes whose winding number abstains although the point does not lie on them.
     shy: Vec<&'static str>,
-    /// Whether whole numbers were asked.
+    /// Whether big integers decided this point too.
     pub(super) audited: bool,
-    /// What whole numbers found instead, where they were asked and differ.
+    /// What big integers found, where they differ.
     whole: Option<String>,
-    /// The verdict that stops at the first face, where it is another one.
+    /// The verdict of the ray cast that stops at the first face, where it differs.
     hasty: Option<Verdict>,
     plain: bool,
 }
 
 impl Bench<'_> {
-    /// Judges a point; with `whole` in whole numbers too, and so are the first points that touch or stand on something:
-    /// there other judges allow more than one answer.
+    /// Asks all methods about a point. Big integers are asked if `whole` is set, and at the first points that
+    /// touch or lie on something: there the other methods allow more than one answer.
     pub(super) fn judge(&mut self, p: [f32; 3], whole: bool) -> Judged {
         let Prepared { mesh, light, oracle, chosen, plain, seam, .. } = self.prepared;
         let mut cast = Cast::of(oracle, p, light, chosen);
@@ -226,7 +219,7 @@ impl Judged {
         self.half.flatten().is_some_and(|winding| !self.cast.allows(winding, &self.cast.chosen()))
     }
 
-    /// Whether any judge contradicts another.
+    /// Whether any method contradicts another.
     #[inline]
     pub(super) fn is_wrong(&self) -> bool {
         self.all_wrong()
@@ -236,31 +229,31 @@ impl Judged {
             || self.hasty.is_some()
     }
 
-    /// Whether every winding judge stands on its volume.
+    /// Whether every winding number abstains.
     #[inline]
     pub(super) fn abstained(&self) -> bool {
         self.all.is_none() && self.half.flatten().is_none()
     }
 
-    /// Whether the way only touches.
+    /// Whether the segment only touches the mesh.
     #[inline]
     pub(super) fn grazes(&self) -> bool {
         self.cast.verdict() == Verdict::Grazing
     }
 
-    /// Whether the ray cast has no second judge: either answer is right, or every winding judge abstains.
+    /// Whether nothing checks the ray cast: either answer is right, or every winding number abstains.
     #[inline]
     pub(super) fn is_tie(&self) -> bool {
         self.grazes() || self.abstained()
     }
 
-    /// Whether plain `f32` says in for out.
+    /// Whether plain `f32` confuses lit and shadowed.
     #[inline]
     pub(super) fn plain_wrong(&self) -> bool {
         !self.grazes() && self.plain != (self.cast.verdict() == Verdict::Shadowed)
     }
 
-    /// What each judge said, one line each.
+    /// What each method answered, one line each.
     pub(super) fn say(&self) -> Vec<String> {
         let crossings = self.cast.crossings;
         let number =

@@ -1,18 +1,16 @@
-use super::lights::{Place, one_ulp_off};
-use super::points::Aim;
 use super::round::Seam;
-use super::scales::Scale;
 use super::*;
-use crate::geom::Facing;
+use crate::geom::{Facing, Light};
+use crate::mesh::Mesh;
 use crate::oracle::Oracle;
 use crate::shadow::volume::ShadowVolume;
 use crate::verify::points::judge::Cast;
 
-/// Queries of a small run: two rounds a stratum.
+/// Queries of a small run: two rounds per stratum.
 const FEW: u64 = 17 * 2 * POINTS;
 
 fn few(seam: Seam) -> Torture {
-    run_with(&Options { queries: FEW, seed: 7, keep: 10 }, &|_| {}, seam)
+    run_with(&Effort { queries: FEW, seed: 7, keep: 10 }, &|_| {}, seam)
 }
 
 fn flipped(signs: &mut [i8]) {
@@ -38,13 +36,13 @@ const BOX: Aabb = Aabb { low: [-4.0; 3], high: [4.0; 3] };
 /// Crossings are called touches.
 const TOUCHES: Seam = Seam { cast: Cast::touch_all, ..Seam::SOUND };
 
-/// Winding judges abstain in all shadows.
+/// Winding numbers abstain in all shadows.
 const SHY: Seam = Seam { winding: |winding| winding.filter(|&winding| winding == 0), ..Seam::SOUND };
 
 const LOST_FACE: Seam = Seam { oracle: without_the_last_face, ..Seam::SOUND };
 
 #[test]
-fn torture_sees_every_sabotage() {
+fn torture_finds_every_injected_fault() {
     let sound = few(Seam::SOUND);
     assert!(sound.agrees() && sound.case.is_none(), "{:?}", sound.disagreements);
     for (name, seam, [sides, open]) in [
@@ -57,7 +55,7 @@ fn torture_sees_every_sabotage() {
         ("a back face taken as front", Seam { facing: taken_as_front, ..Seam::SOUND }, [true, false]),
         ("a face lost by the ray cast", LOST_FACE, [false, false]),
         ("crossings called touches", TOUCHES, [false, false]),
-        ("a volume judge that abstains without a reason", SHY, [false, false]),
+        ("a winding number that abstains without a reason", SHY, [false, false]),
     ] {
         let found = few(seam);
         let total = found.total();
@@ -78,7 +76,7 @@ fn torture_sees_every_sabotage() {
 }
 
 #[test]
-fn torture_whole_numbers_see_a_lost_face_on_their_own() {
+fn torture_big_integers_find_a_lost_face_on_their_own() {
     let (mesh, light) = (crate::testing::shapes::cube(), Light::point([0.1, 0.2, 5.0]).unwrap());
     let seam = Seam { audits: 0, ..LOST_FACE };
     let prepared = Prepared::new(&mesh, &light, 1, false, seam);
@@ -93,7 +91,7 @@ fn torture_whole_numbers_see_a_lost_face_on_their_own() {
 }
 
 #[test]
-fn torture_case_is_minimal_and_reads_back_from_its_file() {
+fn torture_repro_is_minimal_and_reads_back_from_its_file() {
     let found = few(LOST_FACE);
     let case = found.case.as_ref().unwrap();
     // One face, which the ray cast loses, with small numbers for corners.
@@ -101,7 +99,7 @@ fn torture_case_is_minimal_and_reads_back_from_its_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("case.obj");
     found.write_case(7, &path).unwrap();
-    let read = Case::read(&path).unwrap();
+    let read = Repro::read(&path).unwrap();
     assert_eq!(
         (read.mesh.positions(), read.mesh.triangles(), read.light, read.point, read.signs, read.within),
         (case.mesh.positions(), case.mesh.triangles(), case.light, case.point, case.signs, case.within)
@@ -113,19 +111,19 @@ fn torture_case_is_minimal_and_reads_back_from_its_file() {
 }
 
 #[test]
-fn torture_case_on_which_all_agree_is_not_minimized() {
+fn torture_repro_on_which_all_agree_is_not_minimized() {
     let mesh = crate::testing::shapes::cube();
     let case =
-        Case { mesh, light: Light::point([0.1, 0.2, 5.0]).unwrap(), point: [0.3; 3], signs: 1, within: BOX };
+        Repro { mesh, light: Light::point([0.1, 0.2, 5.0]).unwrap(), point: [0.3; 3], signs: 1, within: BOX };
     assert_eq!(minimize::minimize(&case, Seam::SOUND), case);
 }
 
 #[test]
 fn torture_disagreements_come_first_by_stratum_round_and_query() {
-    let options = Options { queries: FEW, seed: 7, keep: 3 };
-    let found = run_with(&options, &|_| {}, LOST_FACE);
-    let all = run_with(&Options { keep: 100_000, ..options }, &|_| {}, LOST_FACE);
-    let key = |found: &Disagreement| (found.stratum, found.round, found.query);
+    let effort = Effort { queries: FEW, seed: 7, keep: 3 };
+    let found = run_with(&effort, &|_| {}, LOST_FACE);
+    let all = run_with(&Effort { keep: 100_000, ..effort }, &|_| {}, LOST_FACE);
+    let key = |found: &Contradiction| (found.stratum, found.round, found.query);
     assert!(all.disagreements.is_sorted_by_key(key) && all.disagreements.len() > 100);
     assert_eq!(found.disagreements, all.disagreements[..3]);
     assert_eq!(all.disagreements.len() as u64, all.total().wrong);
@@ -136,7 +134,7 @@ fn torture_draws_every_kind_of_mesh_within_its_size() {
     let mut most = 0;
     for stratum in 0..RECIPES.len() {
         for round in 0..300 {
-            let (mesh, _) = draw(&RECIPES[stratum], &mut source(1, stratum, round));
+            let (mesh, _) = RECIPES[stratum].draw(&mut source(1, stratum, round));
             assert!(mesh.face_count() > 0);
             most = most.max(mesh.face_count());
         }
@@ -149,7 +147,7 @@ fn torture_spreads_queries_evenly_and_keeps_to_their_number() {
     for queries in [1, 16, 17, 18, 5000] {
         let mut done = std::sync::atomic::AtomicU64::new(0);
         let add = |queries| _ = done.fetch_add(queries, std::sync::atomic::Ordering::Relaxed);
-        let found = run(&Options { queries, ..Options::default() }, &add);
+        let found = run(&Effort { queries, ..Effort::default() }, &add);
         assert_eq!((found.total().queries, *done.get_mut()), (queries, queries));
         let each: Vec<u64> = found.strata.iter().map(|row| row.queries).collect();
         assert!(each.iter().max().unwrap() - each.iter().min().unwrap() <= 1, "{each:?}");
@@ -183,53 +181,17 @@ fn torture_bound_by_rounds_is_that_of_independent_draws() {
 }
 
 #[test]
-fn torture_light_one_ulp_off_is_off_by_one_ulp() {
-    let mut random = SplitMix64(1);
-    for p in [[1.0, -2.5, 0.0], [f32::MAX, f32::MIN, f32::MIN_POSITIVE]] {
-        for _ in 0..200 {
-            let off = one_ulp_off(p, &mut random);
-            let near = |i: usize| [p[i].next_down(), p[i], p[i].next_up()].contains(&off[i]);
-            assert!(off != p && (0..3).all(near) && off.iter().all(|x| x.is_finite()), "{p:?} {off:?}");
-        }
-    }
-}
-
-#[test]
-fn torture_light_far_is_at_least_a_billion_diagonals_away() {
-    let mesh = crate::testing::shapes::cube();
-    let (mut random, [low, high]) = (SplitMix64(1), mesh.bounds().unwrap());
-    let bounds = Aabb { low, high };
-    for _ in 0..1000 {
-        let light = Place::Far.draw(&mesh, &mut random).xyz();
-        let away = (0..3).map(|i| f64::from(light[i] - bounds.center()[i]).powi(2)).sum::<f64>().sqrt();
-        let exponent = (away / bounds.diagonal()).log2();
-        assert!((29.999..40.001).contains(&exponent), "2^{exponent}");
-    }
-}
-
-#[test]
-fn torture_mixed_scales_always_mixes() {
-    let mut random = SplitMix64(1);
-    for _ in 0..500 {
-        let mut positions = vec![[1.0_f32; 3]; 3 + random.below(5)];
-        Scale::Mixed.apply(&mut positions, &mut random);
-        let first = positions[0][0];
-        assert!(positions.iter().flatten().any(|&x| x != first), "{positions:?}");
-    }
-}
-
-#[test]
 fn torture_points_on_surface_are_there() {
     let recipe = RECIPES.iter().find(|recipe| recipe.name == "points_on_surface").unwrap();
-    let there = recipe.aims.iter().filter(|&&aim| aim == Aim::Surface).count();
-    assert!(3 * there >= 2 * recipe.aims.len());
+    let there = recipe.points.iter().filter(|&&kind| kind == stratum::ON_SURFACE).count();
+    assert!(3 * there >= 2 * recipe.points.len());
     let mesh = crate::testing::shapes::cube();
     let light = Light::point([0.1, 0.2, 5.0]).unwrap();
     let prepared = Prepared::new(&mesh, &light, 1, false, Seam::SOUND);
     let sampler = prepared.sampler();
     let mut random = SplitMix64(1);
     for _ in 0..500 {
-        let p = Aim::Surface.draw(&sampler, &mut random);
+        let p = sampler.draw(stratum::ON_SURFACE, &mut random);
         // A cube's faces are axis-aligned: no rounding leads off them.
         assert!(
             sampler.bounds.contains(p)

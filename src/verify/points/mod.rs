@@ -10,7 +10,9 @@
 //! Each method is a *judge*: a row of the report.
 
 pub(crate) mod draw;
+pub(crate) mod feature;
 pub(crate) mod judge;
+pub(crate) mod sampler;
 
 pub use draw::STRATA;
 
@@ -18,9 +20,12 @@ use crate::caster::Caster;
 use crate::facing::{CasterFaces, classify};
 use crate::geom::{Aabb, Light};
 use crate::oracle::Verdict;
+use crate::parallel;
 use crate::shadow::volume::{Caps, ShadowVolume, WindingIndex};
 use crate::silhouette::Silhouette;
+use crate::verify::Tally;
 use judge::Cast;
+use sampler::Sampler;
 
 /// Number of points to verify, their seed, and how much of the result to keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,13 +145,17 @@ impl Stratum {
         }
     }
 
-    /// Upper bound of the disagreement rate with 95 % confidence: 3/n after no disagreement among n points
-    /// that were not ties (the rule of three). The bound assumes independent draws; points of one mesh share
-    /// its surface and its lights. `None` after a disagreement, or without such points.
+    /// The counts as those of any verification: grazing points are ties.
+    #[must_use]
+    pub fn tally(&self) -> Tally {
+        let judged = self.agree + self.disagree;
+        Tally { queries: self.points, ties: self.grazing, judged, wrong: self.disagree }
+    }
+
+    /// See [`Tally::bound_95`]. The points of one mesh share its surface and its lights.
     #[must_use]
     pub fn bound_95(&self) -> Option<f64> {
-        let trials = self.agree + self.disagree;
-        (self.disagree == 0 && trials > 0).then(|| (3.0 / trials as f64).min(1.0))
+        self.tally().bound_95()
     }
 }
 
@@ -202,7 +211,7 @@ impl<'a> Verifier<'a> {
             ShadowVolume::extrude(mesh, topology, light, &signs, &silhouette, Caps::Both)
         };
         let edges = Silhouette::extract(topology, &CasterFaces::All.signs(&facing));
-        let points = draw::draw(mesh, topology, &edges, light, options);
+        let points = draw::draw(&Sampler::new(mesh, light, topology, &edges), options);
         let within = Aabb::around(points.iter().map(|(_, p)| *p));
         let (all, half) = (extrude(CasterFaces::All.signs(&facing)), extrude(chosen.clone()));
         let bench = Bench {
@@ -250,37 +259,31 @@ impl Bench<'_> {
         keep: usize,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Verification {
-        let run = |(index, points): (usize, &[(usize, [f32; 3])])| {
-            let mut tally = Tally::new(keep);
-            for (i, &(stratum, p)) in points.iter().enumerate() {
-                self.judge(index * RUN + i, stratum, p, &mut tally);
+        let runs: Vec<&[(usize, [f32; 3])]> = points.chunks(RUN).collect();
+        let judge_run = |mut rows: Rows, run: u64| {
+            let run = run as usize; // an index of `runs`
+            for (i, &(stratum, p)) in runs[run].iter().enumerate() {
+                self.judge(run * RUN + i, stratum, p, &mut rows);
             }
-            progress(points.len() as u64);
-            tally
+            progress(runs[run].len() as u64);
+            rows
         };
-        #[cfg(feature = "parallel")]
-        let tallies: Vec<Tally> = {
-            use rayon::prelude::*;
-            points.par_chunks(RUN).enumerate().map(run).collect()
-        };
-        #[cfg(not(feature = "parallel"))]
-        let tallies: Vec<Tally> = points.chunks(RUN).enumerate().map(run).collect();
-        let sum = tallies.into_iter().fold(Tally::new(keep), Tally::plus);
+        let sum = parallel::sum(runs.len() as u64, || Rows::new(keep), judge_run, Rows::plus);
         Verification { strata: sum.strata, judges: sum.judges, disagreements: sum.disagreements }
     }
 
-    fn judge(&self, index: usize, stratum: usize, p: [f32; 3], tally: &mut Tally) {
+    fn judge(&self, index: usize, stratum: usize, p: [f32; 3], rows: &mut Rows) {
         // 1. The ray cast: all faces on the segment, the faces that cast in the halved volume, and the
         //    touched faces.
         let cast = Cast::of(self.verifier.caster.oracle(), p, self.light, self.chosen);
         let verdict = cast.verdict();
-        tally.judges[0].points += 1;
+        rows.judges[0].points += 1;
         let mut contradictions = Vec::new();
 
         // 2. The winding numbers of the two volumes.
         let mut abstain = 0;
         for (judge, volume, expected) in [(1, &self.all, cast.all()), (2, &self.half, cast.chosen())] {
-            let row = &mut tally.judges[judge];
+            let row = &mut rows.judges[judge];
             row.points += 1;
             match volume.number(p) {
                 None => {
@@ -297,7 +300,7 @@ impl Bench<'_> {
 
         // 3. The big-integer reference, on a sample of the points.
         if (index / STRATA.len()).is_multiple_of(self.reference_every) {
-            let row = &mut tally.judges[3];
+            let row = &mut rows.judges[3];
             row.points += 1;
             if let Err(what) = cast.in_whole_numbers(self.verifier.caster.mesh(), p, self.light) {
                 row.disagree += 1;
@@ -305,13 +308,13 @@ impl Bench<'_> {
             }
         }
 
-        let row = &mut tally.strata[stratum];
+        let row = &mut rows.strata[stratum];
         row.points += 1;
         if !contradictions.is_empty() {
             row.disagree += 1;
-            if tally.disagreements.len() < tally.keep {
+            if rows.disagreements.len() < rows.keep {
                 let (stratum, what) = (STRATA[stratum], contradictions.join("; "));
-                tally.disagreements.push(Disagreement { stratum, point: p, verdict, what });
+                rows.disagreements.push(Disagreement { stratum, point: p, verdict, what });
             }
         } else if verdict == Verdict::Grazing || abstain == 2 {
             row.grazing += 1;
@@ -321,14 +324,15 @@ impl Bench<'_> {
     }
 }
 
-struct Tally {
+/// What one thread has found so far.
+struct Rows {
     strata: Vec<Stratum>,
     judges: Vec<Judge>,
     disagreements: Vec<Disagreement>,
     keep: usize,
 }
 
-impl Tally {
+impl Rows {
     fn new(keep: usize) -> Self {
         Self {
             strata: STRATA.iter().map(|&name| Stratum { name, ..Stratum::default() }).collect(),

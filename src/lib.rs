@@ -1,5 +1,5 @@
-//! Meshes into verified shadows: half-edge topology and crack reports, exact silhouettes, closed shadow volumes with
-//! vertices at infinity, and an exact ray cast that decides independently what is in shadow.
+//! Meshes into verified shadows: half-edge topology and crack reports, exact silhouettes, closed shadow
+//! volumes with vertices at infinity, and an exact ray cast that decides independently what is in shadow.
 //!
 //! # The map
 //!
@@ -8,17 +8,17 @@
 //! Caster: a mesh and all that is known of it before any light, each part made once, when first asked for:
 //!         Topology · CrackReport · shells · face planes · proofs · Oracle (exact ray cast)
 //! (Caster, Light) ─► facing ─► silhouette ─► ShadowVolume                      exact, closed, certified
-//! (Casters, Light, Samples) ─Technique─► Visibility: how much of the light reaches each visible point, with a Claim
+//! (Casters, Light, Samples) ─Technique─► Visibility: how much light reaches each visible point; a Claim
 //! Visibility + truth ─verify─► Errors by kind ─► accuracy: error against time, all techniques in one report
 //! Oracle or stencil pass + lamps ─render─► Picture ─write_png─► PNG
 //! ```
 //!
-//! The modules below come in the same order, and none imports one that comes after it. Each arrow borrows the value
-//! before it and returns the next one owned.
+//! The modules below come in the same order, and none imports one that comes after it. Each arrow borrows the
+//! value before it and returns the next one owned.
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`geom`] | exact predicates, [`Light`](geom::Light), [`Facing`](geom::Facing), boxes, bounding volume hierarchy |
+//! | [`geom`] | exact predicates, [`Light`](geom::Light), [`Facing`](geom::Facing), boxes, box trees |
 //! | [`mesh`] | [`Mesh`](mesh::Mesh), ids, welding |
 //! | [`view`] | cameras, projections, the rays of pixels |
 //! | `gpu` | graphics devices and what runs on them |
@@ -28,8 +28,8 @@
 //! | [`topology`] | half-edges and edges; never sees a position |
 //! | [`check`] | the crack report: defects, shells, self-intersections |
 //! | [`facing`] | the side of every face that a light is on |
-//! | [`silhouette`] | silhouette edges: scan, tree, certificates for a moving light |
 //! | [`caster`] | [`Caster`](caster::Caster), proofs |
+//! | [`silhouette`] | silhouette edges: scan, tree, certificates for a moving light |
 //! | [`shadow`] | the contract of every technique; stencil shadow volumes, rays |
 //! | [`verify`] | every method against every other, at points and at pixels; errors by kind |
 //! | [`testing`] | generated shapes, strategies, torture; promises nothing between versions |
@@ -38,10 +38,10 @@
 //!
 //! # Conventions
 //!
-//! Right-handed coordinates in mesh units, `f32`, finite. A face is in front where its corners run counter-clockwise. A
-//! light is homogeneous: `w = 1` a point, `w = 0` the direction *towards* a directional light. Every sign is decided
-//! exactly, in [`geom::predicate`]; ties are declared, never guessed. A defect of a mesh is data, not an error. Results
-//! do not depend on the number of threads.
+//! Right-handed coordinates in mesh units, `f32`, finite. A face is in front where its corners run
+//! counter-clockwise. A light is homogeneous: `w = 1` a point, `w = 0` the direction *towards* a directional
+//! light. Every sign is decided exactly, in [`geom::predicate`]; ties are declared, never guessed. A defect
+//! of a mesh is data, not an error. Results do not depend on the number of threads.
 //!
 //! # From your own arrays to buffers you can draw
 //!
@@ -54,8 +54,8 @@
 //! #     let (positions, triangles, ..) = umbrage::testing::shapes::cube().into_parts();
 //! #     (positions, triangles.concat())
 //! # };
-//! // `positions: Vec<[f32; 3]>` and `indices: Vec<u32>` are yours. Vertices that are split for normals or texture
-//! // coordinates are joined by position.
+//! // `positions: Vec<[f32; 3]>` and `indices: Vec<u32>` are yours. Vertices that are split for normals or
+//! // texture coordinates are joined by position.
 //! let caster = Caster::from_indexed(&positions, &indices)?;
 //! let volume = caster.volume(&Light::point([2.0, 5.0, 3.0])?, Caps::Both);
 //!

@@ -91,8 +91,8 @@ impl Caster {
         &self.mesh
     }
 
-    /// The edge table. Cost on first use: some 20 ns per face; its survey, on first use by shells or crack report,
-    /// as much again.
+    /// The edge table. Cost on first use: some 20 ns per face; its survey, on first use by shells or crack
+    /// report, as much again.
     #[must_use]
     pub fn topology(&self) -> &Topology {
         self.topology.get_or_init(|| Topology::of(&self.mesh))

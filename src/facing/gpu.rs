@@ -56,21 +56,20 @@ pub(crate) struct LightParameters {
 /// 1. *Rounding.* On the host `n`, `l` and `d` are rounded to nearest: `u/2` each (forming `l` in `f64` adds
 ///    2⁻⁵³; `w` is a power of two). On the device each product is rounded once, and goes through at most
 ///    three additions, in whatever order: `4u`. Together at most `5u·(1 + 5u)` of the sum of magnitudes
-///    `M = |nx·lx| + |ny·ly| + |nz·lz| + |w·d|`. But the shader uses `s` twice, once against the bound and once
-///    for its sign, and a compiler may contract or reassociate each use in its own way: two evaluations
+///    `M = |nx·lx| + |ny·ly| + |nz·lz| + |w·d|`. But the shader uses `s` twice, once against the bound and
+///    once for its sign, and a compiler may contract or reassociate each use in its own way: two evaluations
 ///    differ by `2 · 4u·(1 + 4u)·M` at most. Where one exceeds `8u·(1 + 4u)·M` in magnitude, every other has
 ///    its sign; where it exceeds `5u·(1 + 5u)·M`, so has `S`. The sum is computed within `5u` of itself, and
 ///    two more roundings follow until it is part of the bound; so `8.5u` times what is computed exceeds
-///    `8.5u·(1 − 8u)·M`, which is more than enough for both.
-/// 2. *The plane.* As [`FacePlanes`] derives: `e·T`. Two roundings lead to the bound: `T` is
-///    enlarged by `2⁻²⁰`. Where there is no finite `e`, [`ALWAYS_UNSURE`] replaces it: no side is larger than
-///    `T·(1 + 5u)`.
-/// 3. *Underflow.* A value that is flushed, or was rounded to a subnormal number, errs by at most 2⁻¹²⁶,
-///    times another factor below 2: three normals, three coordinates, an offset, `w` (times `d`), four
-///    products, three sums, less than 16 · 2⁻¹²⁵ = 2⁻¹²¹ in all, and twice that between two evaluations;
-///    10⁻³⁶ is more. An offset that [`FacePlanes`] rounded below the normal range *before* it was scaled
-///    erred by less than [`UNDERFLOW`] then, which is `w·2ᵏ` as much now. `e` is at least 2⁻⁴⁸ and `T` at
-///    least 1, so no part of the bound is flushed itself.
+///    `8.5u·(1 − 8u)·M`, which is more than enough for both. 2. *The plane.* As [`FacePlanes`] derives:
+///    `e·T`. Two roundings lead to the bound: `T` is enlarged by `2⁻²⁰`. Where there is no finite `e`,
+///    [`ALWAYS_UNSURE`] replaces it: no side is larger than `T·(1 + 5u)`. 3. *Underflow.* A value that is
+///    flushed, or was rounded to a subnormal number, errs by at most 2⁻¹²⁶, times another factor below 2:
+///    three normals, three coordinates, an offset, `w` (times `d`), four products, three sums, less than 16 ·
+///    2⁻¹²⁵ = 2⁻¹²¹ in all, and twice that between two evaluations; 10⁻³⁶ is more. An offset that
+///    [`FacePlanes`] rounded below the normal range *before* it was scaled erred by less than [`UNDERFLOW`]
+///    then, which is `w·2ᵏ` as much now. `e` is at least 2⁻⁴⁸ and `T` at least 1, so no part of the bound is
+///    flushed itself.
 ///
 /// A mesh whose reach is not finite has no finite `e` anywhere, so every face is unsure. A face without area
 /// is edge-on for every light; that is proven here, once, and stored as [`ALWAYS_EDGE_ON`].

@@ -24,8 +24,9 @@ struct Lamp {
     outer: f32,
     spot: vec3f,
     slope: f32,
-    // Physical falloff: 1 over the distance at which the color holds, 0 for plain falloff, and 1 over the distance at
-    // which the light ends, 0 for none; both in lengths of the direction from a place to the lamp.
+    // Physical falloff: 1 over the distance at which the color holds, 0 for plain falloff, and 1 over the
+    // distance at which the light ends, 0 for none; both in lengths of the direction from a place to the
+    // lamp.
     per_full: f32,
     per_range: f32,
 }
@@ -77,8 +78,8 @@ fn unit(v: vec3f) -> vec3f {
     return normalize(v / most);
 }
 
-// The factor that falloff has, `to_lamp` away from the lamp. Lengths are cut where the result is known, so that
-// no power leaves the range.
+// The factor that falloff has, `to_lamp` away from the lamp. Lengths are cut where the result is known, so
+// that no power leaves the range.
 fn falloff(to_lamp: vec3f) -> f32 {
     if lamp.per_full == 0.0 { return 1.0; }
     let most = max(abs(to_lamp.x), max(abs(to_lamp.y), abs(to_lamp.z)));

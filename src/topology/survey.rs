@@ -25,8 +25,8 @@ pub(crate) struct Survey {
 impl Topology {
     /// The survey, made on the first call, which takes about as long as the build.
     ///
-    /// Memory while it runs: 28 bytes per triangle of a closed mesh; 34 and half a megabyte if the order of the
-    /// faces is random; at most 120 for any mesh.
+    /// Memory while it runs: 28 bytes per triangle of a closed mesh; 34 and half a megabyte if the order of
+    /// the faces is random; at most 120 for any mesh.
     pub(crate) fn survey(&self) -> &Survey {
         self.survey.get_or_init(|| {
             let blocks = Blocks::for_order_of(self.vertex_count, &self.triangles, BLOCK_BITS);

@@ -12,7 +12,8 @@ pub(crate) enum LightKind {
     Anywhere,
     /// On the mesh, or on the line of an edge or the plane of a face.
     On(Feature),
-    /// Off a vertex, an edge or a plane by exactly one ulp in at least one coordinate, and at most one in each.
+    /// Off a vertex, an edge or a plane by exactly one ulp in at least one coordinate, and at most one in
+    /// each.
     UlpOff,
     /// Between vertices: inside most solids.
     Inside,
@@ -102,7 +103,8 @@ pub fn light(draw: &mut dyn Draw, mesh: &Mesh) -> Light {
     kind.draw(draw, mesh)
 }
 
-/// A light for `mesh` at most 2⁴⁰ diagonals away, whose coordinates may still be scaled by large powers of two.
+/// A light for `mesh` at most 2⁴⁰ diagonals away, whose coordinates may still be scaled by large powers of
+/// two.
 pub(crate) fn moderate_light(draw: &mut dyn Draw, mesh: &Mesh) -> Light {
     let kind = draw.pick(&LightKind::MODERATE);
     kind.draw(draw, mesh)

@@ -10,8 +10,8 @@ use crate::mesh::Mesh;
 /// The most queries that a search makes.
 const MOST_ASKED: usize = 4000;
 
-/// Drops faces and collapses edges while the methods still contradict each other, then drops vertices that no face
-/// uses, then digits of coordinates.
+/// Drops faces and collapses edges while the methods still contradict each other, then drops vertices that no
+/// face uses, then digits of coordinates.
 ///
 /// A query on which the methods agree is returned unchanged.
 pub(super) fn minimize(case: &Repro, seam: Seam) -> Repro {
@@ -59,7 +59,8 @@ impl Search {
         dropped
     }
 
-    /// Collapses edges, which keeps a closed mesh closed: two vertices become one, and faces that have both go.
+    /// Collapses edges, which keeps a closed mesh closed: two vertices become one, and faces that have both
+    /// go.
     fn merge_vertices(&mut self) -> bool {
         let mut merged = false;
         for vertex in (1..self.case.mesh.vertex_count() as u32).rev() {

@@ -163,8 +163,8 @@ impl<'a> Sampler<'a> {
         [0, 1, 2].map(|i| p[i] + t * away[i])
     }
 
-    /// `p` moved away from the light by a simple multiple of its distance: doubling it keeps the coordinates of a
-    /// grid exact.
+    /// `p` moved away from the light by a simple multiple of its distance: doubling it keeps the coordinates
+    /// of a grid exact.
     fn behind(&self, draw: &mut dyn Draw, p: [f64; 3], nudged: u32) -> [f32; 3] {
         let eighths = match draw.below(5) {
             0 | 1 => 8,

@@ -15,6 +15,8 @@ mod lights;
 mod plain;
 mod points;
 mod shadow;
+#[cfg(feature = "gpu")]
+mod shadow_device;
 #[cfg(test)]
 mod tests;
 mod visibility;

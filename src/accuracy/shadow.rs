@@ -59,7 +59,7 @@ struct PartTimes {
 }
 
 /// The result of `work`, and its time in milliseconds.
-fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+pub(super) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let start = Instant::now();
     let result = black_box(work());
     (result, start.elapsed().as_secs_f64() * 1e3)
@@ -94,7 +94,7 @@ impl ShadowAccuracy {
     /// `rounds` rounds are timed.
     ///
     /// `view` makes the samples after the ray cast over the casters has been built. `progress` is called with
-    /// the number of steps done.
+    /// the number of steps done. Gives the samples too.
     ///
     /// ```
     /// use umbrage::accuracy::ShadowAccuracy;
@@ -108,7 +108,7 @@ impl ShadowAccuracy {
     /// let camera = Camera::fit(&casters.bounds(), Up::Y, size.aspect());
     /// let projection = camera.projection(size, camera.near(&casters.bounds(), size));
     /// let view = |casters: &CasterGroup<'_>| Samples::of_view(casters, &projection, size, 1);
-    /// let found = ShadowAccuracy::measure(&casters, &["point:3,9,5".parse()?], view, 1, &|_| {})?;
+    /// let (_, found) = ShadowAccuracy::measure(&casters, &["point:3,9,5".parse()?], view, 1, &|_| {})?;
     /// assert!(found[0].rows.iter().all(|row| row.holds));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -122,14 +122,15 @@ impl ShadowAccuracy {
         view: impl FnOnce(&CasterGroup<'_>) -> Result<Samples, E>,
         rounds: u32,
         progress: &dyn Fn(u64),
-    ) -> Result<Vec<Self>, E> {
+    ) -> Result<(Samples, Vec<Self>), E> {
         let parts = PartTimes::of(casters);
         let samples = view(casters)?;
         let measure = |light: &Light| {
             let request = Request { casters, light, samples: &samples };
             Self::of_light(&request, parts, rounds, progress)
         };
-        Ok(lights.iter().map(measure).collect())
+        let found = lights.iter().map(measure).collect();
+        Ok((samples, found))
     }
 
     fn of_light(request: &Request<'_>, parts: PartTimes, rounds: u32, progress: &dyn Fn(u64)) -> Self {
@@ -174,7 +175,7 @@ fn row(request: &Request<'_>, truth: &Truth, technique: Technique, parts_ms: f64
 
 /// Finds for each row the technique that dominates it, by wrong samples and median frame time. Of several
 /// dominating techniques the fastest is named.
-fn mark_dominated(rows: &mut [ShadowRow]) {
+pub(super) fn mark_dominated(rows: &mut [ShadowRow]) {
     let costs: Vec<(Technique, f64, u64)> =
         rows.iter().map(|row| (row.technique, row.frame_ms.median, row.errors.wrong)).collect();
     for (row, &(_, time, wrong)) in rows.iter_mut().zip(&costs) {
@@ -228,7 +229,7 @@ mod tests {
         let projection = camera.projection(size, 0.1);
         let view = |casters: &CasterGroup<'_>| Samples::of_view(casters, &projection, size, 1);
         let lights = ["point:9,7,11", "point:-9,-2,-11"].map(|light| light.parse().unwrap());
-        let found = ShadowAccuracy::measure(&casters, &lights, view, 1, &|_| {}).unwrap();
+        let (_, found) = ShadowAccuracy::measure(&casters, &lights, view, 1, &|_| {}).unwrap();
         for of_light in &found {
             assert_eq!(of_light.rows.iter().map(|row| row.technique).collect::<Vec<_>>(), Technique::ALL);
             assert!(of_light.claims_hold(), "{of_light:?}");

@@ -22,8 +22,8 @@ const ORDER: [&str; 24] = [
     "topology",
     "check",
     "facing",
-    "silhouette",
     "caster",
+    "silhouette",
     "shadow",
     "verify",
     "testing",
@@ -49,9 +49,12 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
 
 /// The code of a file without comments and without its unit tests, which may import anything.
 fn code(text: &str) -> String {
-    let own = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
-    let lines = own.lines().map(|line| line.split("//").next().unwrap_or_default());
-    lines.collect::<Vec<_>>().join("\n")
+    let lines: Vec<&str> = text.lines().collect();
+    // A module that is declared here and stored in a file of its own ends with a semicolon.
+    let is_tests =
+        |pair: &[&str]| pair[0] == "#[cfg(test)]" && pair[1].contains("mod ") && pair[1].ends_with('{');
+    let end = lines.windows(2).position(is_tests).unwrap_or(lines.len());
+    lines[..end].iter().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
 /// The modules that a file's code names by `crate::…`.
@@ -109,6 +112,8 @@ fn rooms_import_nothing_that_comes_after_them() {
     {
         assert_eq!(upward(&spoil(text)).len(), 1, "{text}");
     }
+    let declared = "#[cfg(test)]\nmod tests;\nuse crate::caster::Caster;";
+    assert_eq!(upward(&spoil(declared)).len(), 1);
     let harmless = "use crate::geom::Light; // crate::caster\n#[cfg(test)]\nmod tests {\n    use crate::caster::Caster;\n}\n";
     assert_eq!(upward(&spoil(harmless)), Vec::<String>::new());
     sources.insert("geom/extra.rs".to_owned(), "use crate::mesh::Mesh;".to_owned());

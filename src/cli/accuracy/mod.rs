@@ -22,7 +22,7 @@ use super::output::{self, Output};
 use super::parsers::{large, refuse_overwriting, require_folder, seed};
 use super::progress::Progress;
 use super::render::parse_samples;
-use super::resources::ThreadArgs;
+use super::resources::{AdapterArgs, ThreadArgs};
 use super::view::ViewArgs;
 use super::{Failure, Outcome};
 
@@ -94,6 +94,9 @@ pub(crate) struct Args {
 
     #[command(flatten)]
     threads: ThreadArgs,
+
+    #[command(flatten)]
+    adapter: AdapterArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -123,6 +126,7 @@ impl Args {
         let asked = [
             ("--size", self.size.is_some()),
             ("--samples", self.samples.is_some()),
+            ("--adapter", self.adapter.was_asked_for()),
             ("--eye, --target, --fov, --ortho, --camera and --near", self.view.was_asked_for()),
         ];
         match asked.into_iter().find(|(_, asked)| *asked) {

@@ -83,15 +83,54 @@ fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
     let steps = ShadowAccuracy::STEPS * hard.len() as u64;
     let progress = Progress::bar(format!("measuring {}", file.display()), steps);
     let casters = CasterGroup::new(vec![&caster]);
-    let mut samples = 0;
-    let view = |casters: &CasterGroup<'_>| {
-        let found = Samples::of_view(casters, &projection, size, args.samples.unwrap_or(1))?;
-        samples = found.len();
-        Ok::<_, umbrage::shadow::TooManySamples>(found)
+    let view =
+        |casters: &CasterGroup<'_>| Samples::of_view(casters, &projection, size, args.samples.unwrap_or(1));
+    let (samples, mut found) =
+        ShadowAccuracy::measure(&casters, &hard, view, args.rounds, &|steps| progress.done(steps))
+            .map_err(|error| Failure::new(error, "use a smaller --size").in_file(file))?;
+    drop(progress);
+    add_device(args, &casters, &samples, &mut found)?;
+    Ok(Measured { file: file.to_owned(), size, samples: samples.len(), lights, found })
+}
+
+/// Adds the rows of a graphics adapter, where there is one.
+#[cfg(feature = "gpu")]
+fn add_device(
+    args: &Args,
+    casters: &CasterGroup<'_>,
+    samples: &Samples,
+    found: &mut [ShadowAccuracy],
+) -> Result<(), Failure> {
+    let gpu = match args.adapter.find()? {
+        Ok(gpu) => gpu,
+        Err(error) => {
+            output::say(format_args!("note: no rows of a graphics adapter: {error}"));
+            return Ok(());
+        }
     };
-    let found = ShadowAccuracy::measure(&casters, &hard, view, args.rounds, &|steps| progress.done(steps))
-        .map_err(|error| Failure::new(error, "use a smaller --size").in_file(file))?;
-    Ok(Measured { file: file.to_owned(), size, samples, lights, found })
+    if samples.per_side() > 1 {
+        output::say("note: no rows of a graphics adapter: they need --samples 1");
+        return Ok(());
+    }
+    let progress = Progress::spinner(format!("measuring on {}", gpu.name()));
+    for light in found {
+        if let Err(error) = light.add_device(&gpu, casters, samples, args.rounds) {
+            drop(progress);
+            output::say(format_args!("note: no rows of a graphics adapter: {error}"));
+            break;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(not(feature = "gpu"))]
+fn add_device(
+    args: &Args,
+    _: &CasterGroup<'_>,
+    _: &Samples,
+    _: &mut [ShadowAccuracy],
+) -> Result<(), Failure> {
+    args.adapter.refuse()
 }
 
 /// A share in percent: "1 in 20,000" would make the reader divide.
@@ -133,6 +172,7 @@ impl Measured {
     fn table(found: &ShadowAccuracy) -> Table {
         let mut table = Table::new(&[
             "technique",
+            "on",
             "claim",
             "wrong",
             "acne",
@@ -147,6 +187,7 @@ impl Measured {
             let errors = &row.errors;
             table.row(vec![
                 row.technique.name().to_owned(),
+                if row.device.is_some() { "device" } else { "CPU" }.to_owned(),
                 row.claim.name().to_owned(),
                 percent(errors.wrong, errors.judged),
                 errors.acne.to_string(),

@@ -254,7 +254,10 @@ fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
         let names: Vec<&str> = rows.iter().map(|row| row["technique"].as_str().unwrap()).collect();
         let all: Vec<&str> =
             umbrage::shadow::Technique::ALL.iter().map(|technique| technique.name()).collect();
-        assert_eq!(names, all);
+        assert_eq!(names[..all.len()], all);
+        // Then the device form of those that have one, where there is an adapter.
+        assert!(names.len() == all.len() || names[all.len()..] == ["stencil", "zfail", "zpass"], "{names:?}");
+        assert!(rows[all.len()..].iter().all(|row| row["device"].is_string()));
         for row in rows {
             assert_eq!(
                 keys(row),
@@ -263,7 +266,7 @@ fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
                  prepare_ms frame_ms readback_ms bytes dominated_by"
             );
             assert!(row["judged"].as_u64().unwrap() > 100);
-            let exact = row["claim"] == "exact";
+            let exact = row["claim"] == "exact" || row["claim"] == "within_footprint";
             assert!(!exact || row["wrong"] == 0, "{row}");
             assert!(row["frame_ms"].as_f64().unwrap() >= 0.0);
         }

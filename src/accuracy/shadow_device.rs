@@ -1,0 +1,94 @@
+//! The device form of techniques, beside their CPU form.
+
+use super::Spread;
+use super::shadow::{ShadowAccuracy, ShadowRow, mark_dominated, timed};
+use crate::caster::{CasterGroup, GpuCaster};
+use crate::gpu::{Gpu, GpuError, wgpu};
+use crate::shadow::stencil::{StencilMethod, StencilPass};
+use crate::shadow::{Claim, Depth, Request, Samples, Technique, Visibility};
+use crate::verify::errors::{Errors, Made, Truth};
+use crate::verify::pixels::{PixelVerdict, Rendered, compare};
+
+/// The techniques with a device form, and the method that counts every shell.
+const ON_DEVICE: [(Technique, Option<StencilMethod>); 3] = [
+    (Technique::Stencil, None),
+    (Technique::ZFail, Some(StencilMethod::ZFail)),
+    (Technique::ZPass, Some(StencilMethod::ZPass)),
+];
+
+impl ShadowAccuracy {
+    /// Adds a row per technique with a device form, for a single caster and one sample per pixel; nothing for
+    /// other groups and views. Samples within the rasterizer's footprint are not judged.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError`] if the view or the volumes do not fit the device.
+    pub fn add_device(
+        &mut self,
+        gpu: &Gpu,
+        casters: &CasterGroup<'_>,
+        samples: &Samples,
+        rounds: u32,
+    ) -> Result<(), GpuError> {
+        let ([caster], 1) = (casters.casters(), samples.per_side()) else { return Ok(()) };
+        let request = Request { casters, light: &self.light, samples };
+        let truth = Truth::of(&request);
+        let pass = StencilPass::new(gpu, Depth::Plane)?;
+        let (on_device, upload_ms) = timed(|| GpuCaster::upload(gpu, caster));
+        let on_device = on_device?;
+        let (projection, size) = (samples.projection(), samples.size());
+        let drawn = on_device.samples(projection, size, Depth::Plane)?;
+        for (technique, method) in ON_DEVICE {
+            let (volumes, volume_ms) = timed(|| {
+                let volumes = caster.stencil_volumes(&self.light, projection, None, method);
+                volumes.upload(gpu).map(|uploaded| (volumes, uploaded))
+            });
+            let (volumes, uploaded) = volumes?;
+            let (draws, counting) = (uploaded.draws(), volumes.counting());
+            let frame = || {
+                let visibility = pass.visibility(&drawn, &draws, counting)?;
+                gpu.attempt(|| gpu.device().poll(wgpu::PollType::wait_indefinitely()))?.ok();
+                Ok::<_, GpuError>(visibility)
+            };
+            let visibility = frame()?;
+            let (values, readback_ms) = timed(|| visibility.download(gpu));
+            let frames = (0..rounds.max(1)).map(|_| timed(frame)).map(|(found, ms)| found.map(|_| ms));
+            let frames = frames.collect::<Result<Vec<f64>, _>>()?;
+            // z-pass claims something only where it was chosen, not where it was asked for.
+            let claim = match method {
+                Some(StencilMethod::ZPass) => Claim::Approximate,
+                _ => Claim::WithinFootprint,
+            };
+            let shown = Visibility::from_values(samples, &self.light, values?, claim);
+            let mask = pass.mask(projection, size, &on_device, &draws, counting)?;
+            let rendered = Rendered {
+                caster,
+                signs: &volumes.signs,
+                light: &self.light,
+                projection,
+                mask: &mask,
+                unsure: &[],
+            };
+            let verdicts = compare(&rendered, 0, &|_| {}).verdicts;
+            let footprint: Vec<bool> = verdicts.iter().map(|&v| v == PixelVerdict::Grazing).collect();
+            let made = Made { footprint: &footprint, ..Made::default() };
+            let errors = Errors::of(&request, &shown, &truth, &made);
+            self.rows.push(ShadowRow {
+                technique,
+                device: Some(gpu.name()),
+                claim,
+                holds: errors.hold(claim),
+                errors,
+                asked_exactly: None,
+                prepare_ms: upload_ms + volume_ms,
+                frame_ms: Spread::of(frames),
+                readback_ms: Some(readback_ms),
+                bytes: (volumes.volumes.iter().map(|(_, volume)| volume.bytes()).sum::<usize>()
+                    + samples.len()) as u64,
+                dominated_by: None,
+            });
+        }
+        mark_dominated(&mut self.rows);
+        Ok(())
+    }
+}

@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use umbrage::facing::{FaceClusters, FacePlanes, FacingRanges, classify};
-use umbrage::geom::Facing;
-use umbrage::geom::Light;
+use umbrage::geom::{Facing, Light};
 use umbrage::mesh::Mesh;
 
 use crate::measure::{Bench, Contender, Group, Target, timed};

@@ -5,8 +5,7 @@ use std::cell::RefCell;
 
 use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::CasterFaces;
-use umbrage::geom::Facing;
-use umbrage::geom::{Aabb, Light};
+use umbrage::geom::{Aabb, Facing, Light};
 use umbrage::glam::Vec3;
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::Mesh;
@@ -17,8 +16,7 @@ use umbrage::silhouette::Silhouette;
 use umbrage::testing::shapes;
 use umbrage::topology::{GpuTopology, GpuTopologyBuilder, Topology};
 use umbrage::verify::pixels::{PixelVerdict, Rendered, compare};
-use umbrage::view::Projection;
-use umbrage::view::{Camera, Size, Up};
+use umbrage::view::{Camera, Projection, Size, Up};
 
 use crate::canvas::Canvas;
 use crate::gpu::{submit, wait};

@@ -2,8 +2,7 @@
 
 use umbrage::caster::Caster;
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
-use umbrage::geom::Facing;
-use umbrage::geom::{Aabb, Light};
+use umbrage::geom::{Aabb, Facing, Light};
 use umbrage::mesh::Mesh;
 use umbrage::silhouette::{KineticSilhouette, Silhouette, SilhouetteFinder, SilhouetteTree};
 use umbrage::testing::shapes;

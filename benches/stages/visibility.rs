@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use obvhs::BvhBuildParams;
-use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use umbrage::geom::Light;

@@ -3,12 +3,10 @@
 use std::ops::{Add, Mul, Sub};
 
 use super::compare::{Ask, Contender, Stratum, compare, prepared};
-use super::lights;
 use super::lights::STRATA;
-use super::{Accuracy, Options};
+use super::{Accuracy, Options, lights};
 use crate::facing::{FacePlanes, facing_of};
-use crate::geom::Facing;
-use crate::geom::{Light, predicate};
+use crate::geom::{Facing, Light, predicate};
 use crate::mesh::{FaceId, Mesh};
 use crate::verify::{WholeLight, WholePlane};
 

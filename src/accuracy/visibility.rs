@@ -1,11 +1,9 @@
 //! Methods that decide whether a point is in shadow.
 
 use super::compare::{Contender, Stratum, compare, prepared};
-use super::lights;
 use super::plain::PlainTree;
-use super::points;
 use super::points::STRATA;
-use super::{Accuracy, Options};
+use super::{Accuracy, Options, lights, points};
 use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::oracle::{Oracle, Verdict};

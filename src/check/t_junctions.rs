@@ -1,8 +1,9 @@
 //! T-junctions: boundary vertices that lie inside another boundary edge.
 
 use super::boundary::Boundary;
+use crate::geom::Aabb;
+use crate::geom::bvh::Bvh;
 use crate::geom::predicate::collinear;
-use crate::geom::{Aabb, bvh::Bvh};
 use crate::mesh::{EdgeId, VertexId};
 
 impl Boundary<'_> {

@@ -7,10 +7,9 @@ use umbrage::geom::Aabb;
 use umbrage::scene::{Lamp, Material, NamedCamera};
 use umbrage::view::Up;
 
-use super::Failure;
 use super::lights::LightArgs;
-use super::load;
 use super::load::MeshArgs;
+use super::{Failure, load};
 
 /// The file, how it is welded, and its lights.
 #[derive(Clone, Debug, clap::Args)]

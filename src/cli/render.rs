@@ -18,14 +18,13 @@ use umbrage::view::Size;
 use super::input::{Source, SourceArgs};
 #[cfg(feature = "gpu")]
 use super::lights;
-use super::output;
 use super::parsers::{refuse_overwriting, require_folder};
 use super::progress::Progress;
 use super::resources::{AdapterArgs, ThreadArgs};
 #[cfg(feature = "gpu")]
 use super::stencil_render::Stage;
 use super::view::ViewArgs;
-use super::{Failure, Outcome};
+use super::{Failure, Outcome, output};
 
 /// Picture: shadows by a stencil pass or by exact ray cast, flat faces, plain shading
 ///

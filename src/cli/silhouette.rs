@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use umbrage::caster::Caster;
 use umbrage::facing::{CasterFaces, classify};
-use umbrage::geom::Facing;
-use umbrage::geom::Light;
+use umbrage::geom::{Facing, Light};
 #[cfg(feature = "gpu")]
 use umbrage::gpu::Gpu;
 use umbrage::mesh::{Mesh, VertexId};
@@ -18,12 +17,11 @@ use umbrage::topology::Topology;
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
 use super::input::{Source, SourceArgs};
-use super::lights;
 use super::output::{self, Output, Table, plain};
 use super::parsers::refuse_overwriting;
 use super::progress::Progress;
 use super::resources::{AdapterArgs, ThreadArgs};
-use super::{Failure, Outcome};
+use super::{Failure, Outcome, lights};
 
 /// Silhouette: the edges of a mesh where the side that a light is on changes
 ///

@@ -14,13 +14,11 @@ use umbrage::shadow::volume::{ShadowVolume, ShellFaces};
 use umbrage::write::{self, Elements, Layer, Model, Target};
 
 use super::input::{Source, SourceArgs};
-use super::lights;
-use super::load;
 use super::output::{self, Output, Table, counted, plain, short, significant};
 use super::parsers::{distance, refuse_overwriting};
 use super::progress::Progress;
 use super::resources::ThreadArgs;
-use super::{Failure, Outcome};
+use super::{Failure, Outcome, lights, load};
 
 /// Shadow volume: light cap, sides and dark cap, closed at infinity, with the certificate that it is closed
 ///

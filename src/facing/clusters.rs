@@ -7,13 +7,11 @@
 
 use std::ops::Range;
 
-use super::FacePlanes;
 use super::plane_tree::{self, Bound, LEAF, Node, WIDE};
 use super::planes::LocalLight;
-use super::quantized;
 use super::quantized::{BACK, FRONT, Quantized};
-use crate::geom::Facing;
-use crate::geom::Light;
+use super::{FacePlanes, quantized};
+use crate::geom::{Facing, Light};
 use crate::mesh::{FaceId, Mesh};
 
 /// Classify all faces one by one when more than 1/64 of them are left open by the integers: an open face

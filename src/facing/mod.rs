@@ -14,8 +14,7 @@ pub(crate) use clusters::OPEN_SHARE;
 pub use clusters::{FaceClusters, FacingRanges};
 pub use planes::FacePlanes;
 
-use crate::geom::predicate;
-use crate::geom::{Facing, Light};
+use crate::geom::{Facing, Light, predicate};
 use crate::mesh::{FaceId, Mesh};
 
 /// The side of one face that `light` is on, exactly.

@@ -4,12 +4,10 @@
 use glam::DVec3;
 use multiversion::multiversion;
 
-use super::facing_of;
-use super::quantized;
 use super::quantized::{Quantized, QuantizedPlanes};
+use super::{facing_of, quantized};
 use crate::built::{self, Part};
-use crate::geom::Facing;
-use crate::geom::{Aabb, Light, predicate};
+use crate::geom::{Aabb, Facing, Light, predicate};
 use crate::mesh::{FaceId, Mesh};
 use crate::parallel;
 

@@ -1,7 +1,6 @@
 //! Planes in 8 bytes: integers that decide most sides, with a proven bound.
 
-use crate::geom::Facing;
-use crate::geom::Light;
+use crate::geom::{Facing, Light};
 
 /// A plane `(n, d)` or a light `(l, w)` as four integers of at most [`MOST`] in magnitude.
 ///

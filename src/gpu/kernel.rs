@@ -1,7 +1,6 @@
 //! Compute shaders: compiled once, bound to buffers, dispatched over any number of invocations.
 
-use std::fmt::Display;
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
 
 use super::{Gpu, GpuError};
 

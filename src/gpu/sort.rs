@@ -6,8 +6,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::ScanOf;
-use super::{Gpu, GpuError, Kernel, Scan, Shader};
+use super::{Gpu, GpuError, Kernel, Scan, ScanOf, Shader};
 
 /// Pairs that one invocation counts and moves. Longer runs leave a large device idle; shorter ones have more
 /// counts to add up, one for each run and digit: here half as many as there are pairs.

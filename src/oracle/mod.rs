@@ -19,10 +19,9 @@ pub use segment_triangle::{Intersection, intersect};
 use multiversion::multiversion;
 
 use crate::built::{self, Part};
-use crate::geom::Facing;
 use crate::geom::bvh::{Bvh, Step, WideBvh};
 use crate::geom::predicate::{Homogeneous, Sign};
-use crate::geom::{Aabb, Light};
+use crate::geom::{Aabb, Facing, Light};
 use crate::mesh::{FaceId, MAX_TRIANGLES, Mesh};
 use crate::oracle::segment_filter::{Outcome, SegmentFilter};
 

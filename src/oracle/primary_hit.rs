@@ -2,8 +2,7 @@
 
 use multiversion::multiversion;
 
-use super::Intersection;
-use super::{Hit, Oracle};
+use super::{Hit, Intersection, Oracle};
 use crate::geom::Light;
 use crate::geom::bvh::Step;
 use crate::geom::predicate::{Homogeneous, Sign, height, side_of_point};

@@ -142,8 +142,7 @@ fn smaller(x: f64, y: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Facing;
-    use crate::geom::Light;
+    use crate::geom::{Facing, Light};
     use crate::oracle::{Intersection, intersect};
     use crate::random::SplitMix64;
 

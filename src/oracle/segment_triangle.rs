@@ -1,11 +1,10 @@
 //! Exact segment–triangle intersection: how the open segment from a point to a light meets a triangle,
 //! decided by signs alone.
 
-use crate::geom::Facing;
-use crate::geom::Light;
 use crate::geom::predicate::{
     Homogeneous, Sign, orient3d_homogeneous, side_of_light, side_of_point, turn_homogeneous,
 };
+use crate::geom::{Facing, Light};
 
 /// Relation of a segment and a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,14 +12,12 @@ use wgpu::{TextureAspect, TextureFormat};
 use super::shade::{AMBIENT, AMBIENT_SLOPE, MOST_FALLOFF, SPECULAR, SPECULAR_SQUARINGS, cosines};
 use super::{ABOVE, BELOW, Falloff, GROUND, Picture, ShadedLight, View, buffer, color, ground};
 use crate::caster::{Caster, GpuCaster};
-use crate::geom::Facing;
-use crate::geom::Light;
+use crate::geom::{Facing, Light};
 use crate::gpu::raster::{self, Depth, GpuSamples, GpuVisibility, Pipeline, everywhere};
 use crate::gpu::{Gpu, GpuError, Shader, Texture, wgpu};
 use crate::mesh::{FaceId, Mesh};
 use crate::parallel;
-use crate::view::Projection;
-use crate::view::Size;
+use crate::view::{Projection, Size};
 
 impl View<'_> {
     /// The samples of this picture on the device: `edge_samples`² per pixel of what `projection` sees of

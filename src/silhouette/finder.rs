@@ -9,8 +9,7 @@ use super::kinetic::travel;
 use super::{KineticSilhouette, KineticStep, Silhouette, SilhouetteEdge, SilhouetteTree, TreeSearch};
 use crate::caster::{Caster, CasterRule, KeptRule};
 use crate::facing::FacePlanes;
-use crate::geom::Facing;
-use crate::geom::Light;
+use crate::geom::{Facing, Light};
 
 /// With fewer faces than this, a scan takes about a microsecond.
 const FEW_FACES: usize = 256;

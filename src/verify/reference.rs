@@ -6,9 +6,8 @@
 
 use num_bigint::{BigInt, Sign};
 
-use crate::geom::Facing;
-use crate::geom::Light;
 use crate::geom::bvh::Step;
+use crate::geom::{Facing, Light};
 use crate::mesh::Mesh;
 use crate::oracle::{Crossings, Oracle, Verdict};
 

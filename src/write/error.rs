@@ -1,8 +1,7 @@
 //! Errors of writing: file, problem and remedy.
 
-use std::fmt;
-use std::io;
 use std::path::PathBuf;
+use std::{fmt, io};
 
 /// Why a file could not be written. Prints as one line: file, problem, remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]

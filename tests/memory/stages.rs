@@ -3,7 +3,8 @@
 use umbrage::caster::{Caster, ShellBoxes, ShellProof};
 use umbrage::check::{CrackReport, DefectKind};
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
-use umbrage::geom::{Light, bvh::Bvh};
+use umbrage::geom::Light;
+use umbrage::geom::bvh::Bvh;
 use umbrage::mesh::{Weld, weld, weld_in_place};
 use umbrage::oracle::Oracle;
 use umbrage::shadow::stencil::max_depth_complexity;

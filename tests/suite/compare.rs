@@ -7,8 +7,7 @@ use umbrage::mesh::{FaceId, Mesh};
 use umbrage::shadow::stencil::{Counting, ShadowMask};
 use umbrage::testing::shapes;
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
-use umbrage::view::Projection;
-use umbrage::view::{Camera, Size, Up};
+use umbrage::view::{Camera, Projection, Size, Up};
 
 struct Scene {
     caster: Caster,

@@ -12,8 +12,7 @@ use umbrage::silhouette::Silhouette;
 use umbrage::testing::shapes;
 use umbrage::topology::Topology;
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
-use umbrage::view::Projection;
-use umbrage::view::{Camera, Size, Up};
+use umbrage::view::{Camera, Projection, Size, Up};
 
 use crate::support::gpu;
 

@@ -2,8 +2,7 @@
 
 use umbrage::caster::{Caster, GpuCaster, ShellBoxes, ShellProof};
 use umbrage::facing::{CasterFaces, classify};
-use umbrage::geom::Facing;
-use umbrage::geom::{Aabb, Light};
+use umbrage::geom::{Aabb, Facing, Light};
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::{FaceId, Mesh, Weld, weld};
 use umbrage::scene::Scope;

@@ -20,8 +20,7 @@ use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, VolumeShaders
 use umbrage::testing::shapes;
 use umbrage::topology::GpuTopology;
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
-use umbrage::view::Projection;
-use umbrage::view::{Camera, Size, Up};
+use umbrage::view::{Camera, Projection, Size, Up};
 
 use crate::support::{gpu, real_meshes};
 

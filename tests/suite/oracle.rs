@@ -1,8 +1,7 @@
 //! The ray cast against a loop over all faces, and against big integers.
 
 use proptest::prelude::*;
-use umbrage::geom::Facing;
-use umbrage::geom::Light;
+use umbrage::geom::{Facing, Light};
 use umbrage::mesh::Mesh;
 use umbrage::oracle::{Crossings, Intersection, Oracle, Verdict, intersect};
 use umbrage::testing::shapes;

@@ -7,10 +7,9 @@ use umbrage::check::Screen;
 use umbrage::read::Format;
 
 use super::{Args, Require, json};
-use crate::cli::load;
 use crate::cli::output::{self, Output, counted, plain, short};
 use crate::cli::progress::Progress;
-use crate::cli::{Failure, Outcome};
+use crate::cli::{Failure, Outcome, load};
 
 /// The report of one file.
 pub(super) struct Screened {

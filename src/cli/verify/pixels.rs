@@ -2,8 +2,7 @@
 
 use umbrage::verify::pixels::{Mismatch, PixelCounts};
 use umbrage::verify::points::Judge;
-use umbrage::view::Projection;
-use umbrage::view::Size;
+use umbrage::view::{Projection, Size};
 
 /// The stencil passes of all lights.
 pub(super) struct Pixels {

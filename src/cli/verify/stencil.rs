@@ -10,17 +10,15 @@ use umbrage::scene::Lamp;
 use umbrage::shadow::Depth;
 use umbrage::shadow::stencil::{ShadowMask, ShellMethods, StencilMethod, StencilPass, StencilVolumes};
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
-use umbrage::view::Projection;
-use umbrage::view::Size;
+use umbrage::view::{Projection, Size};
 
 use super::pixels::{LightPixels, PASSES, Pass, Pixels};
 use super::{Args, SHOWN};
-use crate::cli::Failure;
 use crate::cli::input::Source;
-use crate::cli::output;
 use crate::cli::parsers::{refuse_overwriting, require_folder};
 use crate::cli::progress::Progress;
 use crate::cli::resources::AdapterArgs;
+use crate::cli::{Failure, output};
 
 /// The pixels of a picture for which no size is asked, in a row and in a column.
 const SIDE: u32 = 512;

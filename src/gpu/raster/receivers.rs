@@ -5,8 +5,7 @@ use wgpu::{CompareFunction, StencilFaceState};
 use super::pipeline::{Drawing, Pipeline, depth_stencil, layout};
 use super::{Frame, SOURCE};
 use crate::gpu::{Gpu, GpuError, Shader, wgpu};
-use crate::view::Projection;
-use crate::view::Size;
+use crate::view::{Projection, Size};
 
 /// Where the depth of a fragment comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,8 +5,7 @@ use wgpu::{CompareFunction, StencilFaceState, TextureFormat};
 use super::pipeline::{Pipeline, depth_stencil, layout};
 use super::{Depth, Frame, Receivers, SOURCE, Target};
 use crate::gpu::{Gpu, GpuError, Shader, Texture, wgpu};
-use crate::view::Projection;
-use crate::view::Size;
+use crate::view::{Projection, Size};
 
 /// The visible point and face of every sample of a picture, on the device: depth and a face id, 12 bytes per
 /// sample. Twin of [`Samples`](crate::shadow::Samples).

@@ -114,8 +114,7 @@ impl StencilVolumes {
 mod on_device {
     use super::StencilVolumes;
     use crate::gpu::{Gpu, GpuError};
-    use crate::shadow::stencil::Draw;
-    use crate::shadow::stencil::StencilMethod;
+    use crate::shadow::stencil::{Draw, StencilMethod};
     use crate::shadow::volume::GpuVolume;
 
     /// Device copy of the volumes of a [`StencilVolumes`].

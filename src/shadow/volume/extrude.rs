@@ -3,9 +3,8 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::cap;
 use super::cap::{CapFaces, turned};
-use super::{Caps, ShadowVolume};
+use super::{Caps, ShadowVolume, cap};
 use crate::geom::Light;
 use crate::mesh::{Mesh, VertexId};
 use crate::parallel;
@@ -353,8 +352,7 @@ mod tests {
     use super::*;
     use crate::facing::{CasterFaces, classify};
     use crate::mesh::FaceId;
-    use crate::testing::shapes;
-    use crate::testing::strategy;
+    use crate::testing::{shapes, strategy};
 
     /// The volume triangle by triangle over the caster's own vertices, `v` and `n + v`, as the definition has
     /// it.

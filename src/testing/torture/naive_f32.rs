@@ -4,8 +4,7 @@ use glam::Vec3A;
 use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 
-use crate::geom::Facing;
-use crate::geom::Light;
+use crate::geom::{Facing, Light};
 use crate::mesh::{FaceId, Mesh};
 
 /// A mesh and a light without exactness: facing by a cross product, visibility by the triangle test of obvhs

@@ -3,8 +3,7 @@
 use super::naive_f32::Plain;
 use crate::caster::{ShellBoxes, ShellProof};
 use crate::facing::{CasterFaces, FacePlanes, classify};
-use crate::geom::Facing;
-use crate::geom::{Aabb, Light};
+use crate::geom::{Aabb, Facing, Light};
 use crate::mesh::Mesh;
 use crate::oracle::{Oracle, Verdict};
 use crate::random::SplitMix64;

@@ -39,8 +39,7 @@ use super::{Pixels, Seen};
 use crate::geom::predicate::{Homogeneous, Sign, orient3d_homogeneous};
 use crate::geom::{Aabb, Light, Segment};
 use crate::mesh::FaceId;
-use crate::view::Projection;
-use crate::view::Size;
+use crate::view::{Projection, Size};
 
 /// Eight offsets of one whole step, on the rim of the square from −1 to 1.
 const RIM: [[f64; 2]; 8] =

@@ -2,8 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::geom::Facing;
-use crate::geom::Light;
+use crate::geom::{Facing, Light};
 use crate::mesh::Mesh;
 use crate::oracle::{Crossings, Intersection, Oracle, Verdict};
 use crate::verify::reference;

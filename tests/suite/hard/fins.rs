@@ -4,8 +4,7 @@
 use umbrage::facing::CasterFaces;
 use umbrage::glam::Vec3;
 use umbrage::mesh::Mesh;
-use umbrage::shadow::stencil::StencilMethod;
-use umbrage::shadow::stencil::{Counting, ShadowMask};
+use umbrage::shadow::stencil::{Counting, ShadowMask, StencilMethod};
 use umbrage::verify::pixels::PixelVerdict;
 
 use super::figures::*;

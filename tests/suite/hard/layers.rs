@@ -2,15 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use umbrage::facing::CasterFaces;
-use umbrage::facing::facing_of;
-use umbrage::geom::Facing;
-use umbrage::geom::Light;
+use umbrage::facing::{CasterFaces, facing_of};
+use umbrage::geom::{Facing, Light};
 use umbrage::glam::Vec3;
 use umbrage::mesh::Mesh;
 use umbrage::oracle::Oracle;
-use umbrage::shadow::stencil::StencilMethod;
-use umbrage::shadow::stencil::{Counting, ShadowMask};
+use umbrage::shadow::stencil::{Counting, ShadowMask, StencilMethod};
 use umbrage::shadow::volume::ShadowVolume;
 use umbrage::testing::shapes;
 use umbrage::verify::pixels::PixelVerdict;

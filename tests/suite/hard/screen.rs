@@ -13,8 +13,7 @@ use umbrage::shadow::Depth;
 use umbrage::shadow::stencil::{Counting, ShadowMask, StencilMethod, StencilPass, StencilVolumes};
 use umbrage::testing::shapes;
 use umbrage::verify::pixels::{Comparison, PixelVerdict, Rendered, compare};
-use umbrage::view::Projection;
-use umbrage::view::Size;
+use umbrage::view::{Projection, Size};
 
 use crate::support::gpu;
 

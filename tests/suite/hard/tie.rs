@@ -1,8 +1,7 @@
 //! Lights exactly in planes, on edges and on vertices, and at the adjacent floats.
 
 use umbrage::facing::{FacePlanes, classify};
-use umbrage::geom::Facing;
-use umbrage::geom::Light;
+use umbrage::geom::{Facing, Light};
 use umbrage::glam::Vec3;
 use umbrage::mesh::Mesh;
 use umbrage::shadow::volume::{Caps, ShadowVolume};

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use umbrage::facing::{CasterFaces, FacePlanes, classify};
-use umbrage::geom::Facing;
-use umbrage::geom::{Aabb, Light};
+use umbrage::geom::{Aabb, Facing, Light};
 use umbrage::mesh::Mesh;
 use umbrage::oracle::{Crossings, Oracle, Verdict};
 use umbrage::shadow::volume::{Caps, ShadowVolume, WindingIndex, winding_number};

@@ -6,8 +6,7 @@ use crate::gpu::raster::{Drawing, FORMAT};
 use crate::gpu::{Gpu, GpuError, wgpu};
 use crate::shadow::stencil::StencilMethod;
 use crate::shadow::volume::{GpuVolume, Part};
-use crate::view::Projection;
-use crate::view::Size;
+use crate::view::{Projection, Size};
 
 /// The draws of one camera, for a render pass of the caller's.
 ///

@@ -18,8 +18,7 @@ use crate::caster::GpuCaster;
 use crate::gpu::raster::{Depth, Frame, GpuSamples, GpuVisibility, Target, everywhere};
 use crate::gpu::{Gpu, GpuError, wgpu};
 use crate::shadow::volume::{GpuVolume, Part};
-use crate::view::Projection;
-use crate::view::Size;
+use crate::view::{Projection, Size};
 
 /// A volume, and how it is counted.
 #[derive(Clone, Copy, Debug)]

@@ -7,8 +7,7 @@ use crate::shadow::volume::closed::boundary_sum;
 use crate::shadow::volume::{ExtrudeInput, Extruder};
 use crate::silhouette::Silhouette;
 use crate::silhouette::test_support::{crumpled, light, lights};
-use crate::testing::shapes;
-use crate::testing::strategy;
+use crate::testing::{shapes, strategy};
 
 /// The triangles of the volume by a pass over all faces and edges: the reference. Sorted.
 fn reference(caster: &Caster, light: &Light, asked: Option<CasterFaces>, caps: Caps) -> Vec<[u32; 3]> {

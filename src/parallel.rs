@@ -29,7 +29,7 @@ pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B)
 ///
 /// `add` and `join` have to give the same sum wherever the numbers are cut into runs; memory does not grow
 /// with `count`.
-#[cfg(feature = "parallel")]
+#[cfg(all(feature = "parallel", feature = "verify"))]
 pub(crate) fn sum<R: Send>(
     count: u64,
     empty: impl Fn() -> R + Send + Sync,
@@ -40,7 +40,7 @@ pub(crate) fn sum<R: Send>(
     (0..count).into_par_iter().fold(&empty, add).reduce(&empty, join)
 }
 
-#[cfg(not(feature = "parallel"))]
+#[cfg(all(not(feature = "parallel"), feature = "verify"))]
 pub(crate) fn sum<R>(
     count: u64,
     empty: impl Fn() -> R,

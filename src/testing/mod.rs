@@ -31,6 +31,10 @@
 pub use crate::built::{Part as BuiltPart, record as record_built};
 
 #[cfg(feature = "verify")]
+#[cfg_attr(
+    not(any(test, feature = "testing")),
+    expect(dead_code, unused_imports, reason = "only strategies draw some of these meshes")
+)]
 pub mod generate;
 pub mod shapes;
 #[cfg(any(test, feature = "testing"))]

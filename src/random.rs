@@ -101,7 +101,7 @@ impl dyn Draw + '_ {
         if self.below(5) < 4 { self.between(-3, 3) as f32 } else { (3.0 * self.signed()) as f32 }
     }
 
-    /// A position: three times [`coordinate`](Self::coordinate).
+    /// A position: three times `coordinate`.
     pub(crate) fn position(&mut self) -> [f32; 3] {
         [(); 3].map(|()| self.coordinate())
     }

@@ -99,7 +99,7 @@ impl Oracle {
     ///
     /// # Panics
     ///
-    /// Panics if the meshes together have more than [`MAX_TRIANGLES`](crate::mesh::MAX_TRIANGLES) faces.
+    /// Panics if the meshes together have more than [`MAX_TRIANGLES`] faces.
     ///
     /// ```
     /// use umbrage::geom::Light;

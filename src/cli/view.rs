@@ -31,7 +31,7 @@ pub(crate) struct ViewArgs {
     /// --eye
     ///
     /// For example, a plan: --eye 0,10,0 --target 0,0,0 --ortho 6. A stencil pass cannot draw it yet: rays
-    /// do.
+    /// do. [default: perspective]
     #[arg(long, value_name = "HEIGHT", requires = "eye", conflicts_with = "fov", value_parser = distance, allow_negative_numbers = true)]
     ortho: Option<f32>,
 

@@ -67,16 +67,30 @@ impl Libraries {
             }
         }
         for block in blocks {
-            match tobj::load_mtl_buf(&mut block.as_bytes()) {
-                Ok((materials, _)) => self.materials.extend(materials.into_iter().map(material)),
-                Err(error) => {
+            match parsed(&block) {
+                Ok(materials) => self.materials.extend(materials.into_iter().map(material)),
+                Err(problem) => {
                     let first = block.lines().next().unwrap_or_default().trim();
                     let name = text::quote(first.strip_prefix("newmtl").unwrap_or(first).trim().as_bytes());
-                    self.notes.push(format!("material {name} of {quoted} not read: {error}"));
+                    self.notes.push(format!("material {name} of {quoted} not read: {problem}"));
                 }
             }
         }
     }
+}
+
+/// The materials of a block. A color with fewer than three numbers is refused here: the parser panics at it.
+fn parsed(block: &str) -> Result<Vec<tobj::Material>, String> {
+    for line in block.lines() {
+        let mut words = line.split_whitespace();
+        if let Some(color @ ("Ka" | "Kd" | "Ks" | "Ke")) = words.next()
+            && words.count() < 3
+        {
+            return Err(format!("{color} needs three numbers"));
+        }
+    }
+    let (materials, _) = tobj::load_mtl_buf(&mut block.as_bytes()).map_err(|error| error.to_string())?;
+    Ok(materials)
 }
 
 /// The bytes of a file in `folder` or below it.
@@ -145,7 +159,7 @@ mod tests {
         assert_eq!(found, wanted);
         assert!(libraries.materials[1].is_invisible() && !libraries.materials[2].is_invisible());
         let starts = [
-            "material `bad` of `c.mtl` not read: ",
+            "material `bad` of `c.mtl` not read: Kd needs three numbers",
             "material `` of `c.mtl` not read: ",
             "material library `d.mtl` not read: ",
             "material library `/etc/passwd` not read: its path leaves the folder of the file; put it into",

@@ -190,7 +190,7 @@ impl Mesh {
     /// ```
     /// use umbrage::mesh::{FaceId, Part};
     /// use umbrage::testing::shapes;
-    /// let bottom = Part { name: "bottom".to_owned(), faces: 0..2 };
+    /// let bottom = Part::new("bottom", 0..2);
     /// let cube = shapes::cube().with_parts(vec![bottom]);
     /// assert_eq!(cube.part_name(FaceId(1)), Some("bottom"));
     /// assert_eq!(cube.part_name(FaceId(2)), None);

@@ -95,10 +95,11 @@ impl StencilVolumes {
     /// use umbrage::caster::Caster;
     /// use umbrage::shadow::stencil::Counting;
     /// use umbrage::testing::shapes;
-    /// use umbrage::view::Projection;
+    /// use umbrage::view::{Projection, ProjectionKind};
     ///
     /// let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
-    /// let camera = Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1 };
+    /// let (eye, kind) = ([0.0, 0.0, 5.0], ProjectionKind::default());
+    /// let camera = Projection { eye, right, up, forward, near: 0.1, kind };
     /// let cube = Caster::new(shapes::cube());
     /// let shadow = cube.stencil_volumes(&"point:0,9,5".parse()?, &camera, None, None);
     /// assert_eq!(shadow.counting(), Counting::Stencil); // a ray crosses at most 12 faces

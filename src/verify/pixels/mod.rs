@@ -142,10 +142,11 @@ pub struct Rendered<'a> {
 /// use umbrage::shadow::stencil::{Counting, ShadowMask};
 /// use umbrage::testing::shapes;
 /// use umbrage::verify::pixels::{PixelVerdict, Rendered, compare};
-/// use umbrage::view::{Projection, Size};
+/// use umbrage::view::{Projection, ProjectionKind, Size};
 ///
 /// let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
-/// let projection = &Projection { eye: [0.0, 0.0, 5.0], right, up, forward, near: 0.1 };
+/// let (eye, kind) = ([0.0, 0.0, 5.0], ProjectionKind::default());
+/// let projection = &Projection { eye, right, up, forward, near: 0.1, kind };
 /// let size = Size::new(32, 32)?;
 /// let caster = &Caster::new(shapes::cube());
 /// let samples = Samples::of_view(&CasterGroup::new(vec![caster]), projection, size, 1)?;

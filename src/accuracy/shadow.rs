@@ -49,6 +49,8 @@ pub struct ShadowAccuracy {
     pub light: Light,
     /// One row per technique, in the order of [`Technique::ALL`].
     pub rows: Vec<ShadowRow>,
+    /// What the parts of the casters took that counting needs, in milliseconds.
+    pub(super) counting_ms: f64,
 }
 
 /// Build times of the casters' parts, in milliseconds.
@@ -142,7 +144,7 @@ impl ShadowAccuracy {
             progress(1);
         }
         mark_dominated(&mut rows);
-        Self { light: *request.light, rows }
+        Self { light: *request.light, rows, counting_ms: parts.counting }
     }
 
     /// Whether every claim holds.

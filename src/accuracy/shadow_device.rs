@@ -80,7 +80,7 @@ impl ShadowAccuracy {
                 holds: errors.hold(claim),
                 errors,
                 asked_exactly: None,
-                prepare_ms: upload_ms + volume_ms,
+                prepare_ms: self.counting_ms + upload_ms + volume_ms,
                 frame_ms: Spread::of(frames),
                 readback_ms: Some(readback_ms),
                 bytes: (volumes.volumes.iter().map(|(_, volume)| volume.bytes()).sum::<usize>()

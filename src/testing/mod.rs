@@ -1,7 +1,7 @@
 //! Hard inputs, for this crate's tests and for those of others. Promises nothing between versions.
 //!
-//! Names, draws and counts here may change in every release, for the sake of harder inputs. All else in the
-//! crate keeps to semantic versioning.
+//! Names, draws and counts here may change in every release, for the sake of harder inputs. The rest of
+//! the crate keeps to semantic versioning.
 //!
 //! - [`shapes`]: meshes with known counts
 //! - `generate` (feature `verify`): meshes, lights and points from any source of choices, each written once

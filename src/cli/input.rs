@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use umbrage::caster::Caster;
 use umbrage::geom::Aabb;
-use umbrage::scene::{Lamp, Material, NamedCamera};
+use umbrage::scene::{Lamp, Material};
 use umbrage::view::Up;
 
 use super::lights::LightArgs;
 use super::load::MeshArgs;
+use super::view::Cameras;
 use super::{Failure, load};
 
 /// The file, how it is welded, and its lights.
@@ -33,7 +34,7 @@ pub(crate) struct Source {
     pub(crate) caster: Caster,
     pub(crate) bounds: Aabb,
     pub(crate) lights: Vec<Lamp>,
-    pub(crate) cameras: Vec<NamedCamera>,
+    pub(crate) cameras: Cameras,
     pub(crate) materials: Vec<Material>,
 }
 

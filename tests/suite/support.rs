@@ -34,14 +34,21 @@ pub(crate) fn gpu() -> Option<()> {
 
 /// The folder of real meshes; prints a message if the folder is missing.
 pub(crate) fn real_meshes() -> Option<PathBuf> {
-    let folder = std::env::var_os("UMBRAGE_MESHES").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes")),
-        PathBuf::from,
-    );
+    folder("UMBRAGE_MESHES", concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes"), "real meshes")
+}
+
+/// The folder of small files with one property each; prints a message if the folder is missing.
+pub(crate) fn reports() -> Option<PathBuf> {
+    folder("UMBRAGE_REPORTS", concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/reports"), "reported files")
+}
+
+/// The folder that a variable of the environment names, else the usual one.
+fn folder(variable: &str, usual: &str, what: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os(variable).map_or_else(|| PathBuf::from(usual), PathBuf::from);
     if folder.is_dir() {
         return Some(folder);
     }
-    eprintln!("SKIPPED: no real meshes at {}; set UMBRAGE_MESHES to their folder", folder.display());
+    eprintln!("SKIPPED: no {what} at {}; set {variable} to their folder", folder.display());
     None
 }
 

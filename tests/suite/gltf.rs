@@ -3,6 +3,7 @@
 
 mod buffer;
 mod defect;
+mod draco;
 mod extension;
 mod geometry;
 mod instancing;

@@ -189,6 +189,8 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         for (shaded, lamp) in lamps.iter_mut().zip(&of_scene) {
             *shaded = shaded.with_physical_falloff(lamp.range, &bounds);
         }
+    } else if of_scene.iter().any(|lamp| lamp.range.is_some()) {
+        output::say("note: a light's range is not applied: --falloff physical ends the light there");
     }
     let (caster, ground) = if args.ground {
         let (mesh, ground) = Ground::under(caster.into_mesh(), up)

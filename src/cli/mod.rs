@@ -14,6 +14,7 @@ mod output;
 mod parsers;
 mod progress;
 mod resources;
+mod shadow;
 #[cfg(feature = "gpu")]
 mod stencil_render;
 mod view;

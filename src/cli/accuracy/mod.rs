@@ -15,7 +15,7 @@ use umbrage::scene::Lamp;
 use umbrage::view::Size;
 use umbrage::write::write_atomic;
 
-use super::input::{Source, SourceArgs};
+use super::input::{CastArgs, Source, SourceArgs};
 use super::lights::LightArgs;
 use super::load::MeshArgs;
 use super::output::{self, Output};
@@ -49,6 +49,9 @@ pub(crate) struct Args {
 
     #[command(flatten)]
     mesh: MeshArgs,
+
+    #[command(flatten)]
+    cast: CastArgs,
 
     #[command(flatten)]
     lights: LightArgs,
@@ -121,6 +124,16 @@ impl What {
 }
 
 impl Args {
+    /// One of the files, with the options for all of them.
+    fn source(&self, file: &Path) -> SourceArgs {
+        SourceArgs {
+            file: file.to_owned(),
+            mesh: self.mesh.clone(),
+            cast: self.cast.clone(),
+            lights: self.lights.clone(),
+        }
+    }
+
     /// Refuses options of the view for questions that have none.
     fn refuse_view(&self) -> Result<(), Failure> {
         let asked = [
@@ -253,8 +266,7 @@ fn refuse_outputs(args: &Args) -> Result<(), Failure> {
 
 fn measure(file: &Path, args: &Args, asked: &Asked) -> Result<Measured, Failure> {
     let Asked { question, options } = asked;
-    let source = SourceArgs { file: file.to_owned(), mesh: args.mesh.clone(), lights: args.lights.clone() };
-    let Source { format, caster, lights, .. } = source.load()?;
+    let Source { format, caster, lights, .. } = args.source(file).load()?;
     let mesh = caster.into_mesh();
     if lights.len() > MOST_LIGHTS {
         let (file, count) = (file.display(), lights.len());

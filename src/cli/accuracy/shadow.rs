@@ -12,7 +12,7 @@ use umbrage::view::{Projection, Size};
 
 use super::Args;
 use super::csv::cell;
-use crate::cli::input::{Source, SourceArgs};
+use crate::cli::input::Source;
 use crate::cli::output::{self, Output, Table, counted, number, plain, significant};
 use crate::cli::progress::Progress;
 use crate::cli::{Failure, Outcome, lights};
@@ -70,19 +70,19 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
 }
 
 fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
-    let source = SourceArgs { file: file.to_owned(), mesh: args.mesh.clone(), lights: args.lights.clone() };
-    let Source { up, caster, bounds, lights, cameras, .. } = source.load()?;
+    let source = args.source(file).load()?;
+    let Source { up, ref caster, bounds, ref lights, ref cameras, .. } = source;
     if caster.mesh().face_count() == 0 {
         let problem = "there are no faces to cast or to receive a shadow";
         return Err(Failure::new(problem, "name a mesh that has some").in_file(file));
     }
     let size = args.size.unwrap_or(Size::new(SIZE.0, SIZE.1).expect("in range"));
-    let camera = args.view.choose(&cameras, file, &bounds, up, size)?;
+    let camera = args.view.choose(cameras, file, &bounds, up, size)?;
     let projection: Projection = camera.projection(size, camera.near(&bounds, size));
     let hard: Vec<Light> = lights.iter().map(|light| *light.light()).collect();
     let steps = ShadowAccuracy::STEPS * hard.len() as u64;
     let progress = Progress::bar(format!("measuring {}", file.display()), steps);
-    let casters = CasterGroup::new(vec![&caster]);
+    let casters = source.group();
     let view =
         |casters: &CasterGroup<'_>| Samples::of_view(casters, &projection, size, args.samples.unwrap_or(1));
     let (samples, mut found) =
@@ -90,7 +90,7 @@ fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
             .map_err(|error| Failure::new(error, "use a smaller --size").in_file(file))?;
     drop(progress);
     add_device(args, &casters, &samples, &mut found)?;
-    Ok(Measured { file: file.to_owned(), size, samples: samples.len(), lights, found })
+    Ok(Measured { file: file.to_owned(), size, samples: samples.len(), lights: lights.clone(), found })
 }
 
 /// Adds the rows of a graphics adapter, where there is one.

@@ -87,7 +87,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
 
-    /// Draw wrong answers against time, a mark for each method [default: nothing is drawn]
+    /// Draw wrong answers against time, a mark for each method or technique [default: nothing is drawn]
     #[arg(long, value_name = "OUT.svg")]
     svg: Option<PathBuf>,
 
@@ -230,7 +230,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     // Files hold what was measured; where that is nothing, there are none.
     if results.iter().any(|result| result.measured.is_ok()) {
         save(args.csv.as_deref(), || csv::table(&results, asked.question))?;
-        save(args.svg.as_deref(), || chart::svg(&results, &asked))?;
+        save(args.svg.as_deref(), || chart::svg(&chart::of_queries(&results, &asked)))?;
     }
     Ok(outcome)
 }

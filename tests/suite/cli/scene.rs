@@ -118,7 +118,7 @@ fn no_cast_leaves_receivers_in_the_picture_and_out_of_the_shadows() {
     }
     // Silhouettes are those of the casters alone.
     let edges = |rest: &str| {
-        folder.json(&format!("silhouette boxes.obj --light point:1,5,8 {rest}"))["lights"].clone()
+        folder.json(format!("silhouette boxes.obj --light point:1,5,8 {rest}").trim_end())["lights"].clone()
     };
     assert_eq!(edges("--no-cast Floor"), edges("--only Red"));
     assert_ne!(edges("--no-cast Floor"), edges(""));
@@ -237,7 +237,7 @@ fn camera_of_the_file_is_chosen_and_an_orthographic_one_drawn_by_rays() {
             assert!(run.code == 2 && run.stderr.contains(wanted), "{command}: {}", run.stderr);
         }
         let run = folder.run("render cube.gltf --size 64x64 --camera plan -o b.png");
-        assert!(run.code == 0 && run.stderr.contains("--method auto: rays: not built yet"), "{}", run.stderr);
+        assert!(run.code == 0 && run.stderr.contains("--shadow auto: rays: not built yet"), "{}", run.stderr);
         assert!(png(&folder, "b.png").2 == plan);
     }
 }

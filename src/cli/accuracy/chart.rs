@@ -129,8 +129,13 @@ fn panel(svg: &mut Svg, top: f64, panel: &Panel) {
     for spot in &spots {
         draw(svg, spot);
     }
-    for spot in &spots {
-        label(svg, spot, top, &mut taken);
+    // Lines to labels come before the labels, lest one cross the text of another.
+    let areas: Vec<Taken> = spots.iter().map(|spot| label_area(spot, top, &mut taken)).collect();
+    for (spot, area) in spots.iter().zip(&areas) {
+        leader(svg, spot, area);
+    }
+    for (spot, area) in spots.iter().zip(&areas) {
+        label(svg, spot, area);
     }
 }
 
@@ -154,12 +159,16 @@ fn draw(svg: &mut Svg, spot: &Spot<'_>) {
     ));
 }
 
-/// Two lines of text next to a mark, at the nearest free position.
-fn label(svg: &mut Svg, spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) {
-    let dominated = if spot.entry.dominated { ", dominated" } else { "" };
-    let (name, said) = (format!("{}{dominated}", spot.entry.name), &spot.entry.said);
+/// The name as labels have it.
+fn name(entry: &Entry) -> String {
+    format!("{}{}", entry.name, if entry.dominated { ", dominated" } else { "" })
+}
+
+/// The nearest free position for two lines of text next to a mark.
+fn label_area(spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) -> Taken {
+    let (name, said) = (name(spot.entry), &spot.entry.said);
     // An upper bound: the font is not known here.
-    let width = 8.4 * name.chars().count().max(said.chars().count()) as f64;
+    let width = 7.8 * name.chars().count().max(said.chars().count()) as f64;
     let [x, y] = spot.place;
     let at = |left: f64, middle: f64| [left, middle - 17.0, left + width, middle + 17.0];
     let inside = |[left, above, right, below]: Taken| {
@@ -177,23 +186,31 @@ fn label(svg: &mut Svg, spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) {
     let fits = |area: &Taken| inside(*area) && free(area);
     // If nothing fits: at the left end, below everything else.
     let area = places.into_iter().find(fits).unwrap_or_else(|| at(LEFT + 6.0, top + BOTTOM - 24.0));
-    let ([left, above, ..], [color, _]) = (area, spot.look);
-    let (first, second) = (above + 14.0, above + 29.0);
-    // A label that is not beside its mark has a line to it.
-    let nearest = [x.clamp(left, area[2]), y.clamp(above, area[3])];
-    if (nearest[0] - x).hypot(nearest[1] - y) > LEADER {
-        let [to_x, to_y] = nearest;
+    taken.push(area);
+    area
+}
+
+/// A line from a mark to its label, unless the two are beside each other.
+fn leader(svg: &mut Svg, spot: &Spot<'_>, &[left, above, right, below]: &Taken) {
+    let ([x, y], [color, _]) = (spot.place, spot.look);
+    let [to_x, to_y] = [x.clamp(left, right), y.clamp(above, below)];
+    if (to_x - x).hypot(to_y - y) > LEADER {
         svg.add(format_args!(
-            "<path class=\"c{color}\" stroke=\"currentColor\" stroke-width=\"0.7\" d=\"M{x:.1} {y:.1}L{to_x:.1} {to_y:.1}\"/>"
+            "<path class=\"c{color}\" stroke=\"currentColor\" stroke-width=\"0.7\" \
+             d=\"M{x:.1} {y:.1}L{to_x:.1} {to_y:.1}\"/>"
         ));
     }
+}
+
+/// Two lines of text.
+fn label(svg: &mut Svg, spot: &Spot<'_>, &[left, above, ..]: &Taken) {
+    let (first, second, [color, _]) = (above + 14.0, above + 29.0, spot.look);
     svg.add(format_args!(
         "<g class=\"c{color} halo\" fill=\"currentColor\"><text x=\"{left:.1}\" y=\"{first:.1}\" \
          font-weight=\"bold\">{}</text><text x=\"{left:.1}\" y=\"{second:.1}\" font-size=\"12\">{}</text></g>",
-        escaped(&name),
-        escaped(said)
+        escaped(&name(spot.entry)),
+        escaped(&spot.entry.said)
     ));
-    taken.push(area);
 }
 
 /// "0.31 ns, 0 of 8,597,952 wrong".

@@ -23,7 +23,7 @@ pub(super) fn vectors<const N: usize>(
             return Err(object.error(problem));
         }
         // Rotations may be small integers without it.
-        _ if N == 4 || asset.document.uses("KHR_mesh_quantization") => {}
+        _ if N == 4 || asset.document.quantized => {}
         _ => {
             let note = "small integers read as if the file used KHR_mesh_quantization";
             asset.notes.once(note, &object.place, String::new);

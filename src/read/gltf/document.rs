@@ -81,6 +81,8 @@ impl fmt::Display for Kind {
 /// A parsed document whose version and required extensions this reader supports.
 pub(super) struct Document {
     root: Value,
+    /// Whether positions may be small integers (KHR_mesh_quantization).
+    pub(super) quantized: bool,
 }
 
 impl Document {
@@ -88,10 +90,12 @@ impl Document {
     /// deeper.
     pub(super) fn parse(json: &[u8], format: Format, notes: &Notes) -> Result<Self, ReadError> {
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-        let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
-        notes.add_many("padded with zero bytes behind the JSON", "document", usize::from(end < json.len()));
+        let blank = |byte: &u8| *byte == 0 || byte.is_ascii_whitespace();
+        let end = json.iter().rposition(|byte| !blank(byte)).map_or(0, |last| last + 1);
+        let zeros = usize::from(json[end..].contains(&0));
+        notes.add_many("padded with zero bytes behind the JSON", "document", zeros);
         let root: Value = deserialize::from_slice(&json[..end]).map_err(|error| not_json(&error, format))?;
-        let document = Self { root };
+        let mut document = Self { root, quantized: false };
         document.check_version(notes)?;
         for kind in Kind::ALL {
             if document.root.pointer(kind.pointer()).is_some_and(|list| !list.is_array()) {
@@ -105,6 +109,7 @@ impl Document {
             }
         }
         document.check_extensions(notes)?;
+        document.quantized = document.uses("KHR_mesh_quantization");
         Ok(document)
     }
 
@@ -156,7 +161,7 @@ impl Document {
                         let problem = format!("requires the extension {name}, which is not supported");
                         return Err(ReadError::new(None, Place::File, problem).remedy(remedy));
                     }
-                    Some((Effect::Changed, _)) if !self.requires(name) => {
+                    Some((Effect::Changed, _)) => {
                         let what = "extension that changes geometry, but is not required, not read";
                         notes.because(what, list, || name.to_owned());
                     }
@@ -193,16 +198,11 @@ impl Document {
 
     /// Whether the document says that it uses this extension.
     pub(super) fn uses(&self, extension: &str) -> bool {
-        self.names("extensionsUsed", extension) || self.requires(extension)
-    }
-
-    fn requires(&self, extension: &str) -> bool {
-        self.names("extensionsRequired", extension)
-    }
-
-    fn names(&self, list: &str, extension: &str) -> bool {
-        let names = self.root.get(list).and_then(Value::as_array);
-        names.is_some_and(|names| names.iter().any(|name| name == extension))
+        let lists = ["extensionsUsed", "extensionsRequired"].map(|list| self.root.get(list));
+        let names = |list: Option<&Value>| {
+            list.and_then(Value::as_array).is_some_and(|names| names.iter().any(|name| name == extension))
+        };
+        lists.into_iter().any(names)
     }
 }
 

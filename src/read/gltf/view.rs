@@ -49,8 +49,12 @@ pub(super) fn plain<'a>(asset: &'a Asset, object: &Object) -> Result<&'a [u8], R
             asset.notes.once("no byteLength: the buffer read as far as it goes", &buffer.place, String::new);
         }
         // A view within the bytes that are there needs no more of them.
-        Some(stated) if stated > bytes.len() || end > Some(stated) => {
+        Some(stated) if stated > bytes.len() => {
             let why = || format!("it is {stated}, but there are {} bytes", bytes.len());
+            asset.notes.once("byteLength of a buffer passed over", &buffer.place, why);
+        }
+        Some(stated) if end > Some(stated) => {
+            let why = || format!("it is {stated}, but {} ends at byte {}", object.place, start + length);
             asset.notes.once("byteLength of a buffer passed over", &buffer.place, why);
         }
         Some(_) => {}

@@ -113,7 +113,9 @@ fn slip_zero_bytes_behind_the_json_are_passed_over() {
             }
         }
     }
-    // Only behind it.
+    // Among spaces too, but only behind it.
+    let text = [Builder::square().gltf(), b" \0 \n\0 ".to_vec()].concat();
+    assert_eq!(read_bytes(&text, "a.gltf").unwrap().notes.len(), 1);
     let bytes = [b"{\0".to_vec(), Builder::square().gltf()[1..].to_vec()].concat();
     assert!(refusal(&bytes).contains("is not JSON"));
 }
@@ -208,8 +210,14 @@ fn slip_byte_length_of_a_buffer_is_noted_where_the_views_are_there() {
     let uri = serde_json::from_slice::<Value>(&builder.gltf()).unwrap()["buffers"][0]["uri"].clone();
     for (length, note) in [
         (json!(61), "buffer 0: byteLength of a buffer passed over: it is 61, but there are 60 bytes"),
-        (json!(59), "buffer 0: byteLength of a buffer passed over: it is 59, but there are 60 bytes"),
-        (json!(0), "buffer 0: byteLength of a buffer passed over: it is 0, but there are 60 bytes"),
+        (
+            json!(59),
+            "buffer 0: byteLength of a buffer passed over: it is 59, but buffer view 1 ends at byte 60",
+        ),
+        (
+            json!(0),
+            "buffer 0: byteLength of a buffer passed over: it is 0, but buffer view 0 ends at byte 48",
+        ),
         (Value::Null, "buffer 0: no byteLength: the buffer read as far as it goes"),
     ] {
         builder.doc["buffers"] = json!([{"uri": uri, "byteLength": length}]);

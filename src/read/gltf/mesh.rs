@@ -157,14 +157,17 @@ fn read_primitive(asset: &Asset, primitive: &Object) -> Result<Option<Primitive>
     Ok(Some(Primitive { positions, triangles, displacements }))
 }
 
-/// Positions and indices of triangles, where the accessors have none of their own: what an extension of the
+/// Positions, and the indices of triangles one by one.
+type List = (Vec<[f32; 3]>, Vec<u32>);
+
+/// The positions and indices of a primitive, where the accessors have none of their own: what an extension of the
 /// primitive decodes to, or an error that names the extension.
 fn compressed(
     asset: &Asset,
     primitive: &Object,
     position: usize,
     indices: Option<usize>,
-) -> Result<Option<(Vec<[f32; 3]>, Vec<u32>)>, ReadError> {
+) -> Result<Option<List>, ReadError> {
     for accessor in [Some(position), indices].into_iter().flatten() {
         if !asset.document.item(Kind::Accessor, accessor)?.is_empty() {
             continue;

@@ -47,7 +47,7 @@ pub(super) fn decode_sequence(stream: &[u8], Layout { count, stride }: Layout) -
 }
 
 /// What is between the first byte and the tail.
-fn body<'a>(stream: &'a [u8], first: u8, tail: usize, other: Malformed) -> Result<&'a [u8], Malformed> {
+fn body(stream: &[u8], first: u8, tail: usize, other: Malformed) -> Result<&[u8], Malformed> {
     match stream.split_first() {
         Some((&is, rest)) if is == first => rest.len().checked_sub(tail).map(|end| &rest[..end]).ok_or(SHORT),
         Some(_) => Err(other),

@@ -9,7 +9,7 @@ const NAME: &str = "a.glb";
 /// The first bytes choose mode, filter, stride, and whether the others are what is encoded or the stream itself.
 pub(crate) fn run(data: &[u8]) {
     let mut bytes = Bytes::new(data);
-    let (mode, encode) = (usize::from(bytes.byte()) % 3, bytes.byte() % 2 == 0);
+    let (mode, encode) = (usize::from(bytes.byte()) % 3, bytes.byte().is_multiple_of(2));
     let filter = ["NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"][usize::from(bytes.byte()) % 4];
     let (width, count) = (bytes.byte(), u16::from_le_bytes([bytes.byte(), bytes.byte()]));
     let stride = match mode {

@@ -87,7 +87,8 @@ fn instancing_that_is_malformed_is_refused_or_noted() {
         instanced(attributes, builder)
     };
     let place = "node 0, EXT_mesh_gpu_instancing, attributes (gltf): ";
-    let cases: [(&dyn Fn(&mut Builder) -> serde_json::Value, String); 4] = [
+    type Attributes<'a> = &'a dyn Fn(&mut Builder) -> serde_json::Value;
+    let cases: [(Attributes, String); 4] = [
         (
             &|b| json!({"TRANSLATION": vectors(b, &three), "SCALE": vectors(b, &three[..2])}),
             format!("{place}has 3 and 2 transforms, but must have as many of each"),

@@ -298,7 +298,8 @@ fn slip_in_what_casts_no_shadow_is_noted() {
         let [note] = &scene.notes[..] else { panic!("{:?}", scene.notes) };
         note.clone()
     };
-    let cases: [(&dyn Fn(&mut Value), &str); 9] = [
+    type Change<'a> = &'a dyn Fn(&mut Value);
+    let cases: [(Change, &str); 9] = [
         (
             &|doc| doc["scene"] = 7.into(),
             "document: default scene that does not exist passed over: names scene 7, but there are 1",

@@ -101,7 +101,8 @@ fn numbers<M: SerializeMap>(
         misoriented_edges, non_manifold_vertices, collapsed_faces, zero_area_faces, duplicate_faces, near_miss_edges,
         t_junctions: t_junctions_complete.then_some(counts.t_junctions),
         inside_out_shells: (counts.undecided_shells == 0).then_some(counts.inside_out_shells),
-        self_intersections, signed_volume, watertight, balanced, even,
+        self_intersections: counts.self_intersections.filter(|_| counts.self_intersections_complete),
+        signed_volume, watertight, balanced, even,
     });
     Ok(())
 }

@@ -1,8 +1,10 @@
 //! T-junctions: boundary vertices that lie inside another boundary edge.
 
+use std::ops::ControlFlow;
+
 use super::boundary::Boundary;
 use crate::geom::Aabb;
-use crate::geom::bvh::Bvh;
+use crate::geom::box_pairs::PointQueries;
 use crate::geom::predicate::collinear;
 use crate::mesh::{EdgeId, VertexId};
 
@@ -23,15 +25,23 @@ impl Boundary<'_> {
                 widened(Aabb::around([a, b]), slack)
             })
             .collect();
-        let bvh = Bvh::build(&boxes);
+        let mut tree = PointQueries::of(&boxes);
+        drop(boxes);
+        let largest_half_ulp =
+            |of: &[[f32; 3]]| of.iter().flatten().map(|&x| half_ulp(x)).fold(0.0, f64::max);
+        // An edge lies within half an ulp of its ends on each axis, and so does the vertex.
+        let slack = 2.0 * 3.0_f64.sqrt() * largest_half_ulp(&self.points);
+        let mut plain = PLAIN_TESTS + 32 * self.edges.len() as u64;
         let mut found = Vec::new();
         for (vertex, &point) in self.points.iter().enumerate() {
+            // Edges exactly through the vertex come first, then those of the lowest id.
             let mut best: Option<(bool, u32)> = None;
             let query = widened(Aabb::around([point]), point.map(half_ulp));
-            let visit = |slot: usize| {
-                let edge = bvh.order()[slot];
-                let could_be_better = best.is_none_or(|best| (false, edge) < best);
-                if could_be_better && !self.ends[edge as usize].contains(&(vertex as u32)) {
+            let before = tests;
+            let end = tree.for_each_at(&query, (point, slack), |edge| {
+                if let Some(edge) = edge.filter(|&edge| best.is_none_or(|best| (false, edge) < best))
+                    && !self.ends[edge as usize].contains(&(vertex as u32))
+                {
                     let [a, b] = segments[edge as usize];
                     let exact = strictly_inside(point, a, b);
                     if exact || within_rounding(point, a, b) {
@@ -40,11 +50,16 @@ impl Boundary<'_> {
                     }
                 }
                 tests = tests.saturating_sub(1);
-                tests > 0
-            };
-            bvh.walk(|aabb| aabb.overlaps(&query), visit);
-            if tests == 0 {
+                // After an exact one only lower ids could be better.
+                let below = best.filter(|best| !best.0).map_or(u32::MAX, |best| best.1);
+                if tests > 0 { ControlFlow::Continue(below) } else { ControlFlow::Break(()) }
+            });
+            if end.is_break() {
                 break;
+            }
+            plain = plain.saturating_sub(before - tests);
+            if plain == 0 && !tree.has_frames() {
+                tree.add_frames(|edge| segments[edge]);
             }
             if let Some((near, edge)) = best {
                 let (vertex, edge) = (self.vertices[vertex], self.edges[edge as usize]);
@@ -54,6 +69,9 @@ impl Boundary<'_> {
         (found, tests > 0)
     }
 }
+
+/// Tests of all vertices before oriented boxes are used.
+const PLAIN_TESTS: u64 = 1 << 16;
 
 /// A boundary vertex inside another boundary edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

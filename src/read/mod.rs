@@ -103,6 +103,9 @@ fn read_source<R: BufRead + Seek>(
         Format::Md2 => md2::read(source),
     }?;
     (scene.format, scene.up) = (Some(format), format.up());
+    if let Some(note) = scene.rounding_note() {
+        scene.notes.push(note);
+    }
     Ok(scene)
 }
 

@@ -17,6 +17,8 @@
 mod fans;
 mod search;
 mod star;
+#[cfg(test)]
+mod tests;
 mod triangles;
 
 use std::ops::ControlFlow;
@@ -200,51 +202,4 @@ pub fn self_intersections(mesh: &Mesh, topology: &Topology) -> Vec<[FaceId; 2]> 
     });
     pairs.sort_unstable();
     pairs
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::testing::shapes;
-
-    /// `count` triangles, each through all others, without a common vertex.
-    fn heap(count: u32) -> (Mesh, Topology) {
-        let one = Mesh::new(vec![[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]], vec![[0, 1, 2]]).unwrap();
-        let mesh = shapes::soup(&Mesh::concat(&vec![one; count as usize]).unwrap());
-        let topology = Topology::of(&mesh);
-        (mesh, topology)
-    }
-
-    fn found(mesh: &Mesh, faces: &[FaceId], mut tests: u64) -> (Vec<[FaceId; 2]>, ControlFlow<()>) {
-        let mut pairs = Vec::new();
-        let end = for_each_intersection_among(mesh, faces, &mut tests, |pair| {
-            pairs.push(pair);
-            ControlFlow::Continue(())
-        });
-        (pairs, end)
-    }
-
-    #[test]
-    fn intersections_of_more_pairs_than_are_held_come_once_each() {
-        let (mesh, topology) = heap(150);
-        let all: Vec<[FaceId; 2]> =
-            (0..150).flat_map(|f| (f + 1..150).map(move |g| [FaceId(f), FaceId(g)])).collect();
-        assert!(all.len() > search::MOST_HELD, "one task holds them all");
-        assert_eq!(self_intersections(&mesh, &topology), all);
-        // With one face too few the comparison fails.
-        let fewer: Vec<FaceId> = topology.faces().skip(1).collect();
-        assert_ne!(found(&mesh, &fewer, u64::MAX).0.len(), all.len());
-    }
-
-    #[test]
-    fn intersections_end_where_tests_do() {
-        for count in [20, 150] {
-            let (mesh, topology) = heap(count);
-            let faces: Vec<FaceId> = topology.faces().collect();
-            let (all, end) = found(&mesh, &faces, u64::MAX);
-            assert!(end.is_continue() && all.len() as u32 == count * (count - 1) / 2);
-            let (some, end) = found(&mesh, &faces, 100);
-            assert!(end.is_break() && some.len() <= 100, "{} pairs", some.len());
-        }
-    }
 }

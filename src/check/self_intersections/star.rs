@@ -28,7 +28,7 @@ pub(crate) fn is_star(mesh: &Mesh, faces: &[FaceId]) -> bool {
         (!sign.is_zero() && faces.iter().all(|&face| side(face) == sign)).then_some((center, sign))
     });
     let Some((center, sign)) = inside else { return false };
-    let towards = |&face: &FaceId| Aabb::around(mesh.corners(face)).center();
+    let towards = |&face: &FaceId| centroid(mesh.corners(face));
     let step = faces.len().div_ceil(RAYS);
     faces.iter().step_by(step).map(towards).find_map(|aim| faces_along(mesh, faces, center, aim, sign))
         == Some(1)
@@ -48,6 +48,11 @@ fn centers(mesh: &Mesh, faces: &[FaceId]) -> [[f32; 3]; 2] {
     }
     let corners = 3.0 * faces.len() as f64;
     [sum.map(|sum| (sum / corners) as f32), bounds.center()]
+}
+
+/// A point in the middle of a face, and so on none of its edges.
+fn centroid(corners: [[f32; 3]; 3]) -> [f32; 3] {
+    std::array::from_fn(|axis| (corners.iter().map(|p| f64::from(p[axis])).sum::<f64>() / 3.0) as f32)
 }
 
 /// The number of faces that a ray from `center` through `aim` meets, given that `center` is on the side

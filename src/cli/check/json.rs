@@ -21,6 +21,7 @@ pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>
         format: report.format,
         verdict: report.verdict(),
         requirements: report.requirements.iter().map(|&asked| requirement(report, asked)).collect(),
+        rounding: report.rounding,
         meshes: report.meshes.iter().map(mesh).collect(),
         total: total(report, limit),
     };
@@ -33,6 +34,7 @@ pub(super) fn screened(files: &[PathBuf], reports: &[Result<Screened, Failure>])
         format: report.format,
         verdict: report.verdict(),
         requirements: Value::Null,
+        rounding: None,
         meshes: report
             .meshes
             .iter()
@@ -53,6 +55,7 @@ struct Entry {
     format: Option<Format>,
     verdict: Verdict,
     requirements: Value,
+    rounding: Option<f64>,
     meshes: Vec<Value>,
     total: Value,
 }
@@ -70,6 +73,7 @@ fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry,
                 Ok(entry) => (entry.format, None),
                 Err(failure) => (failure.format, Some(failure.to_string())),
             };
+            let rounding = report.as_ref().ok().and_then(|entry| entry.rounding);
             let (meshes, total, requirements) = report.map_or((vec![], Value::Null, Value::Null), |entry| {
                 (entry.meshes, entry.total, entry.requirements)
             });
@@ -80,6 +84,7 @@ fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry,
                 "meshes": meshes,
                 "total": total,
                 "requirements": requirements,
+                "rounding": rounding,
             })
         })
         .collect();

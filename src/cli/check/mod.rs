@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::Value;
-use umbrage::check::{Requirement, Verdict};
+use umbrage::check::Requirement;
 use umbrage::read::Format;
 use umbrage::view::Up;
 use umbrage::write::{self, Model};
@@ -216,9 +216,10 @@ fn refuse(args: &Args) -> Result<(), Failure> {
 
 #[cfg(test)]
 mod tests {
-    use umbrage::check::CrackReport;
+    use umbrage::check::{CrackReport, Verdict};
     use umbrage::topology::Topology;
 
+    use super::report::verdict;
     use super::*;
 
     fn args(file: &Path) -> Args {
@@ -278,9 +279,9 @@ mod tests {
         (cavity.depth, cavity.parent, cavity.depth_known) = (0, None, false);
         mesh.counts.undecided_shells = 1;
         (mesh.nesting_complete, mesh.t_junctions_complete) = (false, false);
-        mesh.verdict = verdict(None, &mesh.counts);
+        mesh.verdict = verdict(&[Requirement::Sound], &mesh.counts);
         assert_eq!(mesh.verdict, Verdict::NotProven);
-        assert_eq!(verdict(Some(Require::Watertight), &mesh.counts), Verdict::Sound);
+        assert_eq!(verdict(&[Requirement::Watertight], &mesh.counts), Verdict::Sound);
         let text = text::Report { report: &report, limit: 5 }.to_string();
         let line = "not proven sound: the mesh is watertight, but nesting not decided within the limit: 1 shell \
                     may be inside out";

@@ -5,8 +5,11 @@ use std::path::{Path, PathBuf};
 use umbrage::check::{
     Counts, CrackReport, Defect, DefectKind, NearMiss, Requirement, ShellReport, Standing, Verdict,
 };
+use umbrage::geom::Aabb;
+use umbrage::glam::Mat4;
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::read::Format;
+use umbrage::scene::OwnSpace;
 use umbrage::topology::Topology;
 
 use super::Args;
@@ -26,6 +29,8 @@ pub(super) struct FileReport {
     pub(super) requirements: Vec<Requirement>,
     /// Whether a larger `--scope` would join the meshes.
     pub(super) joinable: bool,
+    /// How far rounding moved a coordinate that was judged; `None` if that is negligible.
+    pub(super) rounding: Option<f64>,
 }
 
 /// The report of one mesh; the mesh itself is not kept.
@@ -45,7 +50,7 @@ pub(super) struct MeshReport {
 }
 
 /// The verdict on a mesh of which properties are required.
-fn verdict(requirements: &[Requirement], counts: &Counts) -> Verdict {
+pub(super) fn verdict(requirements: &[Requirement], counts: &Counts) -> Verdict {
     let worst = requirements.iter().map(|requirement| requirement.standing(counts)).max();
     match worst.unwrap_or(Standing::Holds) {
         Standing::Holds => Verdict::Sound,
@@ -89,10 +94,12 @@ pub(super) fn examine(
     mut sketch: Option<&mut Sketch>,
 ) -> Result<FileReport, Failure> {
     let requirements = args.requirements();
-    let baked = args.mesh.read(file)?;
+    let scene = args.mesh.scene(file)?;
+    let (format, rounding) = (scene.format, scene.judged_rounding(!args.mesh.is_below_scene()));
+    let spaces = args.mesh.own_spaces(scene, file)?;
     let _progress = Progress::spinner(format!("checking {}", file.display()));
-    let mut meshes = Vec::with_capacity(baked.meshes.len());
-    for mesh in baked.meshes {
+    let mut meshes = Vec::with_capacity(spaces.len());
+    for OwnSpace { mesh, world_from_mesh } in spaces {
         let WeldedMesh { mesh, vertices, unreferenced } = args.mesh.weld(mesh);
         let topology = Topology::of(&mesh);
         let mut report = CrackReport::of(&mesh, &topology);
@@ -119,6 +126,9 @@ pub(super) fn examine(
                 ));
             }
         }
+        // What is told is told in the world.
+        let mesh = OwnSpace::placed(&mesh, &world_from_mesh).map_err(|error| load::too_far(&error, file))?;
+        place(&mut report, &mesh, &topology, &world_from_mesh);
         if let Some(marks) = &mut marks {
             marks.add(&report, &mesh, &topology).map_err(|failure| failure.in_file(file))?;
         }
@@ -146,7 +156,26 @@ pub(super) fn examine(
     let total = |of: fn(&Counts) -> usize| meshes.iter().map(|mesh| of(&mesh.counts)).sum();
     load::note_none_left(file, total(|counts| counts.faces), total(|counts| counts.collapsed_faces));
     let joinable = args.mesh.is_below_scene() && meshes.len() > 1;
-    Ok(FileReport { file: file.to_owned(), format: baked.format, meshes, requirements, joinable })
+    Ok(FileReport { file: file.to_owned(), format, meshes, requirements, joinable, rounding })
+}
+
+/// Volumes and boxes in the world of a report on a mesh in its own space; `mesh` is the placed one.
+fn place(report: &mut CrackReport, mesh: &Mesh, topology: &Topology, world_from_mesh: &Mat4) {
+    if *world_from_mesh == Mat4::IDENTITY {
+        return;
+    }
+    let factor = OwnSpace::volume_factor(world_from_mesh);
+    report.counts.signed_volume *= factor;
+    for shell in &mut report.shell_list {
+        shell.signed_volume *= factor;
+        shell.bounds = Aabb::EMPTY;
+    }
+    for (face, shell) in topology.faces().zip(topology.shells().of_face) {
+        if let Some(shell) = shell {
+            let bounds = &mut report.shell_list[shell as usize].bounds;
+            *bounds = bounds.join(&Aabb::around(mesh.corners(face)));
+        }
+    }
 }
 
 /// Every kind of defect that there is one of.

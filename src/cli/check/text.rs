@@ -24,6 +24,7 @@ impl Display for Report<'_> {
         writeln!(f, "{} ({format})", plain(&self.report.file.to_string_lossy()))?;
         self.counts(f)?;
         self.verdict(f)?;
+        self.rounding(f)?;
         for kind in DefectKind::ALL {
             self.defects(f, kind)?;
         }
@@ -190,6 +191,19 @@ impl Report<'_> {
         }
     }
 
+    /// That rounding may be what made the defects.
+    fn rounding(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let defects = self.report.meshes.iter().any(|mesh| !mesh.defects.is_empty());
+        match self.report.rounding.filter(|_| defects) {
+            None => Ok(()),
+            Some(moved) => writeln!(
+                f,
+                "  32-bit coordinates moved a vertex by up to {}: defects of that size come from the rounding",
+                significant(moved)
+            ),
+        }
+    }
+
     /// One kind of defect over all meshes: number, effect, and the first locations.
     fn defects(&self, f: &mut fmt::Formatter<'_>, kind: DefectKind) -> fmt::Result {
         let found = |mesh: &MeshReport| mesh.defects.iter().position(|found| found.kind == kind);
@@ -264,13 +278,6 @@ impl Report<'_> {
         });
         let mut listed = 0;
         for (index, mesh, (number, shell)) in shells.take(self.limit) {
-            let state = match (shell.watertight, shell.balanced, shell.inside_out) {
-                _ if shell.undecided() => "not decided",
-                (true, _, true) => "inside out",
-                (true, _, false) => "watertight",
-                (false, true, _) => "balanced",
-                (false, false, _) => "open",
-            };
             let name = if self.report.meshes.len() > 1 {
                 format!("{} {number}", label(index, mesh))
             } else {
@@ -283,8 +290,8 @@ impl Report<'_> {
                 shell.euler_characteristic.to_string(),
                 shell.genus.map_or("-".into(), |genus| genus.to_string()),
                 if shell.depth_known { shell.depth.to_string() } else { "-".into() },
-                significant(shell.signed_volume),
-                state.into(),
+                volume(shell.signed_volume, shell.balanced),
+                shell.state().into(),
             ]);
             listed += 1;
         }
@@ -376,9 +383,14 @@ fn row(name: String, [vertices, welded]: [usize; 2], counts: &Counts, verdict: V
         counts.boundary_edges.to_string(),
         counts.non_manifold_edges.to_string(),
         counts.misoriented_edges.to_string(),
-        significant(counts.signed_volume),
+        volume(counts.signed_volume, counts.balanced),
         verdict.name().into(),
     ]
+}
+
+/// An open surface has no volume.
+fn volume(signed: f64, balanced: bool) -> String {
+    if balanced { significant(signed) } else { "-".to_owned() }
 }
 
 fn label(index: usize, mesh: &MeshReport) -> String {

@@ -81,6 +81,12 @@ impl Frame {
         (0..3).any(|i| dot(between, self.axes[i]).abs() > self.half[i] + slack + reach * (1.0 + SLACK))
     }
 
+    /// A fault for a test.
+    #[cfg(test)]
+    pub(super) fn shrink(&mut self, factor: f64) {
+        self.half = self.half.map(|half| half * factor);
+    }
+
     fn parts(&self, other: &Self, between: Vector) -> bool {
         (0..3).any(|i| {
             let axis = self.axes[i];

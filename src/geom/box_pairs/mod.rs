@@ -378,4 +378,51 @@ mod tests {
         }
         assert!(looks > 50_000 && pairs < 100, "{looks} looks, {pairs} pairs");
     }
+
+    /// Needles at random angles: pairs that share an end, of which no search may lose one.
+    fn needles() -> (Vec<[[f32; 3]; 2]>, Vec<[u32; 2]>) {
+        let mut random = SplitMix64(11);
+        let mut whole = || random.below(1 << 12) as f32 / 64.0 + 1000.0;
+        let ends: Vec<[f32; 3]> = (0..1500).map(|_| [whole(), whole(), whole()]).collect();
+        let needles: Vec<[[f32; 3]; 2]> =
+            (0..3000).map(|i| [ends[i % 1500], ends[(7 * i + i / 1500) % 1500]]).collect();
+        let shares = |i: usize, j: usize| needles[i].iter().any(|end| needles[j].contains(end));
+        let pairs = (0..needles.len()).flat_map(|i| (i + 1..needles.len()).map(move |j| [i, j]));
+        let sharing = pairs.filter(|&[i, j]| shares(i, j)).map(|pair| pair.map(|i| i as u32)).collect();
+        (needles, sharing)
+    }
+
+    #[test]
+    fn overlaps_with_oriented_boxes_keep_every_pair_that_touches() {
+        let (needles, sharing) = needles();
+        let boxes: Vec<Aabb> = needles.iter().map(|&ends| Aabb::around(ends)).collect();
+        let mut tree = Overlaps::of(&boxes);
+        let plain = found(&tree).len();
+        let order = tree.order().to_vec();
+        tree.add_frames(|slot| needles[order[slot] as usize]);
+        let all = found(&tree);
+        assert!(sharing.len() > 3000 && sharing.iter().all(|pair| all.binary_search(pair).is_ok()));
+        assert!(all.len() < plain, "{} of {plain}", all.len());
+        // Fault injected: boxes that are a hundredth too small lose some.
+        tree.frames.iter_mut().for_each(|frame| frame.shrink(0.99));
+        let fewer = found(&tree);
+        assert!(sharing.iter().any(|pair| fewer.binary_search(pair).is_err()));
+    }
+
+    #[test]
+    fn overlaps_without_pairs_within_sets_are_the_others() {
+        let boxes = boxes(700, 1.0);
+        let sets: Vec<u32> = (0..700).map(|i| if i % 3 == 0 { NO_SET } else { i / 200 }).collect();
+        let apart = |pair: &[u32; 2]| {
+            let [i, j] = pair.map(|i| sets[i as usize]);
+            i == NO_SET || i != j
+        };
+        let expected: Vec<[u32; 2]> = naive(&boxes).into_iter().filter(apart).collect();
+        let tree = Overlaps::of(&boxes).without_pairs_within(&sets);
+        assert_eq!(found(&tree), expected);
+        // Fault injected: a box in another set.
+        let mut other = sets.clone();
+        other[1] = 9;
+        assert_ne!(found(&Overlaps::of(&boxes).without_pairs_within(&other)), expected);
+    }
 }

@@ -111,7 +111,7 @@ fn numbers<M: SerializeMap>(
 impl Serialize for Counts {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut out = serializer.serialize_map(None)?;
-        numbers(&mut out, self, true)?;
+        numbers(&mut out, self, self.t_junctions_complete)?;
         out.end()
     }
 }

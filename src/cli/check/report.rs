@@ -127,15 +127,19 @@ pub(super) fn examine(
             }
         }
         // What is told is told in the world.
-        let mesh = OwnSpace::placed(&mesh, &world_from_mesh).map_err(|error| load::too_far(&error, file))?;
-        place(&mut report, &mesh, &topology, &world_from_mesh);
+        let placed = (world_from_mesh != Mat4::IDENTITY).then(|| OwnSpace::placed(&mesh, &world_from_mesh));
+        let placed = placed.transpose().map_err(|error| load::too_far(&error, file))?;
+        if let Some(placed) = &placed {
+            tell_in_world(&mut report, placed, &topology, OwnSpace::volume_factor(&world_from_mesh));
+        }
+        let mesh = placed.as_ref().unwrap_or(&mesh);
         if let Some(marks) = &mut marks {
-            marks.add(&report, &mesh, &topology).map_err(|failure| failure.in_file(file))?;
+            marks.add(&report, mesh, &topology).map_err(|failure| failure.in_file(file))?;
         }
         if let Some(sketch) = &mut sketch {
-            sketch.add(&report, &mesh, &topology);
+            sketch.add(&report, mesh, &topology);
         }
-        let defects = defects(&report, &mesh, &topology, args.limit);
+        let defects = defects(&report, mesh, &topology, args.limit);
         let CrackReport { counts, mut shell_list, near_miss, nesting_complete, t_junctions_complete, .. } =
             report;
         shell_list.truncate(SHELLS_LISTED);
@@ -160,11 +164,7 @@ pub(super) fn examine(
 }
 
 /// Volumes and boxes in the world of a report on a mesh in its own space; `mesh` is the placed one.
-fn place(report: &mut CrackReport, mesh: &Mesh, topology: &Topology, world_from_mesh: &Mat4) {
-    if *world_from_mesh == Mat4::IDENTITY {
-        return;
-    }
-    let factor = OwnSpace::volume_factor(world_from_mesh);
+fn tell_in_world(report: &mut CrackReport, mesh: &Mesh, topology: &Topology, factor: f64) {
     report.counts.signed_volume *= factor;
     for shell in &mut report.shell_list {
         shell.signed_volume *= factor;

@@ -138,7 +138,7 @@ impl<'a> Line<'a> {
     #[inline]
     pub(super) fn coordinate(&mut self) -> Result<f32, ReadError> {
         let Some(word) = self.word() else { return Err(self.error("a position needs three numbers")) };
-        match decimal(word).map(|wide| (wide, wide as f32)) {
+        match decimal(word) {
             Some((wide, value)) if value.is_finite() => {
                 self.rounding.set(self.rounding.get().max((wide - f64::from(value)).abs()));
                 Ok(value)
@@ -167,17 +167,18 @@ pub(super) fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
     str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// `word` as the nearest `f64`, or as the nearest `f32` where rounding twice would not give that.
+/// `word` as the nearest `f64`, and as the nearest `f32`.
 ///
-/// Between rounding to `f64` and to `f32`, a decimal can only change sides of a value halfway between two
+/// Rounding twice nearly always gives that, too: between rounding to `f64` and to `f32`, a decimal can only change sides of a value halfway between two
 /// `f32` by falling on it. Below the normal range of `f32` such values have other low bits.
 #[inline]
-pub(super) fn decimal(word: &[u8]) -> Option<f64> {
+pub(super) fn decimal(word: &[u8]) -> Option<(f64, f32)> {
     const LOW: u64 = (1 << 29) - 1;
     const HALFWAY: u64 = 1 << 28;
     let wide = parse::<f64>(word)?;
     let plain = wide.to_bits() & LOW != HALFWAY && wide.abs() >= f64::from(f32::MIN_POSITIVE);
-    if plain || wide == 0.0 { Some(wide) } else { parse::<f32>(word).map(f64::from) }
+    let near = if plain || wide == 0.0 { wide as f32 } else { parse::<f32>(word)? };
+    Some((wide, near))
 }
 
 /// `word` as a name, cut where it is very long.
@@ -292,7 +293,7 @@ mod tests {
         ];
         for word in words {
             let once = word.parse::<f32>().unwrap();
-            assert_eq!((decimal(word.as_bytes()).unwrap() as f32).to_bits(), once.to_bits(), "{word}");
+            assert_eq!(decimal(word.as_bytes()).unwrap().1.to_bits(), once.to_bits(), "{word}");
         }
         // Fault injected: rounded twice.
         assert!(words.iter().any(|word| word.parse::<f64>().unwrap() as f32 != word.parse::<f32>().unwrap()));

@@ -13,7 +13,7 @@ use crate::geom::Aabb;
 use crate::geom::predicate::{Sign, orient3d};
 use crate::mesh::{FaceId, Mesh};
 
-/// Faces whose centers are tried for the ray.
+/// Faces through which a ray is tried.
 const RAYS: usize = 8;
 
 /// Whether these faces, all those of one watertight shell, are proven to meet nowhere but in what they share.
@@ -28,7 +28,7 @@ pub(crate) fn is_star(mesh: &Mesh, faces: &[FaceId]) -> bool {
         (!sign.is_zero() && faces.iter().all(|&face| side(face) == sign)).then_some((center, sign))
     });
     let Some((center, sign)) = inside else { return false };
-    let towards = |&face: &FaceId| centroid(mesh.corners(face));
+    let towards = |&face: &FaceId| within(mesh.corners(face));
     let step = faces.len().div_ceil(RAYS);
     faces.iter().step_by(step).map(towards).find_map(|aim| faces_along(mesh, faces, center, aim, sign))
         == Some(1)
@@ -50,9 +50,11 @@ fn centers(mesh: &Mesh, faces: &[FaceId]) -> [[f32; 3]; 2] {
     [sum.map(|sum| (sum / corners) as f32), bounds.center()]
 }
 
-/// A point in the middle of a face, and so on none of its edges.
-fn centroid(corners: [[f32; 3]; 3]) -> [f32; 3] {
-    std::array::from_fn(|axis| (corners.iter().map(|p| f64::from(p[axis])).sum::<f64>() / 3.0) as f32)
+/// A point within a face, on none of the lines through a corner and the middle of the face, which hit the edges
+/// of a regular solid behind.
+fn within(corners: [[f32; 3]; 3]) -> [f32; 3] {
+    let [a, b, c] = corners.map(|p| p.map(f64::from));
+    std::array::from_fn(|axis| (0.5 * a[axis] + 0.3 * b[axis] + 0.2 * c[axis]) as f32)
 }
 
 /// The number of faces that a ray from `center` through `aim` meets, given that `center` is on the side

@@ -101,8 +101,8 @@ fn intersections_around_a_vertex_or_an_edge_are_those_of_all_pairs() {
 
 #[test]
 fn intersections_of_a_fan_without_the_bulge_of_its_arcs_would_be_lost() {
-    // Two long arcs that cross in their middles, far outside of the box of their chords.
-    let positions = vec![[0.0; 3], [8.0, 1.0, 1.0], [1.0, 8.0, 1.0], [8.0, 8.0, -1.0], [8.0, 8.0, 5.0]];
+    // A long arc and a short one that cross at its highest point.
+    let positions = vec![[0.0; 3], [8.0, 0.0, 8.0], [-8.0, 0.0, 8.0], [0.0, 1.0, 8.0], [0.0, -1.0, 8.0]];
     let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 3, 4]]).unwrap();
     let corners = [0, 1].map(|face| Corners::of(&mesh, FaceId(face)));
     assert!(intersect(&corners[0], &corners[1]));

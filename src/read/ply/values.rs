@@ -73,7 +73,10 @@ impl<R: BufRead> Values for Text<R> {
             return Err(self.error("the line holds fewer numbers than the header declares".to_owned()));
         };
         let value = match number {
-            Number::F32 => decimal(word),
+            // With all its digits, as long as these round to the same number.
+            Number::F32 => {
+                decimal(word).map(|(wide, near)| if wide as f32 == near { wide } else { f64::from(near) })
+            }
             Number::F64 => parse::<f64>(word),
             _ => parse::<i64>(word).map(|value| value as f64),
         };

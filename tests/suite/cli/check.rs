@@ -537,3 +537,22 @@ fn check_says_what_the_effect_is_on_and_that_frames_are_welded_together() {
     assert!(text.contains("    effect on the shadow: none, since the face has no area"), "{text}");
     assert!(!text.lines().any(|line| line.trim_start().starts_with("none")), "{text}");
 }
+
+#[test]
+fn check_of_coordinates_beyond_the_digits_of_f32() {
+    let Some(reports) = crate::support::reports() else { return };
+    let folder = Folder::new();
+    let at = |name: &str| reports.canonicalize().unwrap().join(name).display().to_string();
+    let run = folder.run(&format!("check {}", at("far_instance.gltf")));
+    assert!(
+        run.code == 0 && run.stderr.contains("placing moves a vertex by "),
+        "{}{}",
+        run.stdout,
+        run.stderr
+    );
+    let boxes = folder.json(&format!("check {}", at("ecef_box.gltf")));
+    let watertight = |mesh: usize| boxes["files"][0]["meshes"][mesh]["watertight"].clone();
+    assert_eq!([watertight(0), watertight(1)], [false, true], "a plate, and a box on it");
+    let run = folder.run(&format!("check {}", at("utm_cube.obj")));
+    assert!(run.stderr.contains("the largest moved by 0.2"), "{}", run.stderr);
+}

@@ -76,7 +76,7 @@ fn input_in_obj_format_is_told_by_its_content() {
     ] {
         fs::write(folder.path(name), content).unwrap();
         let run = folder.run(&format!("check {name}"));
-        assert_eq!(run.code, if said.is_empty() { 0 } else { 2 }, "{name}: {}", run.stderr);
+        assert_eq!(run.code, if said.is_empty() { 1 } else { 2 }, "{name}: {}", run.stderr);
         assert!(run.stderr.contains(said), "{name}: {}", run.stderr);
     }
 }

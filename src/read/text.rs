@@ -169,8 +169,9 @@ pub(super) fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
 
 /// `word` as the nearest `f64`, and as the nearest `f32`.
 ///
-/// Rounding twice nearly always gives that, too: between rounding to `f64` and to `f32`, a decimal can only change sides of a value halfway between two
-/// `f32` by falling on it. Below the normal range of `f32` such values have other low bits.
+/// Rounding twice nearly always gives that, too: between rounding to `f64` and to `f32`, a decimal can only
+/// change sides of a value halfway between two `f32` by falling on it. Below the normal range of `f32` such
+/// values have other low bits.
 #[inline]
 pub(super) fn decimal(word: &[u8]) -> Option<(f64, f32)> {
     const LOW: u64 = (1 << 29) - 1;

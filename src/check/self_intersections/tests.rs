@@ -150,7 +150,7 @@ fn bipyramid(count: u32, lift: f32) -> Mesh {
     let mut positions = parabola(count as i32);
     positions.iter_mut().step_by(2).for_each(|p| p[2] = lift);
     let middle = (count * count / 8) as f32;
-    positions.extend([[0.0, middle, 999.0], [1.0, middle, -999.0]]);
+    positions.extend([[0.0, middle, middle], [1.0, middle, -middle]]);
     let side = |i: u32| (i, (i + 1) % count);
     let top = (0..count).map(side).map(|(i, j)| [i, j, count]);
     let bottom = (0..count).map(side).map(|(i, j)| [j, i, count + 1]);

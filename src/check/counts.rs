@@ -65,7 +65,8 @@ pub struct Counts {
     /// Pairs of faces that meet where they should not; `None` if they were not searched for.
     /// Where the search did not finish, those found before.
     pub self_intersections: Option<usize>,
-    /// Whether [`Counts::self_intersections`] are all that there are; `false` if the search stopped at a limit.
+    /// Whether [`Counts::self_intersections`] are all that there are; `false` if the search stopped at a
+    /// limit.
     pub self_intersections_complete: bool,
     /// Whether [`Counts::t_junctions`] are all that there are; `false` if the search stopped at a limit.
     pub t_junctions_complete: bool,
@@ -108,7 +109,8 @@ impl Counts {
         self.faces == self.collapsed_faces
     }
 
-    /// Whether the number of defects of a kind is final, rather than the number found before a search stopped.
+    /// Whether the number of defects of a kind is final, rather than the number found before a search
+    /// stopped.
     #[must_use]
     pub fn is_complete(&self, kind: DefectKind) -> bool {
         match kind {

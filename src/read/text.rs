@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn decimals_round_once_and_their_rounding_is_known() {
-        // Just above and just below halfway between 1 and the next f32; a half of the smallest f32; all digits.
+        // On, above and below halfway between 1 and the next f32; half of the smallest f32; all digits.
         let words = [
             "1.000000059604644775390625",
             "1.00000005960464477539062500000001",

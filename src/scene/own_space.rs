@@ -20,8 +20,8 @@ pub struct OwnSpace {
 const NEGLIGIBLE: f64 = 1.0 / (1 << 20) as f64;
 
 impl Scene {
-    /// The meshes, one for each `scope`, where nothing moved them: placing a mesh far out rounds its positions,
-    /// which can open seams and collapse faces that the mesh itself does not have. With [`Scope::Scene`] the
+    /// The meshes, one for each `scope`, where nothing moved them: placing a mesh far out rounds its
+    /// positions, which can open seams and collapse faces that the mesh itself does not have. With [`Scope::Scene`] the
     /// meshes have to be placed, and the one mesh is in world space.
     ///
     /// # Errors
@@ -58,8 +58,8 @@ impl Scene {
         })
     }
 
-    /// How far rounding moved a coordinate at most: when the file was read, and where `placed`, when the scene
-    /// was placed. `None` where that is small beside the meshes.
+    /// How far rounding moved a coordinate at most: when the file was read, and where `placed`, when the
+    /// scene was placed. `None` where that is small beside the meshes.
     #[must_use]
     pub fn judged_rounding(&self, placed: bool) -> Option<f64> {
         let read = if self.rounding_note().is_some() { self.rounding } else { 0.0 };
@@ -67,8 +67,8 @@ impl Scene {
         (all > 0.0).then_some(all)
     }
 
-    /// The largest distance, along an axis, by which placing an instance rounds a position, in the units of the
-    /// scene; 0 where that is small beside each instance.
+    /// The largest distance, along an axis, by which placing an instance rounds a position, in the units of
+    /// the scene; 0 where that is small beside each instance.
     #[must_use]
     pub fn placing_moves(&self) -> f64 {
         self.instances

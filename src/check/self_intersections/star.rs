@@ -50,8 +50,8 @@ fn centers(mesh: &Mesh, faces: &[FaceId]) -> [[f32; 3]; 2] {
     [sum.map(|sum| (sum / corners) as f32), bounds.center()]
 }
 
-/// A point within a face, on none of the lines through a corner and the middle of the face, which hit the edges
-/// of a regular solid behind.
+/// A point within a face, on none of the lines through a corner and the middle of the face, which hit the
+/// edges of a regular solid behind.
 fn within(corners: [[f32; 3]; 3]) -> [f32; 3] {
     let [a, b, c] = corners.map(|p| p.map(f64::from));
     std::array::from_fn(|axis| (0.5 * a[axis] + 0.3 * b[axis] + 0.2 * c[axis]) as f32)
@@ -70,7 +70,7 @@ fn faces_along(mesh: &Mesh, faces: &[FaceId], center: [f32; 3], aim: [f32; 3], s
         match (signs.contains(&Sign::Positive), signs.contains(&Sign::Negative)) {
             (true, true) => {} // the line passes beside the face
             _ if signs.contains(&Sign::Zero) => return None,
-            // Ahead, not behind: with aim − center = αA + βB + γC, each of the signs is that of −γ·det(A, B, C).
+            // Ahead, not behind: with aim − center = αA + βB + γC, the signs are that of −γ·det(A, B, C).
             _ => count += usize::from(signs[0] == -sign),
         }
     }

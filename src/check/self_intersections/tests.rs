@@ -65,7 +65,7 @@ fn naive(mesh: &Mesh, topology: &Topology) -> Vec<[FaceId; 2]> {
     pairs
 }
 
-/// Faces around one vertex, or most of them around one edge, on a coarse lattice: many touch, overlap or repeat.
+/// Faces around one vertex, or most of them around one edge, on a coarse lattice: many touch or repeat.
 fn lattice_fan(seed: u64, around_edge: bool) -> Mesh {
     let mut random = SplitMix64(seed);
     let mut whole = |most: usize| random.below(most) as f32 - (most / 2) as f32;

@@ -70,9 +70,9 @@ pub(crate) struct Args {
 
     /// Print one JSON document instead of text
     ///
-    /// A number that was not computed, or whose search did not finish, is null. The verdict is null if no file is cracked, but one could not
-    /// be read or the nesting of its shells was not decided. At most 1000 shells per mesh and 64 faces per
-    /// defect are listed.
+    /// A number that was not computed, or whose search did not finish, is null. The verdict is null if no file
+    /// is cracked, but one could not be read or a search did not finish. At most 1000 shells per mesh and 64
+    /// faces per defect are listed.
     #[arg(long)]
     json: bool,
 

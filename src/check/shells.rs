@@ -63,7 +63,8 @@ pub struct ShellReport {
 }
 
 impl ShellReport {
-    /// The state in a word: "watertight", "inside out", "not decided", or what keeps it from being watertight.
+    /// The state in a word: "watertight", "inside out", "not decided", or what keeps it from being
+    /// watertight.
     #[must_use]
     pub fn state(&self) -> &'static str {
         match self {

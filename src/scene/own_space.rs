@@ -21,8 +21,8 @@ const NEGLIGIBLE: f64 = 1.0 / (1 << 20) as f64;
 
 impl Scene {
     /// The meshes, one for each `scope`, where nothing moved them: placing a mesh far out rounds its
-    /// positions, which can open seams and collapse faces that the mesh itself does not have. With [`Scope::Scene`] the
-    /// meshes have to be placed, and the one mesh is in world space.
+    /// positions, which can open seams and collapse faces that the mesh itself does not have. With
+    /// [`Scope::Scene`] the meshes have to be placed, and the one mesh is in world space.
     ///
     /// # Errors
     ///

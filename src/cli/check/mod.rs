@@ -16,6 +16,7 @@ use umbrage::read::Format;
 use umbrage::view::Up;
 use umbrage::write::{self, Model};
 
+use super::files;
 use super::load::MeshArgs;
 use super::output::{self, Output};
 use super::parsers::{refuse_overwriting, whole};
@@ -31,7 +32,8 @@ use report::{FileReport, Found, MeshReport, Place, examine};
 /// directions), and has no shell that is inside out.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Mesh files: obj, gltf, glb, stl, ply, md2; recognized by their content, then by their extension
+    /// Mesh files, or folders of such, or - for standard input: obj, gltf, glb, stl, ply, md2, 3mf; also in
+    /// gzip or ZIP; recognized by their content, then by their extension
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -70,9 +72,9 @@ pub(crate) struct Args {
 
     /// Print one JSON document instead of text
     ///
-    /// A number that was not computed, or whose search did not finish, is null. The verdict is null if no file
-    /// is cracked, but one could not be read or a search did not finish. At most 1000 shells per mesh and 64
-    /// faces per defect are listed.
+    /// A number that was not computed, or whose search did not finish, is null. The verdict is null if no
+    /// file is cracked, but one could not be read or a search did not finish. At most 1000 shells per mesh
+    /// and 64 faces per defect are listed.
     #[arg(long)]
     json: bool,
 
@@ -121,7 +123,8 @@ impl Args {
     }
 }
 
-pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
+    args.files = files::expand(args.files);
     refuse(&args)?;
     args.threads.apply()?;
     if args.fast {

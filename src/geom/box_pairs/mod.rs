@@ -150,8 +150,9 @@ impl Overlaps {
         self
     }
 
-    /// Adds oriented boxes, around the `points` of each box (by its position in [`Overlaps::order`]). Then fewer nodes are descended
-    /// where long thin things lie aslant. About a microsecond per box; 30 bytes per box.
+    /// Adds oriented boxes, around the `points` of each box (by its position in [`Overlaps::order`]). Then
+    /// fewer nodes are descended where long thin things lie aslant. About a microsecond per box; 30 bytes per
+    /// box.
     pub(crate) fn add_frames<const N: usize>(&mut self, points: impl Fn(usize) -> [[f32; 3]; N] + Sync) {
         let width = self.leaves.len();
         let mut frames = vec![Frame::around(std::iter::empty()); (2 * width).saturating_sub(FRAMES_FROM)];

@@ -144,6 +144,9 @@ fn plain_with<R: BufRead + Seek>(
         }
     }?;
     (scene.format, scene.up) = (Some(format), format.up());
+    if let Some(note) = scene.rounding_note() {
+        scene.notes.push(note);
+    }
     Ok(scene)
 }
 

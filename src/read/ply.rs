@@ -41,6 +41,8 @@ pub(super) fn read<R: BufRead + Seek>(source: Source<R>) -> Result<Scene, ReadEr
 #[derive(Default)]
 struct Ply {
     positions: Vec<[f32; 3]>,
+    /// How far a coordinate moved at most when it was rounded.
+    rounding: f64,
     triangles: Vec<[u32; 3]>,
     vertex_count: u64,
     n_gons: u64,
@@ -74,7 +76,7 @@ impl Ply {
             notes.push(format!("{} of strips skipped", counted(ply.stitches, "stitching triangle")));
         }
         let mesh = Mesh::new(ply.positions, ply.triangles).map_err(|error| refused(Format::Ply, &error))?;
-        Ok(Scene { notes, ..Scene::of(mesh) })
+        Ok(Scene { notes, rounding: ply.rounding, ..Scene::of(mesh) })
     }
 
     fn vertices(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
@@ -107,6 +109,7 @@ impl Ply {
                         return Err(values.error(problem));
                     }
                     position[axis] = value as f32;
+                    self.rounding = self.rounding.max((value - f64::from(position[axis])).abs());
                 }
             }
             values.end()?;

@@ -148,10 +148,11 @@ fn read_text<R: BufRead>(reader: R) -> Result<Scene, ReadError> {
     }
     let mesh = soup(positions)?;
     solids.retain(|solid| !solid.faces.is_empty());
-    Ok(Scene::of(match solids.as_mut_slice() {
+    let mesh = match solids.as_mut_slice() {
         [only] => mesh.with_name(std::mem::take(&mut only.name)),
         _ => mesh.with_parts(solids),
-    }))
+    };
+    Ok(Scene { rounding: lines.rounding(), ..Scene::of(mesh) })
 }
 
 /// What should come next, for a message.

@@ -3,6 +3,7 @@
 mod format;
 mod lamp;
 mod material;
+mod own_space;
 mod pattern;
 mod visible;
 
@@ -11,6 +12,7 @@ use glam::Mat4;
 pub use format::Format;
 pub use lamp::{Lamp, LampError, LampShape, Rectangle, SpotCone};
 pub use material::{AlphaMode, Material};
+pub use own_space::OwnSpace;
 pub use pattern::Pattern;
 pub use visible::PlacedPart;
 
@@ -38,6 +40,9 @@ pub struct Scene {
     pub left_out_cameras: Vec<LeftOutCamera>,
     /// What the reader changed or left out, for people: n-gons cut into fans, lines ignored.
     pub notes: Vec<String>,
+    /// How far a coordinate moved at most, in mesh units, when the numbers of the file were rounded to `f32`;
+    /// 0 where the file itself stores `f32`.
+    pub rounding: f64,
 }
 
 /// A camera of a file.

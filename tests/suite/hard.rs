@@ -30,6 +30,7 @@
 //! 22. Shells in shells, and cavities (`inside.rs`).
 //! 23. Animation frames in which vertices meet and part (`frame.rs`).
 //! 24. The terminator of a faceted ball (`layers.rs`).
+//! 28. Poles and caps of thousands of faces, stacked faces (`valence.rs`).
 
 #[cfg(feature = "gpu")]
 mod camera;
@@ -49,6 +50,7 @@ mod screen;
 mod seam;
 mod sheet;
 mod tie;
+mod valence;
 mod winding;
 
 use std::collections::BTreeSet;

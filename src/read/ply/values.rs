@@ -3,7 +3,7 @@
 use std::io::{BufRead, ErrorKind};
 
 use super::header::Number;
-use crate::read::text::{Lines, parse, quote, unreadable};
+use crate::read::text::{Lines, decimal, parse, quote, unreadable};
 use crate::read::{Format, Place, ReadError};
 
 /// A stream of numbers. `f64` holds every PLY type exactly.
@@ -73,7 +73,10 @@ impl<R: BufRead> Values for Text<R> {
             return Err(self.error("the line holds fewer numbers than the header declares".to_owned()));
         };
         let value = match number {
-            Number::F32 => parse::<f32>(word).map(f64::from),
+            // With all its digits, as long as these round to the same number.
+            Number::F32 => {
+                decimal(word).map(|(wide, near)| if wide as f32 == near { wide } else { f64::from(near) })
+            }
             Number::F64 => parse::<f64>(word),
             _ => parse::<i64>(word).map(|value| value as f64),
         };

@@ -2,12 +2,17 @@
 
 mod error;
 mod fan;
+mod foreign;
 mod gltf;
+mod lost;
 mod md2;
 mod obj;
+mod off;
 mod ply;
+mod slips;
 mod stl;
 mod text;
+mod words;
 
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
@@ -100,6 +105,7 @@ fn read_source<R: BufRead + Seek>(
         Format::Gltf | Format::Glb => gltf::read(source, format, folder),
         Format::Stl => stl::read(source),
         Format::Ply => ply::read(source),
+        Format::Off => off::read(source),
         Format::Md2 => md2::read(source),
     }?;
     (scene.format, scene.up) = (Some(format), format.up());
@@ -120,21 +126,35 @@ fn unheld(format: Format, count: u64, noun: &str) -> ReadError {
 /// Bytes of a file that its format is detected from: enough for the comments that exporters begin with.
 const HEAD: u64 = 4096;
 
-/// The format that the first bytes of a file show, or else its extension.
+/// The format that the first bytes of a file show together with its length and its extension.
 fn sniff(head: &[u8], len: u64, name: &Path) -> Result<Format, ReadError> {
+    let named = Format::from_extension(name);
     let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
-    // A binary STL may begin with "solid" too; its length is the stronger sign: 80 + 4 + 50 bytes a triangle.
+    // A binary STL may begin with anything; its length is the stronger sign: 80 + 4 + 50 bytes a triangle. Only
+    // another binary file, of which not even the extension is that of STL, is believed before.
     let binary_stl = head.get(80..84).is_some_and(|count| {
         len == 84 + 50 * u64::from(u32::from_le_bytes(count.try_into().expect("four bytes")))
     });
+    let versions: [&[u8]; 3] = [b"glTF\x01\0\0\0", b"glTF\x02\0\0\0", b"IDP2\x08\0\0\0"];
+    let versioned = versions.iter().any(|mark| head.starts_with(mark));
+    let named_stl = named == Some(Format::Stl);
+    let begins = |word: &[u8]| text.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
     match text {
-        _ if head.starts_with(b"glTF") => Ok(Format::Glb),
-        _ if head.starts_with(b"IDP2") => Ok(Format::Md2),
+        _ if binary_stl && (named_stl || !versioned) => Ok(Format::Stl),
+        _ if head.starts_with(b"glTF") && (versioned || !named_stl) => Ok(Format::Glb),
+        _ if head.starts_with(b"IDP2") && (versioned || !named_stl) => Ok(Format::Md2),
+        // No header of a PLY ends before byte 84, and text has no zero byte.
+        _ if named_stl && head.len() >= 84 && head[..84].contains(&0) => {
+            foreign::by_content(text, len).map_or(Ok(Format::Stl), Err)
+        }
         _ if head.starts_with(b"ply\n") || head.starts_with(b"ply\r") => Ok(Format::Ply),
-        _ if binary_stl => Ok(Format::Stl),
         _ if text.starts_with(b"{") => Ok(Format::Gltf),
-        _ if text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) => Ok(Format::Stl),
-        _ => unmarked(text, Format::from_extension(name)),
+        _ if begins(b"solid") || begins(b"facet") => Ok(Format::Stl),
+        _ if first_line(text).is_some_and(off::is_keyword) => Ok(Format::Off),
+        _ => match foreign::by_content(text, len).or_else(|| foreign::by_extension(name)) {
+            Some(error) => Err(error),
+            None => unmarked(text, named),
+        },
     }
 }
 
@@ -147,7 +167,7 @@ fn unmarked(head: &[u8], named: Option<Format>) -> Result<Format, ReadError> {
         (None, Obj::Unlike) => {
             let problem = "neither the content nor the extension tells the format";
             Err(ReadError::new(None, Place::File, problem)
-                .remedy("name a file in obj, gltf, glb, stl, ply or md2 format"))
+                .remedy("name a file in obj, gltf, glb, stl, ply, off or md2 format"))
         }
         // Text STL begins with a mark, and GLB is binary; the readers of the other formats report it
         // themselves.
@@ -171,10 +191,14 @@ enum Obj {
     Unlike,
 }
 
-fn obj_statement(text: &[u8]) -> Obj {
+/// The first line that is neither empty nor a comment.
+fn first_line(text: &[u8]) -> Option<&[u8]> {
     let mut lines = text.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
-    let first = lines.find(|line| !line.is_empty() && !line.starts_with(b"#"));
-    match first.and_then(|line| line.split(u8::is_ascii_whitespace).next()) {
+    lines.find(|line| !line.is_empty() && !line.starts_with(b"#"))
+}
+
+fn obj_statement(text: &[u8]) -> Obj {
+    match first_line(text).and_then(|line| line.split(u8::is_ascii_whitespace).next()) {
         Some(b"v" | b"vn" | b"vt" | b"f" | b"o" | b"g" | b"s" | b"l" | b"p" | b"mtllib" | b"usemtl") => {
             Obj::Statement
         }

@@ -19,6 +19,7 @@ use header::{Element, Encoding, Header, Kind, Number};
 use values::{Binary, Text, Values};
 
 use super::fan::Fan;
+use super::lost::Lost;
 use super::text::{Lines, counted};
 use super::{Format, Place, ReadError, Source, refused, unheld};
 use crate::mesh::Mesh;
@@ -42,6 +43,7 @@ pub(super) fn read<R: BufRead + Seek>(source: Source<R>) -> Result<Scene, ReadEr
 struct Ply {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
+    lost: Lost,
     vertex_count: u64,
     n_gons: u64,
     strips: u64,
@@ -50,7 +52,8 @@ struct Ply {
 
 impl Ply {
     fn read(header: &Header, values: &mut impl Values) -> Result<Scene, ReadError> {
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = header.slips.notes().collect();
+        let no_face = header.element("face")?.is_none_or(|face| face.count == 0);
         let vertex_count = header.element("vertex")?.map_or(0, |vertex| vertex.count);
         let mut ply = Self { vertex_count, ..Self::default() };
         for element in header.elements.iter().filter(|element| element.count > 0) {
@@ -58,6 +61,11 @@ impl Ply {
                 "vertex" => ply.vertices(element, values)?,
                 "face" => ply.faces(element, values)?,
                 "tristrips" => ply.strips(element, values)?,
+                name if no_face && element.is_like_faces() => {
+                    let elements = counted(element.count, &format!("{name} element"));
+                    notes.push(format!("{elements} read as faces, since there is no element face"));
+                    ply.faces(element, values)?;
+                }
                 name => {
                     notes.push(format!("{} ignored", counted(element.count, &format!("{name} element"))));
                     ply.skip(element, values)?;
@@ -73,6 +81,8 @@ impl Ply {
         if ply.stitches > 0 {
             notes.push(format!("{} of strips skipped", counted(ply.stitches, "stitching triangle")));
         }
+        notes.extend(values.slips().notes());
+        notes.extend(ply.lost.settle(Format::Ply, &mut ply.positions, &ply.triangles)?);
         let mesh = Mesh::new(ply.positions, ply.triangles).map_err(|error| refused(Format::Ply, &error))?;
         Ok(Scene { notes, ..Scene::of(mesh) })
     }
@@ -94,23 +104,19 @@ impl Ply {
                 return Ok(());
             }
             values.begin(&element.name, index)?;
-            let mut position = [0.0; 3];
+            let mut position = [0.0_f64; 3];
             for (at, property) in element.properties.iter().enumerate() {
                 let Kind::Scalar(number) = property.kind else {
                     property.kind.skip(values)?;
                     continue;
                 };
-                let value = values.number(number)?;
-                if let Some(axis) = axes.iter().position(|&axis| axis == at) {
-                    if !(value as f32).is_finite() {
-                        let problem = format!("the coordinate {value:e} is not a finite number of 32 bits");
-                        return Err(values.error(problem));
-                    }
-                    position[axis] = value as f32;
+                match axes.iter().position(|&axis| axis == at) {
+                    Some(axis) => position[axis] = values.number(number)?,
+                    None => values.skip(number)?,
                 }
             }
-            values.end()?;
-            self.positions.push(position);
+            values.end();
+            self.positions.push(self.lost.position(index, position, values.line()));
         }
     }
 
@@ -122,7 +128,8 @@ impl Ply {
         let plain = plain::Triangles::of(element, self.vertex_count);
         self.lists(element, values, plain.as_ref(), |ply, values, number, length| {
             if length < 3 {
-                return Err(values.error(format!("a face needs three corners, this one has {length}")));
+                let at = values.at();
+                values.slips().add("face", "of fewer than three corners left out", || at);
             }
             ply.n_gons += u64::from(length > 3);
             let mut fan = Fan::default();
@@ -190,7 +197,7 @@ impl Ply {
                     kind => kind.skip(values)?,
                 }
             }
-            values.end()?;
+            values.end();
             index += 1;
         }
     }
@@ -204,7 +211,7 @@ impl Ply {
             for property in &element.properties {
                 property.kind.skip(values)?;
             }
-            values.end()?;
+            values.end();
         }
         Ok(())
     }

@@ -19,6 +19,8 @@ pub enum Format {
     Stl,
     /// Polygon file format, text or binary.
     Ply,
+    /// Object file format of Geomview, text or binary.
+    Off,
     /// Quake II model.
     Md2,
 }
@@ -33,16 +35,17 @@ impl Format {
             Self::Glb => "glb",
             Self::Stl => "stl",
             Self::Ply => "ply",
+            Self::Off => "off",
             Self::Md2 => "md2",
         }
     }
 
-    /// The axis that points up by the custom of the format.
+    /// The axis that points up by the custom of the format; y where there is none, as for PLY and OFF.
     #[must_use]
     pub fn up(self) -> Up {
         match self {
             Self::Md2 | Self::Stl => Up::Z,
-            Self::Obj | Self::Gltf | Self::Glb | Self::Ply => Up::Y,
+            Self::Obj | Self::Gltf | Self::Glb | Self::Ply | Self::Off => Up::Y,
         }
     }
 
@@ -50,7 +53,7 @@ impl Format {
     #[must_use]
     pub fn from_extension(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        [Self::Obj, Self::Gltf, Self::Glb, Self::Stl, Self::Ply, Self::Md2]
+        [Self::Obj, Self::Gltf, Self::Glb, Self::Stl, Self::Ply, Self::Off, Self::Md2]
             .into_iter()
             .find(|format| format.name() == extension)
     }

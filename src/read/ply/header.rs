@@ -5,11 +5,13 @@ use std::io::BufRead;
 use super::file_error;
 use super::values::Values;
 use crate::read::ReadError;
+use crate::read::slips::Slips;
 use crate::read::text::{self, Line, Lines, counted, parse, quote};
 
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
+    pub(super) slips: Slips,
 }
 
 #[derive(Clone, Copy)]
@@ -45,6 +47,8 @@ pub(super) enum Number {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
@@ -52,7 +56,9 @@ pub(super) enum Number {
 impl Header {
     /// Reads up to and including `end_header`.
     pub(super) fn read<R: BufRead>(lines: &mut Lines<R>) -> Result<Self, ReadError> {
-        let (mut encoding, mut elements) = (None, Vec::<Element>::new());
+        let (mut encoding, mut elements, mut slips) = (None, Vec::<Element>::new(), Slips::default());
+        // A line that may be an element with its keyword misspelt: then properties follow it.
+        let mut doubtful = None;
         if lines.next_line()?.is_none_or(|line| line.rest.trim_ascii() != b"ply") {
             return Err(lines.current().error("a PLY file begins with the line `ply`, this one does not"));
         }
@@ -60,8 +66,10 @@ impl Header {
             let Some(mut line) = lines.next_line()? else {
                 return Err(lines.error_at_end("the file ends inside the header, before `end_header`"));
             };
+            let whole = line;
             match line.word() {
                 None | Some(b"comment" | b"obj_info") => {}
+                Some(b"property") if doubtful.is_some() => return Err(doubtful.expect("it is some")),
                 Some(b"format") => encoding = Some(Encoding::read(line)?),
                 Some(b"element") => elements.push(Element::read(line)?),
                 Some(b"property") => match elements.last_mut() {
@@ -69,11 +77,25 @@ impl Header {
                     None => return Err(line.error("a property is declared before any element")),
                 },
                 Some(b"end_header") => break,
-                Some(word) => return Err(line.error(format!("{} is not a header statement", quote(word)))),
+                Some(word) => {
+                    let refused = || whole.error(format!("{} is not a header statement", quote(word)));
+                    match Junk::of(whole) {
+                        Junk::Data => {
+                            let problem = format!("{} is data, but `end_header` is missing", quote(word));
+                            return Err(whole.error(problem));
+                        }
+                        Junk::Property => return Err(refused()),
+                        Junk::Element => doubtful = Some(refused()),
+                        Junk::Words => {}
+                    }
+                    slips.add("line", "of the header ignored", || format!("{} ({})", line.at(), quote(word)));
+                    continue;
+                }
             }
+            doubtful = None;
         }
         let encoding = encoding.ok_or_else(|| lines.current().error("the header declares no format"))?;
-        Ok(Self { encoding, elements })
+        Ok(Self { encoding, elements, slips })
     }
 
     /// The element of that name, if it is declared.
@@ -100,6 +122,34 @@ impl Header {
             }
         }
         Ok(())
+    }
+}
+
+/// What a header line with an unknown keyword looks like.
+enum Junk {
+    /// What follows a header.
+    Data,
+    /// `property` misspelt: a type is the second word.
+    Property,
+    /// `element` misspelt: a count is the third and last word.
+    Element,
+    /// Nothing that matters.
+    Words,
+}
+
+impl Junk {
+    fn of(line: Line<'_>) -> Self {
+        let mut rest = line;
+        let words = [(); 4].map(|()| rest.word());
+        let is_text =
+            str::from_utf8(line.rest).is_ok_and(|text| !text.contains(|c: char| c < ' ' && c != '\t'));
+        match words {
+            _ if !is_text => Self::Data,
+            [Some(first), ..] if parse::<f64>(first).is_some() => Self::Data,
+            [_, Some(kind), Some(_), _] if kind == b"list" || Number::named(kind).is_some() => Self::Property,
+            [_, Some(_), Some(count), None] if parse::<u64>(count).is_some() => Self::Element,
+            _ => Self::Words,
+        }
     }
 }
 
@@ -130,6 +180,14 @@ impl Element {
         place
             .filter(|&at| matches!(self.properties[at].kind, Kind::Scalar(_)))
             .ok_or_else(|| file_error(format!("element {} has no number {name}", self.name)))
+    }
+
+    /// Whether it looks like faces under another name. Lines, strips and solid cells have lists of vertices
+    /// too.
+    pub(super) fn is_like_faces(&self) -> bool {
+        let name = self.name.to_ascii_lowercase();
+        let other = ["vertex", "edge", "line", "path", "curve", "strip", "fan", "tet", "hex", "voxel"];
+        !other.iter().any(|other| name.contains(other)) && self.index_list().is_ok()
     }
 
     /// The index of the property with the list of vertex indices.
@@ -189,10 +247,10 @@ impl Kind {
     /// Reads past a value of this kind.
     pub(super) fn skip(self, values: &mut impl Values) -> Result<(), ReadError> {
         match self {
-            Self::Scalar(number) => values.number(number).map(drop),
+            Self::Scalar(number) => values.skip(number),
             Self::List { length, item } => {
                 for _ in 0..values.length(length)? {
-                    values.number(item)?;
+                    values.skip(item)?;
                 }
                 Ok(())
             }
@@ -209,14 +267,27 @@ impl Number {
             b"ushort" | b"uint16" => Self::U16,
             b"int" | b"int32" => Self::I32,
             b"uint" | b"uint32" => Self::U32,
+            b"long" | b"int64" => Self::I64,
+            b"ulong" | b"uint64" => Self::U64,
             b"float" | b"float32" => Self::F32,
             b"double" | b"float64" => Self::F64,
             _ => return None,
         })
     }
 
-    fn is_whole(self) -> bool {
+    pub(super) fn is_whole(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
+    }
+
+    /// `word` as a number of this type; integers may be larger than their type.
+    #[inline]
+    pub(super) fn parse(self, word: &[u8]) -> Option<f64> {
+        match self {
+            Self::F32 => parse::<f32>(word).map(f64::from),
+            Self::F64 => parse(word),
+            Self::U64 => parse::<i128>(word).map(|value| value as f64),
+            _ => parse::<i64>(word).map(|value| value as f64),
+        }
     }
 
     pub(super) fn bytes(self) -> u64 {
@@ -224,7 +295,7 @@ impl Number {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::F64 | Self::I64 | Self::U64 => 8,
         }
     }
 }

@@ -6,11 +6,12 @@ use std::path::Path;
 use umbrage::check::Screen;
 use umbrage::geom::Aabb;
 use umbrage::mesh::{Mesh, Weld, weld_in_place};
-use umbrage::read::{self, Format};
+use umbrage::read::Format;
 use umbrage::scene::{Lamp, Material, NamedCamera, Pattern, PlacedPart, Scene, Scope};
 use umbrage::view::Up;
 
 use super::error::Failure;
+use super::files;
 use super::output;
 use super::progress::Progress;
 
@@ -127,7 +128,7 @@ impl MeshArgs {
 
     fn scene(&self, file: &Path) -> Result<Scene, Failure> {
         let progress = Progress::spinner(format!("reading {}", file.display()));
-        let scene = read::read(file);
+        let scene = files::read(file);
         drop(progress);
         let mut scene = scene?;
         for note in &scene.notes {

@@ -5,6 +5,7 @@
 
 mod chart;
 mod error;
+mod files;
 mod input;
 mod interrupt;
 mod json;

@@ -18,7 +18,6 @@ pub(super) fn by_content(head: &[u8], len: u64) -> Option<ReadError> {
         WEB_PAGE => "download the file itself: this is a page about it, or about an error",
         POINTER => "fetch the file itself with `git lfs pull`",
         PICTURE => "name a mesh file",
-        PACKED => "unpack it and name the mesh file",
         _ => CONVERT,
     }))
 }
@@ -34,10 +33,9 @@ pub(super) fn by_extension(name: &Path) -> Option<ReadError> {
 const WEB_PAGE: &str = "HTML, a web page";
 const POINTER: &str = "a pointer of Git LFS";
 const PICTURE: &str = "a picture";
-const PACKED: &str = "an archive";
 
 /// The first bytes of formats, the longer ones first.
-const MARKS: [(&[u8], &str); 50] = [
+const MARKS: [(&[u8], &str); 46] = [
     (b"#VRML", "VRML"),
     (b"#X3D", "X3D"),
     (b"#Inventor", "Open Inventor"),
@@ -84,13 +82,9 @@ const MARKS: [(&[u8], &str); 50] = [
     (b"\x89PNG", PICTURE),
     (b"\xff\xd8\xff", PICTURE),
     (b"GIF8", PICTURE),
-    (b"PK\x03\x04", PACKED),
-    (b"\x1f\x8b", PACKED),
-    (b"7z\xbc\xaf\x27\x1c", PACKED),
-    (b"Rar!\x1a", PACKED),
 ];
 
-const EXTENSIONS: [(&[&str], &str); 33] = [
+const EXTENSIONS: [(&[&str], &str); 32] = [
     (&["fbx"], "FBX"),
     (&["dae"], "COLLADA"),
     (&["3ds", "max"], "3D Studio"),
@@ -100,7 +94,6 @@ const EXTENSIONS: [(&[&str], &str); 33] = [
     (&["wrl", "vrml", "wrz"], "VRML"),
     (&["x3d", "x3dv", "x3db"], "X3D"),
     (&["usd", "usda", "usdc", "usdz"], "USD"),
-    (&["3mf"], "3MF"),
     (&["amf"], "AMF"),
     (&["dxf", "dwg"], "an AutoCAD drawing"),
     (&["ma", "mb"], "Maya"),

@@ -9,8 +9,8 @@ pub(super) struct Lost(Vec<Vertex>);
 
 struct Vertex {
     index: u64,
-    /// The line, or 0 in a binary file.
-    line: u64,
+    /// The line, in a text file.
+    line: Option<u64>,
     /// The coordinate.
     value: f64,
 }
@@ -18,7 +18,7 @@ struct Vertex {
 impl Lost {
     /// The position of vertex `index`, rounded; for now the origin, if a coordinate is not finite.
     #[inline]
-    pub(super) fn position(&mut self, index: u64, position: [f64; 3], line: u64) -> [f32; 3] {
+    pub(super) fn position(&mut self, index: u64, position: [f64; 3], line: Option<u64>) -> [f32; 3] {
         let rounded = position.map(|value| value as f32);
         match rounded.iter().position(|value| !value.is_finite()) {
             None => rounded,
@@ -46,8 +46,7 @@ impl Lost {
         triangles.as_flattened().iter().for_each(|&vertex| used[vertex as usize] = true);
         if let Some(vertex) = self.0.iter().find(|vertex| used[vertex.index as usize]) {
             let Vertex { index, line, value } = vertex;
-            let item = || Place::Item(format!("vertex {index}"));
-            let place = if *line > 0 { Place::Line(*line) } else { item() };
+            let place = line.map_or_else(|| Place::Item(format!("vertex {index}")), Place::Line);
             let problem = format!(
                 "a face has vertex {index}, whose coordinate {value:e} is not a finite number of 32 bits"
             );
@@ -58,7 +57,7 @@ impl Lost {
         let sound = gap.map_or(self.0.len(), |(_, index)| index as usize);
         let position = positions.get(sound).copied().unwrap_or_default();
         self.0.iter().for_each(|vertex| positions[vertex.index as usize] = position);
-        let on = if first.line > 0 { format!(" on line {}", first.line) } else { String::new() };
+        let on = first.line.map_or_else(String::new, |line| format!(" on line {line}"));
         let vertices = counted(self.0.len() as u64, "vertex");
         Ok(Some(format!(
             "{vertices} of no face without a finite position put where another one lies, the first is vertex {}{on}",
@@ -75,7 +74,7 @@ mod tests {
     fn lost_vertices_go_where_a_sound_one_lies_unless_a_face_has_them() {
         let mut lost = Lost::default();
         let file = [[f64::NAN, 0.0, 0.0], [1.0, 2.0, 3.0], [0.0, 1e39, 0.0], [4.0; 3], [5.0; 3]];
-        let mut positions: Vec<_> = (0..).zip(file).map(|(i, p)| lost.position(i, p, 10 + i)).collect();
+        let mut positions: Vec<_> = (0..).zip(file).map(|(i, p)| lost.position(i, p, Some(10 + i))).collect();
         let read = positions.clone();
         let error = lost.settle(Format::Ply, &mut positions, &[[3, 4, 2]]).unwrap_err();
         assert_eq!((error.place, positions.clone()), (Place::Line(12), read));
@@ -88,7 +87,7 @@ mod tests {
     #[test]
     fn lost_vertices_alone_stay_at_the_origin() {
         let mut lost = Lost::default();
-        let mut positions = vec![lost.position(0, [f64::INFINITY; 3], 0)];
+        let mut positions = vec![lost.position(0, [f64::INFINITY; 3], None)];
         assert!(lost.settle(Format::Off, &mut positions, &[]).unwrap().is_some());
         assert_eq!(positions, [[0.0; 3]]);
         assert_eq!(Lost::default().settle(Format::Off, &mut positions, &[]).unwrap(), None);

@@ -57,7 +57,7 @@ impl Off {
         reserved.map_err(|_| unheld(Format::Off, vertices, "vertex"))
     }
 
-    fn vertex(&mut self, position: [f32; 3], line: u64) {
+    fn vertex(&mut self, position: [f32; 3], line: Option<u64>) {
         let index = self.positions.len() as u64;
         self.positions.push(self.lost.position(index, position.map(f64::from), line));
     }

@@ -23,6 +23,8 @@ pub enum Format {
     Off,
     /// Quake II model.
     Md2,
+    /// 3D Manufacturing Format.
+    ThreeMf,
 }
 
 impl Format {
@@ -37,6 +39,7 @@ impl Format {
             Self::Ply => "ply",
             Self::Off => "off",
             Self::Md2 => "md2",
+            Self::ThreeMf => "3mf",
         }
     }
 
@@ -44,7 +47,7 @@ impl Format {
     #[must_use]
     pub fn up(self) -> Up {
         match self {
-            Self::Md2 | Self::Stl => Up::Z,
+            Self::Md2 | Self::Stl | Self::ThreeMf => Up::Z,
             Self::Obj | Self::Gltf | Self::Glb | Self::Ply | Self::Off => Up::Y,
         }
     }
@@ -53,7 +56,7 @@ impl Format {
     #[must_use]
     pub fn from_extension(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        [Self::Obj, Self::Gltf, Self::Glb, Self::Stl, Self::Ply, Self::Off, Self::Md2]
+        [Self::Obj, Self::Gltf, Self::Glb, Self::Stl, Self::Ply, Self::Off, Self::Md2, Self::ThreeMf]
             .into_iter()
             .find(|format| format.name() == extension)
     }

@@ -15,6 +15,7 @@ use umbrage::scene::Lamp;
 use umbrage::view::Size;
 use umbrage::write::write_atomic;
 
+use super::files;
 use super::input::{CastArgs, Source, SourceArgs};
 use super::lights::LightArgs;
 use super::load::MeshArgs;
@@ -43,7 +44,8 @@ pub(crate) struct Args {
     #[arg(value_enum)]
     what: What,
 
-    /// Mesh files: obj, gltf, glb, stl, ply, md2; recognized by their content, then by their extension
+    /// Mesh files, or folders of such, or - for standard input: obj, gltf, glb, stl, ply, md2, 3mf; also in
+    /// gzip or ZIP; recognized by their content, then by their extension
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -192,7 +194,8 @@ struct Asked {
     options: Options,
 }
 
-pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
+    args.files = files::expand(args.files);
     let Some(question) = args.what.question() else {
         args.refuse_queries()?;
         refuse_outputs(&args)?;

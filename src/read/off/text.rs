@@ -30,7 +30,7 @@ pub(super) fn read<R: BufRead>(
     off.reserve(vertices)?;
     for index in 0..vertices {
         let position = point(words, index)?;
-        off.vertex(position, words.line());
+        off.vertex(position, Some(words.line()));
         if words.skip_line()? && header.extras == 0 {
             off.slips.add("vertex", "with more than a position", || format!("on line {}", words.line()));
         }

@@ -19,12 +19,15 @@ pub(super) trait Values {
     fn end(&mut self);
     /// The current item for a note.
     fn at(&self) -> String;
-    /// The current line, or 0 if there are no lines.
-    fn line(&self) -> u64;
     /// An error at the current item.
     fn error(&self, problem: String) -> ReadError;
     /// What was wrong around the numbers.
     fn slips(&mut self) -> &mut Slips;
+
+    /// The line of the current item, in text.
+    fn line(&self) -> Option<u64> {
+        None
+    }
 
     /// The buffered bytes that come next, if numbers are stored lowest byte first; otherwise none.
     fn at_hand(&mut self) -> &[u8] {
@@ -126,8 +129,8 @@ impl<R: BufRead> Values for Text<R> {
         self.lines.current().at()
     }
 
-    fn line(&self) -> u64 {
-        self.lines.current().number
+    fn line(&self) -> Option<u64> {
+        Some(self.lines.current().number)
     }
 
     fn slips(&mut self) -> &mut Slips {
@@ -217,10 +220,6 @@ impl<R: BufRead, const BIG_ENDIAN: bool> Values for Binary<R, BIG_ENDIAN> {
 
     fn at(&self) -> String {
         format!("at element {}, item {}", self.element, self.index)
-    }
-
-    fn line(&self) -> u64 {
-        0
     }
 
     fn slips(&mut self) -> &mut Slips {

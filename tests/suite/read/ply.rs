@@ -384,7 +384,7 @@ fn ply_runs_end_before_what_is_wrong() {
     for item in [0, 1, 5_000, 8_999] {
         let at = start + item * vertex + 1;
         let text = error(little.clone(), at, f32::NAN.to_le_bytes());
-        assert!(text.contains(&format!("element vertex, item {item} ")), "{text}");
+        assert!(text.contains(&format!(", vertex {item} (ply)")), "{text}");
         assert_eq!(text, error(big.clone(), at, f32::NAN.to_be_bytes()));
     }
     for item in [0, 1, 20_000, 29_999] {

@@ -38,10 +38,11 @@ pub(crate) struct Source<R> {
     pub(crate) len: u64,
 }
 
-/// Reads a mesh file of any format this crate knows.
+/// Reads a mesh file of any format this crate knows, which [`Format`] lists.
 ///
 /// The format is detected from the content, and where that is ambiguous, from the extension. OBJ has no mark:
-/// text that begins with an OBJ statement is taken for it unless the content shows another format.
+/// text that begins with an OBJ statement is taken for it unless the content or the extension shows another
+/// format. A slip around plain geometry is read, and named in [`Scene::notes`].
 ///
 /// Memory: no count of a file is believed beyond what its bytes can hold. At its peak reading takes less than
 /// 4 times the file for an ordinary one and less than 40 times for any, and 1 MB; for glTF, whose JSON is a
@@ -210,6 +211,7 @@ mod tests {
             ("a.glb", bytes(Target::Glb)),
             ("b.stl", stl),
             ("t.stl", text.to_vec()),
+            ("a.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".to_vec()),
             ("a.md2", md2),
         ]
     }

@@ -45,6 +45,19 @@ pub(crate) fn real_meshes() -> Option<PathBuf> {
     None
 }
 
+/// The folder of small files made after reports of other tools; prints a message if the folder is missing.
+pub(crate) fn reports() -> Option<PathBuf> {
+    let folder = std::env::var_os("UMBRAGE_REPORTS").map_or_else(
+        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/reports")),
+        PathBuf::from,
+    );
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("SKIPPED: no report files at {}; set UMBRAGE_REPORTS to their folder", folder.display());
+    None
+}
+
 /// The rows of `facts.csv` by column name: measurements of the real meshes by other programs.
 pub(crate) fn facts(folder: &Path) -> Vec<HashMap<String, String>> {
     // A quoted field may hold commas.

@@ -272,7 +272,7 @@ impl Text {
         let (controls, line) = words.controls();
         if controls > 0 {
             let bytes = crate::read::text::counted(controls, "control byte");
-            scene.notes.push(format!("{bytes} taken for blanks, the first on line {line}"));
+            scene.notes.push(format!("{bytes} taken as blank, from line {line} on"));
         }
         Ok(scene)
     }

@@ -47,7 +47,8 @@ pub(super) fn read<R: Read + Seek>(
         }
         next += 1;
     }
-    place::scene(parts)
+    let scene = place::scene(parts)?;
+    Ok(Scene { format: Some(Format::ThreeMf), up: Format::ThreeMf.up(), ..scene })
 }
 
 /// The model parts of a package, each with its name.

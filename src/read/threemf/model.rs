@@ -9,7 +9,7 @@ use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 
 use crate::mesh::{Mesh, MeshError};
-use crate::read::text::{counted, parse, quote};
+use crate::read::text::{counted, name, parse, quote};
 use crate::read::{Format, Place, ReadError, refused};
 
 /// Objects and build items of one part.
@@ -242,7 +242,7 @@ impl Parser<'_> {
             let [namespace] = self.attributes(model, at, [key.as_str()])?;
             let namespace = namespace.unwrap_or(Cow::Borrowed(prefix));
             if !UNDERSTOOD.contains(&namespace.as_ref()) {
-                let problem = format!("the required extension {} is not read", quote(namespace.as_bytes()));
+                let problem = format!("the required extension `{}` is not read", name(namespace.as_bytes()));
                 let remedy = "export the file without this extension, or as plain meshes";
                 return Err(self.error(at, problem).remedy(remedy));
             }

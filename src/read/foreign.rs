@@ -6,7 +6,8 @@ use super::{Place, ReadError};
 
 const CONVERT: &str = "convert it to glb, gltf, obj, ply, stl or off, with Blender for example";
 
-/// The error for a file of `len` bytes whose first ones, without blanks, are those of a format that is not read.
+/// The error for a file of `len` bytes whose first ones, without blanks, are those of a format that is not
+/// read.
 pub(super) fn by_content(head: &[u8], len: u64) -> Option<ReadError> {
     // 3D Studio: a mark of two letters, and the length of the file.
     let studio =

@@ -59,10 +59,8 @@ impl Lost {
         self.0.iter().for_each(|vertex| positions[vertex.index as usize] = position);
         let on = first.line.map_or_else(String::new, |line| format!(" on line {line}"));
         let vertices = counted(self.0.len() as u64, "vertex");
-        Ok(Some(format!(
-            "{vertices} of no face without a finite position put where another one lies, the first is vertex {}{on}",
-            first.index
-        )))
+        let put = "of no face without a finite position put where another one lies";
+        Ok(Some(format!("{vertices} {put}, the first is vertex {}{on}", first.index)))
     }
 }
 

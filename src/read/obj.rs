@@ -81,8 +81,9 @@ impl Obj {
                     .iter()
                     .all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E')) => {}
                 _ => {
-                    let what = "behind a position that is no number and not needed";
-                    self.slips.add("word", what, || format!("{} ({})", line.at(), quote(word)));
+                    let what = "ignored for not being a number";
+                    self.slips
+                        .add("color or weight value", what, || format!("{} ({})", line.at(), quote(word)));
                 }
             }
         }

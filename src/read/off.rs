@@ -1,8 +1,8 @@
 //! Object file format (OFF) of Geomview, text and binary.
 //!
-//! The reader is our own: no crate for it reports the line of an error. Read are the positions and the
-//! polygons, which are cut into fans; normals, colors and texture coordinates are skipped. A vertex and a face
-//! take a line each. Vertices of other than three coordinates (`4OFF`, `nOFF`) are refused.
+//! The reader is our own, so that errors name the line. Read are positions and polygons, which are cut into
+//! fans; normals, colors and texture coordinates are skipped. A vertex and a face take a line each. Vertices
+//! of other than three coordinates (`4OFF`, `nOFF`) are refused.
 
 mod binary;
 mod header;

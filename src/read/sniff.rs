@@ -8,8 +8,8 @@ use super::{Format, Place, ReadError, foreign, off};
 pub(super) fn sniff(head: &[u8], len: u64, name: &Path) -> Result<Format, ReadError> {
     let named = Format::from_extension(name);
     let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
-    // A binary STL may begin with anything; its length is the stronger sign: 80 + 4 + 50 bytes a triangle. Only
-    // another binary file, of which not even the extension is that of STL, is believed before.
+    // A binary STL may begin with anything; its length is the stronger sign: 80 + 4 + 50 bytes a triangle.
+    // Only the mark of another binary format is stronger, and only under another extension.
     let binary_stl = head.get(80..84).is_some_and(|count| {
         len == 84 + 50 * u64::from(u32::from_le_bytes(count.try_into().expect("four bytes")))
     });

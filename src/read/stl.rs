@@ -28,8 +28,8 @@ pub(super) fn read<R: BufRead + Seek>(mut source: Source<R>) -> Result<Scene, Re
 
 /// Whether the first bytes are those of a text file that holds something.
 ///
-/// Binary files may begin with "solid" too. But text has no zero byte before its end, and every count below 2²⁴
-/// has one; a larger one is recognized by the file's length.
+/// Binary files may begin with "solid" too. But text has no zero byte before its end, and every count below
+/// 2²⁴ has one; a larger one is recognized by the file's length.
 fn begins_as_text(head: &[u8]) -> bool {
     let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
     let end = head.iter().position(|&byte| byte == 0).unwrap_or(head.len());

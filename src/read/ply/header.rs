@@ -3,6 +3,8 @@
 use std::io::BufRead;
 
 use super::file_error;
+use super::junk::Junk;
+pub(super) use super::number::Number;
 use super::values::Values;
 use crate::read::ReadError;
 use crate::read::slips::Slips;
@@ -38,21 +40,6 @@ pub(super) enum Kind {
     List { length: Number, item: Number },
 }
 
-/// A numeric type.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Number {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    I64,
-    U64,
-    F32,
-    F64,
-}
-
 impl Header {
     /// Reads up to and including `end_header`.
     pub(super) fn read<R: BufRead>(lines: &mut Lines<R>) -> Result<Self, ReadError> {
@@ -68,13 +55,13 @@ impl Header {
             };
             let whole = line;
             match line.word() {
-                None | Some(b"comment" | b"obj_info") => {}
-                Some(b"property") if doubtful.is_some() => return Err(doubtful.expect("it is some")),
+                None | Some(b"comment" | b"obj_info") => continue,
                 Some(b"format") => encoding = Some(Encoding::read(line)?),
                 Some(b"element") => elements.push(Element::read(line)?),
-                Some(b"property") => match elements.last_mut() {
-                    Some(element) => element.properties.push(Property::read(line)?),
-                    None => return Err(line.error("a property is declared before any element")),
+                Some(b"property") => match (doubtful, elements.last_mut()) {
+                    (Some(refused), _) => return Err(refused),
+                    (None, Some(element)) => element.properties.push(Property::read(line)?),
+                    (None, None) => return Err(line.error("a property is declared before any element")),
                 },
                 Some(b"end_header") => break,
                 Some(word) => {
@@ -122,34 +109,6 @@ impl Header {
             }
         }
         Ok(())
-    }
-}
-
-/// What a header line with an unknown keyword looks like.
-enum Junk {
-    /// What follows a header.
-    Data,
-    /// `property` misspelt: a type is the second word.
-    Property,
-    /// `element` misspelt: a count is the third and last word.
-    Element,
-    /// Nothing that matters.
-    Words,
-}
-
-impl Junk {
-    fn of(line: Line<'_>) -> Self {
-        let mut rest = line;
-        let words = [(); 4].map(|()| rest.word());
-        let is_text =
-            str::from_utf8(line.rest).is_ok_and(|text| !text.contains(|c: char| c < ' ' && c != '\t'));
-        match words {
-            _ if !is_text => Self::Data,
-            [Some(first), ..] if parse::<f64>(first).is_some() => Self::Data,
-            [_, Some(kind), Some(_), _] if kind == b"list" || Number::named(kind).is_some() => Self::Property,
-            [_, Some(_), Some(count), None] if parse::<u64>(count).is_some() => Self::Element,
-            _ => Self::Words,
-        }
     }
 }
 
@@ -254,48 +213,6 @@ impl Kind {
                 }
                 Ok(())
             }
-        }
-    }
-}
-
-impl Number {
-    fn named(name: &[u8]) -> Option<Self> {
-        Some(match name {
-            b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" => Self::U8,
-            b"short" | b"int16" => Self::I16,
-            b"ushort" | b"uint16" => Self::U16,
-            b"int" | b"int32" => Self::I32,
-            b"uint" | b"uint32" => Self::U32,
-            b"long" | b"int64" => Self::I64,
-            b"ulong" | b"uint64" => Self::U64,
-            b"float" | b"float32" => Self::F32,
-            b"double" | b"float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    pub(super) fn is_whole(self) -> bool {
-        !matches!(self, Self::F32 | Self::F64)
-    }
-
-    /// `word` as a number of this type; integers may be larger than their type.
-    #[inline]
-    pub(super) fn parse(self, word: &[u8]) -> Option<f64> {
-        match self {
-            Self::F32 => parse::<f32>(word).map(f64::from),
-            Self::F64 => parse(word),
-            Self::U64 => parse::<i128>(word).map(|value| value as f64),
-            _ => parse::<i64>(word).map(|value| value as f64),
-        }
-    }
-
-    pub(super) fn bytes(self) -> u64 {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 | Self::I64 | Self::U64 => 8,
         }
     }
 }

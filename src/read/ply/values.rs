@@ -112,7 +112,7 @@ impl<R: BufRead> Values for Text<R> {
             Some(word) if number.parse(word).is_some() => Ok(()),
             Some(word) => {
                 let word = quote(word);
-                self.slip("value", "that is not of its type and not needed", &word);
+                self.slip("unread value", "of another type than declared", &word);
                 Ok(())
             }
         }

@@ -130,8 +130,8 @@ fn attributes<R: BufRead + Seek>(
         .map_err(|error| unreadable(Format::Stl, Place::File, &error))?;
     match first {
         None => walk.map(|()| Attributes::Within),
-        // What one triangle counts is not there: it is no count.
-        Some((attributes, _)) if attributes > surplus => Ok(Attributes::Within),
+        // What one triangle counts is not there, and the file holds no more triangles: it is no count.
+        Some((attributes, _)) if attributes > surplus && surplus < RECORD => Ok(Attributes::Within),
         Some(_) if sum == surplus && walk.is_ok() => Ok(Attributes::Behind),
         Some((_, at)) => {
             let problem = format!(

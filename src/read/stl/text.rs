@@ -158,7 +158,7 @@ impl Text {
 
     fn facet<R: BufRead>(&mut self, words: &Words<R>) -> Inside {
         if !words.starts_line() {
-            self.slips.add("facet", "that begins no line", || format!("on line {}", words.line()));
+            self.slips.add("facet", "not at the beginning of a line", || format!("on line {}", words.line()));
         }
         Inside::Facet
     }

@@ -13,19 +13,19 @@ fn reports_of_slips_around_plain_geometry_are_read() {
         (
             "o_nancolor.obj",
             4,
-            "3 words behind a position that is no number and not needed, the first on line 2 (`nan`)",
+            "3 color or weight values ignored for not being a number, the first on line 2 (`nan`)",
         ),
         ("o_2face.obj", 4, "1 face of fewer than three corners left out, on line 9"),
         ("p_2face.ply", 4, "1 face of fewer than three corners left out, on line 17"),
         (
             "p_nanind_normal.ply",
             4,
-            "8 values that are not of their type and not needed, the first on line 12 (`-nan(ind)`)",
+            "8 unread values of another type than declared, the first on line 12 (`-nan(ind)`)",
         ),
         ("p_polygon_elem.ply", 4, "4 polygon elements read as faces, since there is no element face"),
         ("s_endsolidName.stl", 12, "1 keyword run together with a name, on line 30 (`endsolidtetra`)"),
         ("s_nul_end.stl", 12, "1 control byte taken as blank, from line 31 on"),
-        ("s_oneline.stl", 12, "4 facets that begin no line, the first on line 1"),
+        ("s_oneline.stl", 12, "4 facets not at the beginning of a line, the first on line 1"),
     ] {
         let scene = read(folder.join(name)).unwrap_or_else(|error| panic!("{error}"));
         let mesh = &scene.meshes[0];

@@ -53,7 +53,7 @@ fn obj_words_behind_a_position_need_be_no_numbers() {
                     || word.parse::<f32>().is_err() && !word.is_empty()
             });
             let note = format!(
-                "{} words behind a position that is no number and not needed, the first on line 1 (`{}`)",
+                "{} color or weight values ignored for not being a number, the first on line 1 (`{}`)",
                 each * count,
                 word.unwrap()
             );
@@ -107,8 +107,8 @@ fn ply_columns_that_are_not_read_may_hold_anything() {
             (" nan(0x7f) 0.5 2 1.#IND x", 4, "nan(0x7f)"),
             (" 0 1.#INF 1 -inf", 1, "1.#INF"),
         ] {
-            let note = format!("{} values that are not of its type", each * count);
-            let note = format!("{note} and not needed, the first on line 13 (`{first}`)");
+            let note = format!("{} unread values of another type", each * count);
+            let note = format!("{note} than declared, the first on line 13 (`{first}`)");
             let notes = if each > 0 { vec![note.as_str()] } else { vec![] };
             same(ply(&shape, columns, words, ""), "a.ply", &shape, &notes);
         }
@@ -319,7 +319,7 @@ fn stl_text_may_lie_on_any_lines() {
             same(text.to_uppercase().replace("FACET", "Facet"), "a", &shape, &[]);
         }
         let faces = soup.face_count();
-        let note = format!("{faces} facets that begin no line, the first on line 1");
+        let note = format!("{faces} facets not at the beginning of a line, the first on line 1");
         let one_line = stl_text(&shape, ["solid a b", "endsolid a b"], " ", " ");
         let scene = same(&one_line, "a.stl", &shape, &[&note]);
         assert_eq!(scene.meshes[0].name, "a b");
@@ -398,7 +398,7 @@ fn stl_text_that_is_short_may_be_padded_with_zeros() {
     assert_eq!(scene(&text, "a.stl").notes, ["500 control bytes taken as blank, from line 3 on"]);
     // Negative test: a binary file that begins with the word.
     assert!(
-        error("solid\n".to_owned() + &"\0".repeat(500), "a.stl").contains("the header counts 0 triangles")
+        error("solid\n".to_owned() + &"\0".repeat(478), "a.stl").contains("the header counts 0 triangles")
     );
 }
 
@@ -426,7 +426,7 @@ fn stl_attributes_behind_triangles_are_skipped() {
             let sum: usize = (0..faces).map(|i| usize::from(length(i))).sum();
             let note = format!("{sum} bytes of attributes behind triangles skipped");
             same(&bytes, "a.stl", &shape, &[&note]);
-            same([b"solid", &bytes[5..]].concat(), "a.stl", &shape, &[&note]);
+            same([&b"solid"[..], &bytes[5..]].concat(), "a.stl", &shape, &[&note]);
             // Negative test: a byte too few, or too many: never read as coordinates.
             let longer = [&bytes[..], &[0]].concat();
             for damaged in [&bytes[..bytes.len() - 1], &longer] {

@@ -50,6 +50,17 @@ pub(crate) fn ply_text(mesh: &Mesh) -> File {
     File { name: "a.ply", kind: "PLY, text", bytes: text.into_bytes(), vertices: mesh.vertex_count() }
 }
 
+pub(crate) fn off(mesh: &Mesh) -> File {
+    let mut text = format!("OFF\n{} {} 0\n", mesh.vertex_count(), mesh.face_count());
+    for [x, y, z] in mesh.positions() {
+        let _ = writeln!(text, "{x} {y} {z}");
+    }
+    for [a, b, c] in mesh.triangles() {
+        let _ = writeln!(text, "3 {a} {b} {c}");
+    }
+    File { name: "a.off", kind: "OFF, text", bytes: text.into_bytes(), vertices: mesh.vertex_count() }
+}
+
 pub(crate) fn stl(mesh: &Mesh) -> File {
     let mut bytes = vec![0; 80];
     bytes.extend((mesh.face_count() as u32).to_le_bytes());

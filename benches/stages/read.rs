@@ -10,7 +10,8 @@ pub(crate) fn run(bench: &mut Bench<'_>) {
         return;
     }
     let mesh = crate::ordered(bench.quick);
-    for file in [files::obj, files::stl_text, files::stl, files::ply_text, files::ply, files::glb] {
+    for file in [files::obj, files::stl_text, files::stl, files::ply_text, files::ply, files::off, files::glb]
+    {
         reader(bench, &mesh.name, mesh.face_count(), &file(&mesh));
     }
 }

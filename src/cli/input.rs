@@ -17,7 +17,7 @@ use super::{Failure, load};
 /// The file, how it is welded, and its lights.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SourceArgs {
-    /// A mesh file, or - for standard input: obj, gltf, glb, stl, ply, md2, 3mf; also in gzip or ZIP;
+    /// A mesh file, or - for standard input: obj, gltf, glb, stl, ply, off, md2, 3mf; also in gzip or ZIP;
     /// recognized by its content, then by its extension
     pub(crate) file: PathBuf,
 

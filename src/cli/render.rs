@@ -59,7 +59,7 @@ pub(crate) struct Args {
     #[arg(long, value_enum, default_value_t = FalloffArg::Plain)]
     falloff: FalloffArg,
 
-    /// Add a large floor below everything: lowest in z for stl and md2, lowest in y for every other format
+    /// Add a large floor below everything: lowest in z for stl, md2 and 3mf, lowest in y for others
     #[arg(long)]
     ground: bool,
 

@@ -2,14 +2,20 @@
 
 mod error;
 mod fan;
+mod foreign;
 mod gltf;
+mod lost;
 mod md2;
 mod obj;
+mod off;
 mod packed;
 mod ply;
+mod slips;
+mod sniff;
 mod stl;
 mod text;
 mod threemf;
+mod words;
 
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
@@ -18,6 +24,7 @@ use std::path::Path;
 pub use error::{Place, ReadError};
 
 use packed::Packing;
+use sniff::sniff;
 
 use crate::mesh::MeshError;
 pub use crate::scene::Format;
@@ -31,10 +38,11 @@ pub(crate) struct Source<R> {
     pub(crate) len: u64,
 }
 
-/// Reads a mesh file of any format this crate knows.
+/// Reads a mesh file of any format this crate knows, which [`Format`] lists.
 ///
 /// The format is detected from the content, and where that is ambiguous, from the extension. OBJ has no mark:
-/// text that begins with an OBJ statement is taken for it unless the content shows another format.
+/// text that begins with an OBJ statement is taken for it unless the content or the extension shows another
+/// format. A slip around plain geometry is read, and named in [`Scene::notes`].
 ///
 /// Memory: no count of a file is believed beyond what its bytes can hold. At its peak reading takes less than
 /// 4 times the file for an ordinary one and less than 40 times for any, and 1 MB; for glTF, whose JSON is a
@@ -137,6 +145,7 @@ fn plain_with<R: BufRead + Seek>(
         Format::Gltf | Format::Glb => gltf::read(source, format, folder),
         Format::Stl => stl::read(source),
         Format::Ply => ply::read(source),
+        Format::Off => off::read(source),
         Format::Md2 => md2::read(source),
         Format::ThreeMf => {
             let problem = "a 3MF file is a ZIP archive, which this is not";
@@ -180,69 +189,6 @@ fn utf16(head: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// The format that the first bytes of a file show, or else its extension.
-fn sniff(head: &[u8], len: u64, name: &Path) -> Result<Format, ReadError> {
-    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
-    // A binary STL may begin with "solid" too; its length is the stronger sign: 80 + 4 + 50 bytes a triangle.
-    let binary_stl = head.get(80..84).is_some_and(|count| {
-        len == 84 + 50 * u64::from(u32::from_le_bytes(count.try_into().expect("four bytes")))
-    });
-    match text {
-        _ if head.starts_with(b"glTF") => Ok(Format::Glb),
-        _ if head.starts_with(b"IDP2") => Ok(Format::Md2),
-        _ if head.starts_with(b"ply\n") || head.starts_with(b"ply\r") => Ok(Format::Ply),
-        _ if binary_stl => Ok(Format::Stl),
-        _ if text.starts_with(b"{") => Ok(Format::Gltf),
-        _ if text.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) => Ok(Format::Stl),
-        _ => unmarked(text, Format::from_extension(name)),
-    }
-}
-
-/// The format of a file whose content has no mark; `named` is that of its extension.
-fn unmarked(head: &[u8], named: Option<Format>) -> Result<Format, ReadError> {
-    let is_text = !head.iter().any(|byte| byte.is_ascii_control() && !byte.is_ascii_whitespace());
-    let shown = if is_text { obj_statement(head) } else { Obj::Unlike };
-    match (named, shown) {
-        (Some(Format::Obj), _) | (_, Obj::Statement) | (None, Obj::Comment) => Ok(Format::Obj),
-        (None, Obj::Unlike) => {
-            let problem = "neither the content nor the extension tells the format";
-            Err(ReadError::new(None, Place::File, problem)
-                .remedy("name a file in obj, gltf, glb, stl, ply or md2 format"))
-        }
-        // Text STL begins with a mark, and GLB is binary; the readers of the other formats report it
-        // themselves.
-        (Some(format @ (Format::Glb | Format::Stl)), _) if is_text => {
-            let problem = format!("the content is text, but not that of a file in {format} format");
-            Err(ReadError::new(format, Place::File, problem)
-                .remedy("give the file the extension of its format, or export it again"))
-        }
-        (Some(format), _) => Ok(format),
-    }
-}
-
-/// How much a text looks like Wavefront OBJ.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Obj {
-    /// Its first line that is no comment is a statement.
-    Statement,
-    /// It begins with a comment, and has nothing else to decide by.
-    Comment,
-    /// Neither.
-    Unlike,
-}
-
-fn obj_statement(text: &[u8]) -> Obj {
-    let mut lines = text.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
-    let first = lines.find(|line| !line.is_empty() && !line.starts_with(b"#"));
-    match first.and_then(|line| line.split(u8::is_ascii_whitespace).next()) {
-        Some(b"v" | b"vn" | b"vt" | b"f" | b"o" | b"g" | b"s" | b"l" | b"p" | b"mtllib" | b"usemtl") => {
-            Obj::Statement
-        }
-        None if text.starts_with(b"#") => Obj::Comment,
-        _ => Obj::Unlike,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -268,6 +214,7 @@ mod tests {
             ("a.glb", bytes(Target::Glb)),
             ("b.stl", stl),
             ("t.stl", text.to_vec()),
+            ("a.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".to_vec()),
             ("a.md2", md2),
         ]
     }

@@ -15,6 +15,7 @@ use std::path::Path;
 
 use self::library::Libraries;
 use super::fan::Fan;
+use super::slips::Slips;
 use super::text::{Line, Lines, counted, name, quote};
 use super::{Format, ReadError, Source, refused};
 use crate::mesh::{Mesh, Part};
@@ -62,6 +63,7 @@ struct Obj {
     n_gons: u64,
     /// The highest index (from 1) named by a face, and the first line that names it.
     highest: (u64, u64),
+    slips: Slips,
     ignored: u64,
     first_ignored: Option<(u64, String)>,
 }
@@ -69,13 +71,24 @@ struct Obj {
 impl Obj {
     fn vertex(&mut self, mut line: Line<'_>) -> Result<(), ReadError> {
         self.positions.push(line.point()?);
-        // A weight or a color may follow, and nothing else.
-        match line.word() {
-            Some(word) if !matches!(word[0], b'0'..=b'9' | b'+' | b'-' | b'.' | b'#') => {
-                Err(line.error(format!("{} follows the position", quote(word))))
+        // A weight or a color may follow. Neither is read, so it need not be sound; but no statement may.
+        while let Some(word) = line.word() {
+            match word {
+                [b'#', ..] => break,
+                b"v" | b"vn" | b"vt" | b"f" | b"l" | b"p" | b"o" | b"g" | b"s" | b"usemtl" | b"mtllib" => {
+                    return Err(line.error(format!("{} follows the position", quote(word))));
+                }
+                _ if word
+                    .iter()
+                    .all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E')) => {}
+                _ => {
+                    let what = "ignored for not being a number";
+                    self.slips
+                        .add("color or weight value", what, || format!("{} ({})", line.at(), quote(word)));
+                }
             }
-            _ => Ok(()),
         }
+        Ok(())
     }
 
     fn face(&mut self, mut line: Line<'_>) -> Result<(), ReadError> {
@@ -90,7 +103,8 @@ impl Obj {
         }
         match fan.corners {
             0..3 => {
-                return Err(line.error(format!("a face needs three corners, this one has {}", fan.corners)));
+                self.slips.add("face", "of fewer than three corners left out", || line.at());
+                return Ok(());
             }
             3 => {}
             _ => self.n_gons += 1,
@@ -193,6 +207,7 @@ impl Obj {
         if self.n_gons > 0 {
             scene.notes.push(format!("{} cut into fans", counted(self.n_gons, "n-gon")));
         }
+        scene.notes.extend(self.slips.notes());
         if let Some((line, keyword)) = self.first_ignored {
             let statements = counted(self.ignored, "statement");
             scene.notes.push(format!("{statements} ignored, the first on line {line} ({keyword})"));

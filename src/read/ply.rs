@@ -4,12 +4,16 @@
 //! all data after it unnoticed; it keeps a list on the heap for each face; and its errors in binary data name
 //! no place. No list is held here: corners go from the file straight into triangles.
 //!
+//! Types are those of the format, by either name, and `int64`, `uint64`, `long` and `ulong`.
+//!
 //! Read are `x`, `y`, `z` of element `vertex` (any numeric type, rounded to `f32`), and the list
 //! `vertex_indices` or `vertex_index` of `face` (polygons, cut into fans) and `tristrips` (strips, −1 starts
 //! a new one). In a strip every second triangle is turned, and a triangle that repeats a vertex is stitching
 //! between strips and no face. Other elements are skipped with a note, other properties in silence.
 
 mod header;
+mod junk;
+mod number;
 mod plain;
 mod values;
 
@@ -19,6 +23,7 @@ use header::{Element, Encoding, Header, Kind, Number};
 use values::{Binary, Text, Values};
 
 use super::fan::Fan;
+use super::lost::Lost;
 use super::text::{Lines, counted};
 use super::{Format, Place, ReadError, Source, refused, unheld};
 use crate::mesh::Mesh;
@@ -44,6 +49,7 @@ struct Ply {
     /// How far a coordinate moved at most when it was rounded.
     rounding: f64,
     triangles: Vec<[u32; 3]>,
+    lost: Lost,
     vertex_count: u64,
     n_gons: u64,
     strips: u64,
@@ -52,7 +58,8 @@ struct Ply {
 
 impl Ply {
     fn read(header: &Header, values: &mut impl Values) -> Result<Scene, ReadError> {
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = header.slips.notes().collect();
+        let no_face = header.element("face")?.is_none_or(|face| face.count == 0);
         let vertex_count = header.element("vertex")?.map_or(0, |vertex| vertex.count);
         let mut ply = Self { vertex_count, ..Self::default() };
         for element in header.elements.iter().filter(|element| element.count > 0) {
@@ -60,6 +67,11 @@ impl Ply {
                 "vertex" => ply.vertices(element, values)?,
                 "face" => ply.faces(element, values)?,
                 "tristrips" => ply.strips(element, values)?,
+                name if no_face && element.is_like_faces() => {
+                    let elements = counted(element.count, &format!("{name} element"));
+                    notes.push(format!("{elements} read as faces, since there is no element face"));
+                    ply.faces(element, values)?;
+                }
                 name => {
                     notes.push(format!("{} ignored", counted(element.count, &format!("{name} element"))));
                     ply.skip(element, values)?;
@@ -75,6 +87,8 @@ impl Ply {
         if ply.stitches > 0 {
             notes.push(format!("{} of strips skipped", counted(ply.stitches, "stitching triangle")));
         }
+        notes.extend(values.slips().notes());
+        notes.extend(ply.lost.settle(Format::Ply, &mut ply.positions, &ply.triangles)?);
         let mesh = Mesh::new(ply.positions, ply.triangles).map_err(|error| refused(Format::Ply, &error))?;
         Ok(Scene { notes, rounding: ply.rounding, ..Scene::of(mesh) })
     }
@@ -96,24 +110,25 @@ impl Ply {
                 return Ok(());
             }
             values.begin(&element.name, index)?;
-            let mut position = [0.0; 3];
+            let mut position = [0.0_f64; 3];
             for (at, property) in element.properties.iter().enumerate() {
                 let Kind::Scalar(number) = property.kind else {
                     property.kind.skip(values)?;
                     continue;
                 };
-                let value = values.number(number)?;
-                if let Some(axis) = axes.iter().position(|&axis| axis == at) {
-                    if !(value as f32).is_finite() {
-                        let problem = format!("the coordinate {value:e} is not a finite number of 32 bits");
-                        return Err(values.error(problem));
-                    }
-                    position[axis] = value as f32;
-                    self.rounding = self.rounding.max((value - f64::from(position[axis])).abs());
+                match axes.iter().position(|&axis| axis == at) {
+                    Some(axis) => position[axis] = values.number(number)?,
+                    None => values.skip(number)?,
                 }
             }
-            values.end()?;
-            self.positions.push(position);
+            values.end();
+            let rounded = self.lost.position(index, position, values.line());
+            for (value, rounded) in position.into_iter().zip(rounded) {
+                if (value as f32).is_finite() {
+                    self.rounding = self.rounding.max((value - f64::from(rounded)).abs());
+                }
+            }
+            self.positions.push(rounded);
         }
     }
 
@@ -125,7 +140,8 @@ impl Ply {
         let plain = plain::Triangles::of(element, self.vertex_count);
         self.lists(element, values, plain.as_ref(), |ply, values, number, length| {
             if length < 3 {
-                return Err(values.error(format!("a face needs three corners, this one has {length}")));
+                let at = values.at();
+                values.slips().add("face", "of fewer than three corners left out", || at);
             }
             ply.n_gons += u64::from(length > 3);
             let mut fan = Fan::default();
@@ -193,7 +209,7 @@ impl Ply {
                     kind => kind.skip(values)?,
                 }
             }
-            values.end()?;
+            values.end();
             index += 1;
         }
     }
@@ -207,7 +223,7 @@ impl Ply {
             for property in &element.properties {
                 property.kind.skip(values)?;
             }
-            values.end()?;
+            values.end();
         }
         Ok(())
     }

@@ -154,6 +154,12 @@ impl<'a> Line<'a> {
         Ok([self.coordinate()?, self.coordinate()?, self.coordinate()?])
     }
 
+    /// The line for a note.
+    #[cold]
+    pub(super) fn at(&self) -> String {
+        format!("on line {}", self.number)
+    }
+
     /// An error on this line.
     #[cold]
     pub(super) fn error(&self, problem: impl Into<String>) -> ReadError {
@@ -180,6 +186,21 @@ pub(super) fn decimal(word: &[u8]) -> Option<(f64, f32)> {
     let plain = wide.to_bits() & LOW != HALFWAY && wide.abs() >= f64::from(f32::MIN_POSITIVE);
     let near = if plain || wide == 0.0 { wide as f32 } else { parse::<f32>(word)? };
     Some((wide, near))
+}
+
+/// `word` as a number for which NaN and infinity are allowed, also as the C libraries of Windows and Linux
+/// write them: `-nan(ind)`, `nan(0x7)`, `1.#INF`, `-1.#IND`.
+#[inline]
+pub(super) fn loose(word: &[u8]) -> Option<f32> {
+    parse(word).or_else(|| is_no_number(word).then_some(f32::NAN))
+}
+
+#[cold]
+fn is_no_number(word: &[u8]) -> bool {
+    let word = word.to_ascii_lowercase();
+    let digits = word.strip_prefix(b"-").or(word.strip_prefix(b"+")).unwrap_or(&word);
+    digits.starts_with(b"nan(")
+        || ["1.#inf", "1.#ind", "1.#qnan", "1.#snan"].iter().any(|name| digits.starts_with(name.as_bytes()))
 }
 
 /// `word` as a name, cut where it is very long.
@@ -302,6 +323,19 @@ mod tests {
         let mut line = lines.next_line().unwrap().unwrap();
         assert_eq!(line.point().unwrap(), [412_345.66, 0.5, 16_777_216.0]);
         assert_eq!(lines.rounding(), 1.0);
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_read_as_every_c_library_writes_them() {
+        for word in
+            ["nan", "-nan", "-nan(ind)", "NAN(0x7ff)", "1.#IND", "-1.#QNAN0", "+1.#INF00", "inf", "-INF"]
+        {
+            assert!(loose(word.as_bytes()).is_some_and(|value| !value.is_finite()), "{word}");
+        }
+        assert_eq!(
+            ["1.5", "1,5", "nanx", "#", "2.#INF"].map(|word| loose(word.as_bytes())),
+            [Some(1.5), None, None, None, None]
+        );
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub enum Format {
     Stl,
     /// Polygon file format, text or binary.
     Ply,
+    /// Object file format of Geomview, text or binary.
+    Off,
     /// Quake II model.
     Md2,
     /// 3D Manufacturing Format.
@@ -35,17 +37,18 @@ impl Format {
             Self::Glb => "glb",
             Self::Stl => "stl",
             Self::Ply => "ply",
+            Self::Off => "off",
             Self::Md2 => "md2",
             Self::ThreeMf => "3mf",
         }
     }
 
-    /// The axis that points up by the custom of the format.
+    /// The axis that points up by the custom of the format; y where there is none, as for PLY and OFF.
     #[must_use]
     pub fn up(self) -> Up {
         match self {
             Self::Md2 | Self::Stl | Self::ThreeMf => Up::Z,
-            Self::Obj | Self::Gltf | Self::Glb | Self::Ply => Up::Y,
+            Self::Obj | Self::Gltf | Self::Glb | Self::Ply | Self::Off => Up::Y,
         }
     }
 
@@ -53,7 +56,7 @@ impl Format {
     #[must_use]
     pub fn from_extension(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        [Self::Obj, Self::Gltf, Self::Glb, Self::Stl, Self::Ply, Self::Md2, Self::ThreeMf]
+        [Self::Obj, Self::Gltf, Self::Glb, Self::Stl, Self::Ply, Self::Off, Self::Md2, Self::ThreeMf]
             .into_iter()
             .find(|format| format.name() == extension)
     }

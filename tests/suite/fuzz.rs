@@ -100,6 +100,7 @@ fn fuzz_readers_pass_ordinary_files() {
         ("read_stl", "stl", "fuzz/seeds/read_stl"),
         ("read_ply", "ply", "data/format"),
         ("read_ply", "ply", "fuzz/seeds/read_ply"),
+        ("read_off", "off", "fuzz/seeds/read_off"),
         ("read_md2", "md2", "fuzz/seeds/read_md2"),
     ] {
         let mut read = 0;

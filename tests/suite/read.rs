@@ -1,8 +1,12 @@
 //! Readers: the meaning of each format; and no file makes a reader panic or run away.
 
+mod foreign;
 mod md2;
 mod obj;
+mod off;
 mod ply;
+mod reports;
+mod slips;
 mod stl;
 
 use std::path::Path;
@@ -59,6 +63,8 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
         ("text.ply", ply::SAMPLE.to_vec()),
         ("little.ply", ply::binary(false)),
         ("big.ply", ply::binary(true)),
+        ("text.off", off::SAMPLE.to_vec()),
+        ("binary.off", off::binary()),
         ("a.md2", md2::sample()),
     ]
 }
@@ -96,7 +102,7 @@ fn truncation_at_every_byte_never_panics_and_binary_files_notice_it() {
         for len in 0..bytes.len() {
             let read = survives(&bytes[..len], name);
             assert!(
-                !read || ["a.obj", "text.stl", "text.ply"].contains(&name),
+                !read || ["a.obj", "text.stl", "text.ply", "text.off"].contains(&name),
                 "{name} cut to {len} bytes was read"
             );
         }

@@ -13,12 +13,13 @@ mod whole;
 pub(crate) type Body = fn(&[u8]);
 
 /// Every target.
-pub(crate) const TARGETS: [(&str, Body); 10] = [
+pub(crate) const TARGETS: [(&str, Body); 11] = [
     ("read_obj", |data| read::run(data, "a.obj")),
     ("read_gltf", |data| read::run(data, "a.gltf")),
     ("read_meshopt", meshopt::run),
     ("read_stl", |data| read::run(data, "a.stl")),
     ("read_ply", |data| read::run(data, "a.ply")),
+    ("read_off", |data| read::run(data, "a.off")),
     ("read_md2", |data| read::run(data, "a.md2")),
     ("topology", topology::run),
     ("shadow", shadow::run),

@@ -32,7 +32,7 @@ use report::{FileReport, Found, MeshReport, Place, examine};
 /// directions), and has no shell that is inside out.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Mesh files, or folders of such, or - for standard input: obj, gltf, glb, stl, ply, md2, 3mf; also in
+    /// Mesh files, or folders of such, or - for standard input: obj, gltf, glb, stl, ply, off, md2, 3mf; also in
     /// gzip or ZIP; recognized by their content, then by their extension
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,

@@ -3,13 +3,17 @@
 use std::io::BufRead;
 
 use super::file_error;
+use super::junk::Junk;
+pub(super) use super::number::Number;
 use super::values::Values;
 use crate::read::ReadError;
+use crate::read::slips::Slips;
 use crate::read::text::{self, Line, Lines, counted, parse, quote};
 
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
+    pub(super) slips: Slips,
 }
 
 #[derive(Clone, Copy)]
@@ -36,23 +40,12 @@ pub(super) enum Kind {
     List { length: Number, item: Number },
 }
 
-/// A numeric type.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Number {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
 impl Header {
     /// Reads up to and including `end_header`.
     pub(super) fn read<R: BufRead>(lines: &mut Lines<R>) -> Result<Self, ReadError> {
-        let (mut encoding, mut elements) = (None, Vec::<Element>::new());
+        let (mut encoding, mut elements, mut slips) = (None, Vec::<Element>::new(), Slips::default());
+        // A line that may be an element with its keyword misspelt: then properties follow it.
+        let mut doubtful = None;
         if lines.next_line()?.is_none_or(|line| line.rest.trim_ascii() != b"ply") {
             return Err(lines.current().error("a PLY file begins with the line `ply`, this one does not"));
         }
@@ -60,20 +53,36 @@ impl Header {
             let Some(mut line) = lines.next_line()? else {
                 return Err(lines.error_at_end("the file ends inside the header, before `end_header`"));
             };
+            let whole = line;
             match line.word() {
-                None | Some(b"comment" | b"obj_info") => {}
+                None | Some(b"comment" | b"obj_info") => continue,
                 Some(b"format") => encoding = Some(Encoding::read(line)?),
                 Some(b"element") => elements.push(Element::read(line)?),
-                Some(b"property") => match elements.last_mut() {
-                    Some(element) => element.properties.push(Property::read(line)?),
-                    None => return Err(line.error("a property is declared before any element")),
+                Some(b"property") => match (doubtful, elements.last_mut()) {
+                    (Some(refused), _) => return Err(refused),
+                    (None, Some(element)) => element.properties.push(Property::read(line)?),
+                    (None, None) => return Err(line.error("a property is declared before any element")),
                 },
                 Some(b"end_header") => break,
-                Some(word) => return Err(line.error(format!("{} is not a header statement", quote(word)))),
+                Some(word) => {
+                    let refused = || whole.error(format!("{} is not a header statement", quote(word)));
+                    match Junk::of(whole) {
+                        Junk::Data => {
+                            let problem = format!("{} is data, but `end_header` is missing", quote(word));
+                            return Err(whole.error(problem));
+                        }
+                        Junk::Property => return Err(refused()),
+                        Junk::Element => doubtful = Some(refused()),
+                        Junk::Words => {}
+                    }
+                    slips.add("line", "of the header ignored", || format!("{} ({})", line.at(), quote(word)));
+                    continue;
+                }
             }
+            doubtful = None;
         }
         let encoding = encoding.ok_or_else(|| lines.current().error("the header declares no format"))?;
-        Ok(Self { encoding, elements })
+        Ok(Self { encoding, elements, slips })
     }
 
     /// The element of that name, if it is declared.
@@ -130,6 +139,14 @@ impl Element {
         place
             .filter(|&at| matches!(self.properties[at].kind, Kind::Scalar(_)))
             .ok_or_else(|| file_error(format!("element {} has no number {name}", self.name)))
+    }
+
+    /// Whether it looks like faces under another name. Lines, strips and solid cells have lists of vertices
+    /// too.
+    pub(super) fn is_like_faces(&self) -> bool {
+        let name = self.name.to_ascii_lowercase();
+        let other = ["vertex", "edge", "line", "path", "curve", "strip", "fan", "tet", "hex", "voxel"];
+        !other.iter().any(|other| name.contains(other)) && self.index_list().is_ok()
     }
 
     /// The index of the property with the list of vertex indices.
@@ -189,42 +206,13 @@ impl Kind {
     /// Reads past a value of this kind.
     pub(super) fn skip(self, values: &mut impl Values) -> Result<(), ReadError> {
         match self {
-            Self::Scalar(number) => values.number(number).map(drop),
+            Self::Scalar(number) => values.skip(number),
             Self::List { length, item } => {
                 for _ in 0..values.length(length)? {
-                    values.number(item)?;
+                    values.skip(item)?;
                 }
                 Ok(())
             }
-        }
-    }
-}
-
-impl Number {
-    fn named(name: &[u8]) -> Option<Self> {
-        Some(match name {
-            b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" => Self::U8,
-            b"short" | b"int16" => Self::I16,
-            b"ushort" | b"uint16" => Self::U16,
-            b"int" | b"int32" => Self::I32,
-            b"uint" | b"uint32" => Self::U32,
-            b"float" | b"float32" => Self::F32,
-            b"double" | b"float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    fn is_whole(self) -> bool {
-        !matches!(self, Self::F32 | Self::F64)
-    }
-
-    pub(super) fn bytes(self) -> u64 {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
         }
     }
 }

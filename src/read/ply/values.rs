@@ -3,19 +3,31 @@
 use std::io::{BufRead, ErrorKind};
 
 use super::header::Number;
-use crate::read::text::{Lines, decimal, parse, quote, unreadable};
+use crate::read::slips::Slips;
+use crate::read::text::{Lines, loose, quote, unreadable};
 use crate::read::{Format, Place, ReadError};
 
-/// A stream of numbers. `f64` holds every PLY type exactly.
+/// A stream of numbers. `f64` holds every PLY type exactly, except for integers beyond 2⁵³, which are rounded.
 pub(super) trait Values {
     /// Goes to item `index` of an element.
     fn begin(&mut self, element: &str, index: u64) -> Result<(), ReadError>;
     /// The next number.
     fn number(&mut self, number: Number) -> Result<f64, ReadError>;
+    /// Reads past a number, whatever is there.
+    fn skip(&mut self, number: Number) -> Result<(), ReadError>;
     /// Ends an item.
-    fn end(&mut self) -> Result<(), ReadError>;
+    fn end(&mut self);
+    /// The current item for a note.
+    fn at(&self) -> String;
     /// An error at the current item.
     fn error(&self, problem: String) -> ReadError;
+    /// What was wrong around the numbers.
+    fn slips(&mut self) -> &mut Slips;
+
+    /// The line of the current item, in text.
+    fn line(&self) -> Option<u64> {
+        None
+    }
 
     /// The buffered bytes that come next, if numbers are stored lowest byte first; otherwise none.
     fn at_hand(&mut self) -> &[u8] {
@@ -40,11 +52,12 @@ pub(super) struct Text<R> {
     lines: Lines<R>,
     /// How many bytes at the end of the current line are not yet read.
     left: usize,
+    slips: Slips,
 }
 
 impl<R: BufRead> Text<R> {
     pub(super) fn new(lines: Lines<R>) -> Self {
-        Self { lines, left: 0 }
+        Self { lines, left: 0, slips: Slips::default() }
     }
 
     fn word(&mut self) -> Option<&[u8]> {
@@ -53,6 +66,19 @@ impl<R: BufRead> Text<R> {
         let word = line.word();
         self.left = word.map_or(0, |_| line.rest.len());
         word
+    }
+}
+
+impl<R: BufRead> Text<R> {
+    #[cold]
+    fn slip(&mut self, noun: &'static str, what: &'static str, word: &str) {
+        let line = self.lines.current();
+        self.slips.add(noun, what, || format!("{} ({word})", line.at()));
+    }
+
+    #[cold]
+    fn too_few(&self) -> ReadError {
+        self.lines.current().error("the line holds fewer numbers than the header declares")
     }
 }
 
@@ -69,33 +95,46 @@ impl<R: BufRead> Values for Text<R> {
 
     #[inline]
     fn number(&mut self, number: Number) -> Result<f64, ReadError> {
-        let Some(word) = self.word() else {
-            return Err(self.error("the line holds fewer numbers than the header declares".to_owned()));
-        };
-        let value = match number {
-            // With all its digits, as long as these round to the same number.
-            Number::F32 => {
-                decimal(word).map(|(wide, near)| if wide as f32 == near { wide } else { f64::from(near) })
-            }
-            Number::F64 => parse::<f64>(word),
-            _ => parse::<i64>(word).map(|value| value as f64),
-        };
-        let Some(value) = value else {
-            let kind = if matches!(number, Number::F32 | Number::F64) { "a number" } else { "an integer" };
+        let Some(word) = self.word() else { return Err(self.too_few()) };
+        let loose = || loose(word).filter(|_| !number.is_whole()).map(f64::from);
+        let Some(value) = number.parse(word).or_else(loose) else {
+            let kind = if number.is_whole() { "an integer" } else { "a number" };
             let problem = format!("{} is not {kind}", quote(word));
             return Err(self.error(problem));
         };
         Ok(value)
     }
 
-    fn end(&mut self) -> Result<(), ReadError> {
+    #[inline]
+    fn skip(&mut self, number: Number) -> Result<(), ReadError> {
         match self.word() {
-            None => Ok(()),
+            None => Err(self.too_few()),
+            Some(word) if number.parse(word).is_some() => Ok(()),
             Some(word) => {
-                let problem = format!("{} is more than the header declares for a line", quote(word));
-                Err(self.error(problem))
+                let word = quote(word);
+                self.slip("unread value", "of another type than declared", &word);
+                Ok(())
             }
         }
+    }
+
+    fn end(&mut self) {
+        if let Some(word) = self.word() {
+            let word = quote(word);
+            self.slip("line", "with more than the header declares", &word);
+        }
+    }
+
+    fn at(&self) -> String {
+        self.lines.current().at()
+    }
+
+    fn line(&self) -> Option<u64> {
+        Some(self.lines.current().number)
+    }
+
+    fn slips(&mut self) -> &mut Slips {
+        &mut self.slips
     }
 
     #[cold]
@@ -110,12 +149,13 @@ pub(super) struct Binary<R, const BIG_ENDIAN: bool> {
     position: u64,
     element: String,
     index: u64,
+    slips: Slips,
 }
 
 impl<R: BufRead, const BIG_ENDIAN: bool> Binary<R, BIG_ENDIAN> {
     /// The numbers from the current position of `reader`, which is byte `position` of the file.
     pub(super) fn new(reader: R, position: u64) -> Self {
-        Self { reader, position, element: String::new(), index: 0 }
+        Self { reader, position, element: String::new(), index: 0, slips: Slips::default() }
     }
 
     /// The bytes of the next number, lowest first.
@@ -165,12 +205,25 @@ impl<R: BufRead, const BIG_ENDIAN: bool> Values for Binary<R, BIG_ENDIAN> {
             Number::I32 => f64::from(i32::from_le_bytes(self.bytes()?)),
             Number::U32 => f64::from(u32::from_le_bytes(self.bytes()?)),
             Number::F32 => f64::from(f32::from_le_bytes(self.bytes()?)),
+            Number::I64 => i64::from_le_bytes(self.bytes()?) as f64,
+            Number::U64 => u64::from_le_bytes(self.bytes()?) as f64,
             Number::F64 => f64::from_le_bytes(self.bytes()?),
         })
     }
 
-    fn end(&mut self) -> Result<(), ReadError> {
-        Ok(())
+    #[inline]
+    fn skip(&mut self, number: Number) -> Result<(), ReadError> {
+        self.number(number).map(drop)
+    }
+
+    fn end(&mut self) {}
+
+    fn at(&self) -> String {
+        format!("at element {}, item {}", self.element, self.index)
+    }
+
+    fn slips(&mut self) -> &mut Slips {
+        &mut self.slips
     }
 
     fn at_hand(&mut self) -> &[u8] {

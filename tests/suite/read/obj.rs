@@ -142,8 +142,6 @@ fn obj_errors_name_the_line() {
                 ", line 2 (obj): a face names vertex -2, but the file has 1 vertex so far",
             ),
             (b"v 0 0 0\n\nf 0 1 1\n", ", line 3 (obj): a face names vertex 0, but indices count from 1"),
-            (b"v 0 0 0\nf 1 1\n", ", line 2 (obj): a face needs three corners, this one has 2"),
-            (b"v 0 0 0\r\nf\r\n", ", line 2 (obj): a face needs three corners, this one has 0"),
             (b"f 1 2 x\n", ", line 1 (obj): `x` is not a corner of a face"),
             (b"f 1 2 3/x\n", ", line 1 (obj): `3/x` is not a corner of a face"),
             (b"f 1 2 3.5\n", ", line 1 (obj): `3.5` is not a corner of a face"),

@@ -201,11 +201,11 @@ fn ply_text_errors_name_the_line() {
         &[
             (
                 &with("0.1 255", "nan 255"),
-                ", line 22 (ply): the coordinate NaN is not a finite number of 32 bits",
+                ", line 22 (ply): a face has vertex 4, whose coordinate NaN is not a finite number of 32 bits",
             ),
             (
                 &with("255 0.1", "255 1e300"),
-                ", line 22 (ply): the coordinate 1e300 is not a finite number of 32 bits",
+                ", line 22 (ply): a face has vertex 4, whose coordinate 1e300 is not a finite number of 32 bits",
             ),
             (&with("0.1 255", "0,1 255"), ", line 22 (ply): `0,1` is not a number"),
             (&with("0.1 -3", "0.1 -3.5"), ", line 22 (ply): `-3.5` is not an integer"),
@@ -213,7 +213,6 @@ fn ply_text_errors_name_the_line() {
                 &with("0.1 -3", "0.1"),
                 ", line 22 (ply): the line holds fewer numbers than the header declares",
             ),
-            (&with("0.1 -3", "0.1 -3 7"), ", line 22 (ply): `7` is more than the header declares for a line"),
             (
                 &with("4 0 1 2 3", "4 0 1 2 5"),
                 ", line 23 (ply): a face names vertex 5, but the file has 5 vertices",
@@ -223,7 +222,6 @@ fn ply_text_errors_name_the_line() {
                 ", line 23 (ply): a face names vertex -1, but the file has 5 vertices",
             ),
             (&with("10 0", "10 -2"), ", line 25 (ply): a face names vertex -2, but the file has 5 vertices"),
-            (&with("3 0 4 1 0", "2 0 4 0"), ", line 24 (ply): a face needs three corners, this one has 2"),
             (&with("3 0 4 1 0", "-3 0 4 1 0"), ", line 24 (ply): -3 is not the length of a list"),
             (
                 &with("3 0 4 1 0", "4000000000 0 4 1 0"),
@@ -237,7 +235,16 @@ fn ply_text_errors_name_the_line() {
                 ", line 10 (ply): the length of a list must be an integer",
             ),
             (&with("element edge 1", "element edge -1"), ", line 14 (ply): `-1` is not a count of elements"),
-            (&with("element edge 1", "elephant"), ", line 14 (ply): `elephant` is not a header statement"),
+            (&with("element edge 1", "elemnt edge 1"), ", line 14 (ply): `elemnt` is not a header statement"),
+            (
+                &with("property int vertex1", "propery int vertex1"),
+                ", line 15 (ply): `propery` is not a header statement",
+            ),
+            (&with("end_header\n", ""), ", line 17 (ply): `0` is data, but `end_header` is missing"),
+            (
+                &with("end_header\n", "end\x01header\n"),
+                ", line 17 (ply): `end\u{fffd}header` is data, but `end_header` is missing",
+            ),
             (&with("format ascii", "format utf8"), ", line 2 (ply): `utf8` is not a PLY encoding"),
             (&with("format ascii 1.0\n", ""), ", line 16 (ply): the header declares no format"),
             (&with("element vertex 5\n", ""), ", line 4 (ply): a property is declared before any element"),
@@ -287,7 +294,10 @@ fn ply_binary_errors_name_the_item() {
     expect_errors(
         "a.ply",
         &[
-            (&nan, ", element vertex, item 1 (ply): the coordinate NaN is not a finite number of 32 bits"),
+            (
+                &nan,
+                ", vertex 1 (ply): a face has vertex 1, whose coordinate NaN is not a finite number of 32 bits",
+            ),
             (&index, ", element face, item 0 (ply): a face names vertex 77, but the file has 5 vertices"),
             (&whole[..whole.len() - 1], &cut),
         ],
@@ -374,7 +384,7 @@ fn ply_runs_end_before_what_is_wrong() {
     for item in [0, 1, 5_000, 8_999] {
         let at = start + item * vertex + 1;
         let text = error(little.clone(), at, f32::NAN.to_le_bytes());
-        assert!(text.contains(&format!("element vertex, item {item} ")), "{text}");
+        assert!(text.contains(&format!(", vertex {item} (ply)")), "{text}");
         assert_eq!(text, error(big.clone(), at, f32::NAN.to_be_bytes()));
     }
     for item in [0, 1, 20_000, 29_999] {

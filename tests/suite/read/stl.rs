@@ -149,17 +149,11 @@ fn stl_text_errors_name_the_line() {
             (&with("1.5e-1", "NaN"), ", line 6 (stl): the coordinate `NaN` is not a finite number"),
             (&with("1.5e-1", "1.5.1"), ", line 6 (stl): `1.5.1` is not a number"),
             (&with("1.5e-1", ""), ", line 6 (stl): a position needs three numbers"),
-            (&with("1.5e-1", "1 2"), ", line 6 (stl): `0` follows the position"),
+            (&with("1.5e-1", "1 2"), ", line 6 (stl): `endloop` is wanted, not `0`"),
             (&with("   vertex 1 0 0\n", ""), ", line 6 (stl): `vertex` is wanted, not `endloop`"),
             (&with("  endloop", "vertex 0 0 0"), ", line 7 (stl): `endloop` is wanted, not `vertex`"),
             (&with("  outer loop\n", ""), ", line 3 (stl): `outer loop` is wanted, not `vertex`"),
-            (
-                &with("endsolid first part\n", ""),
-                ", line 9 (stl): `facet` or `endsolid` is wanted, not `solid`",
-            ),
-            (&lines(1), ", line 1 (stl): the file ends where `facet` or `endsolid` is wanted"),
             (&lines(4), ", line 4 (stl): the file ends where `vertex` is wanted"),
-            (&lines(8), ", line 8 (stl): the file ends where `facet` or `endsolid` is wanted"),
             (&[&lines(9)[..], b"x"].concat(), ", line 10 (stl): `solid` is wanted, not `x`"),
         ],
     );

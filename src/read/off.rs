@@ -1,0 +1,113 @@
+//! Object file format (OFF) of Geomview, text and binary.
+//!
+//! The reader is our own, so that errors name the line. Read are positions and polygons, which are cut into
+//! fans; normals, colors and texture coordinates are skipped. A vertex and a face take a line each. Vertices
+//! of other than three coordinates (`4OFF`, `nOFF`) are refused.
+
+mod binary;
+mod header;
+mod text;
+
+use std::io::{BufRead, Seek, SeekFrom};
+
+use header::Header;
+pub(super) use header::is_keyword;
+
+use super::fan::Fan;
+use super::lost::Lost;
+use super::slips::Slips;
+use super::text::{counted, unreadable};
+use super::words::Words;
+use super::{Format, Place, ReadError, Source, refused, unheld};
+use crate::mesh::Mesh;
+use crate::scene::Scene;
+
+pub(super) fn read<R: BufRead + Seek>(source: Source<R>) -> Result<Scene, ReadError> {
+    let len = source.len;
+    let mut words = Words::new(source.reader, Format::Off)?;
+    let mut off = Off::default();
+    let header = Header::read(&mut words, &mut off.slips)?;
+    if header.binary {
+        let start = words.next_line()?;
+        let mut reader = words.into_inner();
+        let seek = reader.seek(SeekFrom::Start(start));
+        seek.map_err(|error| unreadable(Format::Off, Place::Byte(start), &error))?;
+        binary::read(&mut off, reader, start, len, header.extras)?;
+    } else {
+        text::read(&mut off, &mut words, len, &header)?;
+    }
+    off.finish()
+}
+
+#[derive(Default)]
+struct Off {
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    lost: Lost,
+    slips: Slips,
+    n_gons: u64,
+    /// The corners of the current face.
+    face: Vec<u32>,
+}
+
+impl Off {
+    /// Takes memory for `vertices`, after it is known that the file can hold so many.
+    fn reserve(&mut self, vertices: u64) -> Result<(), ReadError> {
+        let reserved = self.positions.try_reserve_exact(vertices as usize);
+        reserved.map_err(|_| unheld(Format::Off, vertices, "vertex"))
+    }
+
+    fn vertex(&mut self, position: [f32; 3], line: Option<u64>) {
+        let index = self.positions.len() as u64;
+        self.positions.push(self.lost.position(index, position.map(f64::from), line));
+    }
+
+    /// A corner of the current face; the problem, if there is no such vertex.
+    #[inline]
+    fn corner(&mut self, vertex: i64) -> Result<(), String> {
+        let count = self.positions.len();
+        match u32::try_from(vertex) {
+            Ok(index) if (index as usize) < count => {
+                self.face.push(index);
+                Ok(())
+            }
+            _ => {
+                let vertices = counted(count as u64, "vertex");
+                Err(format!("a face names vertex {vertex}, but the file has {vertices}"))
+            }
+        }
+    }
+
+    /// Ends the current face; `at` is where, for a note.
+    fn end_face(&mut self, at: impl FnOnce() -> String) {
+        match self.face.len() {
+            0..3 => self.slips.add("face", "of fewer than three corners left out", at),
+            3 => {}
+            _ => self.n_gons += 1,
+        }
+        let mut fan = Fan::default();
+        self.face.drain(..).for_each(|vertex| fan.corner(vertex, &mut self.triangles));
+    }
+
+    fn finish(mut self) -> Result<Scene, ReadError> {
+        let mut notes: Vec<String> = self.slips.notes().collect();
+        notes.extend(self.lost.settle(Format::Off, &mut self.positions, &self.triangles)?);
+        if self.n_gons > 0 {
+            notes.push(format!("{} cut into fans", counted(self.n_gons, "n-gon")));
+        }
+        let mesh = Mesh::new(self.positions, self.triangles).map_err(|error| refused(Format::Off, &error))?;
+        Ok(Scene { notes, ..Scene::of(mesh) })
+    }
+}
+
+/// The error for counts that the bytes of the file cannot hold.
+fn check_size(vertices: u64, faces: u64, least: [u64; 2], left: u64, place: Place) -> Result<(), ReadError> {
+    let [vertex, face] = least.map(u128::from);
+    // The last number of a text needs no blank after it.
+    if u128::from(vertices) * vertex + u128::from(faces) * face > u128::from(left) + 1 {
+        let counts = format!("{} and {}", counted(vertices, "vertex"), counted(faces, "face"));
+        let problem = format!("the header counts {counts}, but only {left} bytes follow it");
+        return Err(ReadError::new(Format::Off, place, problem));
+    }
+    Ok(())
+}

@@ -4,15 +4,13 @@ use std::path::{Path, PathBuf};
 
 use umbrage::caster::Caster;
 #[cfg(feature = "gpu")]
-use umbrage::geom::Aabb;
-#[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::{FaceId, Mesh, Part};
 use umbrage::render;
 use umbrage::render::{CLAY, Ground, Picture, ShadedLight, View};
 use umbrage::scene::Material;
 #[cfg(feature = "gpu")]
-use umbrage::shadow::stencil::StencilMethod;
+use umbrage::shadow::stencil::{StencilMethod, ZPassVerdict, zpass_verdict};
 use umbrage::view::Size;
 
 use super::input::{Source, SourceArgs};
@@ -212,8 +210,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let picture = match way {
         Way::Rays => by_rays(caster, &view(RAYS_SAMPLES))?,
         #[cfg(feature = "gpu")]
-        Way::Stencil { gpu, asked } => match by_stencil(&gpu, &caster, &bounds, view(STENCIL_SAMPLES), asked)
-        {
+        Way::Stencil { gpu, asked } => match by_stencil(&gpu, &caster, view(STENCIL_SAMPLES), asked) {
             Ok(picture) => picture,
             // Anything but a defect of ours.
             Err(error) if asked.is_none() && !matches!(error, GpuError::Wgpu(_)) => {
@@ -255,17 +252,29 @@ fn by_rays(caster: Caster, view: &View<'_>) -> Result<Picture, Failure> {
 fn by_stencil(
     gpu: &Gpu,
     caster: &Caster,
-    bounds: &Aabb,
     view: View<'_>,
     asked: Option<StencilMethod>,
 ) -> Result<Picture, GpuError> {
     let progress = Progress::spinner("rendering");
-    let stage = Stage::new(gpu, caster, bounds, view, asked)?;
+    let stage = Stage::new(gpu, caster, view, asked)?;
     let picture = stage.picture()?;
     drop(progress);
     output::say(format_args!("note: stencil pass on {}", output::plain(&gpu.name())));
     for (lamp, casting) in view.lamps.iter().zip(&stage.castings) {
-        output::say(format_args!("note: {}: {}", lights::label(&lamp.light, ""), casting.methods.summary()));
+        let label = lights::spot_label(&lamp.light, lamp.cone.is_some(), "");
+        output::say(format_args!("note: {label}: {}", casting.methods.summary()));
+        if asked == Some(StencilMethod::ZPass) {
+            match zpass_verdict(caster, &stage.projection, &lamp.light) {
+                ZPassVerdict::Wrong => output::say(format_args!(
+                    "warning: {label}: the near rectangle of the camera is in this light's shadow, so z-pass \
+                     counts wrongly and the picture is wrong; use --method zfail or auto"
+                )),
+                ZPassVerdict::Right => {
+                    output::say(format_args!("note: {label}: z-pass is proven to be right"))
+                }
+                _ => {}
+            }
+        }
     }
     Ok(picture)
 }

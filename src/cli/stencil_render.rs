@@ -2,7 +2,6 @@
 
 use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::CasterFaces;
-use umbrage::geom::Aabb;
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::render::{Picture, View, render_visibility};
 use umbrage::shadow::Depth;
@@ -22,16 +21,15 @@ pub(crate) struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    /// `bounds` are those of the mesh without a ground. All faces cast: proving that half of them are enough
+    /// All faces cast: proving that half of them are enough
     /// takes longer than drawing the other half once.
     pub(crate) fn new(
         gpu: &Gpu,
         caster: &'a Caster,
-        bounds: &Aabb,
         view: View<'a>,
         asked: Option<StencilMethod>,
     ) -> Result<Self, GpuError> {
-        let projection = view.camera.projection(view.size, view.camera.near(bounds, view.size));
+        let projection = view.camera.projection(view.size, view.camera.near([caster.mesh()], view.size));
         if projection.is_orthographic() {
             return Err(GpuError::NotBuilt("an orthographic camera"));
         }

@@ -15,6 +15,7 @@ mod cap_clusters;
 mod caster_faces;
 mod closed;
 mod extrude;
+mod finite;
 mod frame;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -29,6 +30,7 @@ use std::ops::Range;
 pub use caster_faces::ShellFaces;
 pub use closed::BoundarySum;
 pub use extrude::{BufferTooSmall, ExtrudeInput, Extruder, VolumeParts};
+pub use finite::FiniteVolume;
 pub use frame::{FrameExtruder, FrameVolume};
 #[cfg(feature = "gpu")]
 pub use gpu::{Demand, GpuExtrusion, GpuVolume, Part, VolumeShaders};

@@ -58,7 +58,7 @@ fn hard_27_pixels_far_along_some_axes_agree() {
         }
     }
     eprintln!("sky, lit, shadowed, grazing: {sum:?}");
-    assert!(sum[1] > 10_000 && sum[2] > 10_000 && sum[3] * 100 < sum[2], "{sum:?}");
+    assert!(sum[1] > 50_000 && sum[2] > 1000 && sum[3] * 100 < sum[2], "{sum:?}");
 }
 
 /// Guards against forgiving everything: one face that casts no shadow is found, as far away as near.
@@ -73,11 +73,11 @@ fn hard_27_one_missing_face_is_found_far_away() {
     let projection = camera.projection(size(), camera.near([caster.mesh()], size()));
     let Some(Drawn { mask, found }) = draw(&caster, &light, &projection, size(), 0.0) else { return };
     assert!(found.agrees());
-    // Every fifth shadowed pixel lit: a face less.
+    // Every second shadowed pixel lit: a face less.
     let (width, mut altered) = (size().width(), 0);
     let counts = (0..size().pixels() as u32).map(|i| {
         let count = mask.count(i % width, i / width);
-        let wrong = i % 5 == 0 && count.is_some_and(|count| count > 0);
+        let wrong = i % 2 == 0 && count.is_some_and(|count| count > 0);
         altered += usize::from(wrong);
         count.unwrap_or(0) - i32::from(wrong)
     });
@@ -92,7 +92,7 @@ fn hard_27_one_missing_face_is_found_far_away() {
         Rendered { caster: &caster, signs, light, projection, seen_from: 0.0, mask: &spoiled, unsure: &[] };
     let real = compare(&rendered, 0, &|_| {}).count(PixelVerdict::Real);
     eprintln!("{real} of {altered} altered pixels are found");
-    assert!(altered > 50 && real * 20 > altered * 19, "{real} of {altered}");
+    assert!(altered > 30 && real * 20 > altered * 19, "{real} of {altered}");
 }
 
 /// Guards against a judge that moves everything to the origin of a large scene: an eye far out on a plain.

@@ -11,7 +11,7 @@ use umbrage::view::Size;
 use crate::cli::lights::lamp_label;
 use crate::cli::output::{Table, plain};
 use crate::cli::progress::Progress;
-use crate::cli::stencil_render::Stage;
+use crate::cli::stencil_render::{Shadowing, Stage};
 
 /// The picture of the stencil pass, and its comparison with the ray cast.
 pub(super) struct Judged {
@@ -28,12 +28,16 @@ const SAMPLES: u32 = 2;
 /// Draws the view by a stencil pass, and compares its pixels with the ray cast for each light. `lights` are
 /// those of the lamps.
 pub(super) fn judge(gpu: &Gpu, caster: &Caster, view: View<'_>, lights: &[Lamp]) -> Result<Judged, GpuError> {
-    let stage = Stage::new(gpu, caster, View { edge_samples: SAMPLES, ..view }, None)?;
+    let stage = {
+        let view = View { edge_samples: SAMPLES, ..view };
+        Stage::new(gpu, [caster; 2], view, &vec![Shadowing::Counted(None); lights.len()])?
+    };
     let picture = stage.picture()?;
     let progress = Progress::bar("judging pixels", (lights.len() as u64) * u64::from(view.size.height()));
     let mut table = Table::new(&["light", "pixels", "sky", "agree", "grazing", "disagree"]);
     let (mut panels, mut methods, mut agrees) = (Vec::new(), String::new(), true);
     for (lamp, (light, casting)) in lights.iter().zip(&stage.castings).enumerate() {
+        let Some(casting) = casting else { continue };
         let mask = stage.mask(lamp)?;
         let rendered = Rendered {
             caster,

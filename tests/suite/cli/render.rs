@@ -187,6 +187,7 @@ fn render_says_of_zpass_that_was_asked_for_whether_it_is_wrong() {
     }
 }
 
+#[test]
 fn render_takes_a_technique_for_each_light() {
     let folder = Folder::with_cubes();
     let view = "--ground --size 48x36 --samples 1";

@@ -39,6 +39,8 @@ pub(crate) struct Args {
 
     /// Write the volume in layers: light_cap, sides and dark_cap, each with the vertices that it uses
     ///
+    /// Together they are closed: check them with --scope scene.
+    ///
     /// [default: nothing is written]
     #[arg(short, long, value_name = "OUT.{glb,obj,ply}")]
     output: Option<PathBuf>,
@@ -46,9 +48,9 @@ pub(crate) struct Args {
     /// How far from the mesh the written volume holds the whole shadow, in mesh units; it ends a little
     /// beyond
     ///
-    /// [default: 10 diagonals of the bounding box]. With `infinity`, GLB and PLY hold homogeneous vertices
-    /// x, y, z, w: those of the mesh with w 1, and those at infinity, v - L of a vertex v and a point light L
-    /// or the way that a directional light travels, with w 0 (in GLB the attribute _W). OBJ cannot.
+    /// [default: 10 diagonals of the bounding box]. With `infinity`, GLB and PLY hold homogeneous vertices x,
+    /// y, z, w: those of the mesh with w 1, and those at infinity with w 0 (in GLB the attribute _W): v - L
+    /// of a vertex v and a point light L, or the direction in which a directional light travels. OBJ cannot.
     #[arg(long, value_name = "DIST|infinity", value_parser = parse_far, allow_negative_numbers = true)]
     far: Option<Far>,
 

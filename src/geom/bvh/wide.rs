@@ -96,8 +96,8 @@ impl WideBvh {
 
     /// As [`WideBvh::walk`], for every segment that begins within `slack` of `p` in each coordinate. A slack
     /// of at least two units in the last place of `p`'s largest coordinate also covers the rounding of the
-    /// boxes that it widens: where the planes of a box are so far away that they absorb it, it is less than an
-    /// eighth of what the test allows for rounding.
+    /// boxes that it widens: where the planes of a box are so far away that they absorb it, it is less than
+    /// an eighth of what the test allows for rounding.
     pub(crate) fn walk_loosely(
         &self,
         p: [f32; 3],

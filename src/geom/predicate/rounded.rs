@@ -4,10 +4,11 @@
 //! pixel. Relative to the eye such a point has all digits of `f64`. A sign then is either certain for the
 //! exact points, or not claimed.
 //!
-//! Let ε = 2⁻⁵³. Every coordinate errs by at most ε of itself: it is an `f32` difference, or a product, rounded
-//! once. An entry `u − v` of the determinant errs by at most `ε(|u| + |v|)`, and by as much once more when it is
-//! rounded. With magnitudes `|u| + |v|` instead of entries, a product of three has an error of at most three
-//! times two ε, and six more come from the products and sums: 12ε of the magnitudes' permanent, to first order.
+//! Let ε = 2⁻⁵³. Every coordinate errs by at most ε of itself: it is an `f32` difference, or a product,
+//! rounded once. An entry `u − v` of the determinant errs by at most `ε(|u| + |v|)`, and by as much once more
+//! when it is rounded. With magnitudes `|u| + |v|` instead of entries, a product of three has an error of at
+//! most three times two ε, and six more come from the products and sums: 12ε of the magnitudes' permanent, to
+//! first order.
 
 use super::{Homogeneous, Sign};
 

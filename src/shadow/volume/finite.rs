@@ -2,24 +2,24 @@
 //!
 //! The volume of a face is a prism without end. It is cut off by a copy of the face:
 //!
-//! - Directional light: by the face moved by `D` along the light. The prism then holds the points of the shadow
-//!   whose distance from the face, along the light, is at most `D`.
-//! - Point light `L`: by the face scaled around `L` by a factor `t > 1`, the same for all faces. The prism then
-//!   holds the points `L + s·(x − L)` with `x` on the face and `1 ≤ s ≤ t`. (A copy whose corners are moved by
-//!   one distance each comes nearer to the light between its corners than at them.)
+//! - Directional light: by the face moved by `D` along the light. The prism then holds the points of the
+//!   shadow whose distance from the face, along the light, is at most `D`.
+//! - Point light `L`: by the face scaled around `L` by a factor `t > 1`, the same for all faces. The prism
+//!   then holds the points `L + s·(x − L)` with `x` on the face and `1 ≤ s ≤ t`. (A copy whose corners are
+//!   moved by one distance each comes nearer to the light between its corners than at them.)
 //!
 //! Copies of neighboring faces share their edges, so the cut volume is closed wherever the infinite one is.
 //!
 //! # What it covers
 //!
-//! Let `p` be a point in shadow, at most `d` from a point `y` of a box that holds the caster, and `x` a point of a
-//! casting face between `p` and the light.
+//! Let `p` be a point in shadow, at most `d` from a point `y` of a box that holds the caster, and `x` a point
+//! of a casting face between `p` and the light.
 //!
 //! - Directional: the distance from `x` to `p` is at most `d` plus that from `x` to `y`, which is at most the
 //!   box's diagonal. So `D = d + diagonal` covers `d`.
 //! - Point light: `|p − L|` is at most `d` plus the distance `f` from the light to the farthest corner of the
-//!   box; `|x − L|` is at least the distance `n` of the nearest casting face. So `t = (d + f)/n` covers `d`. No
-//!   casting face contains the light, so `n > 0`.
+//!   box; `|x − L|` is at least the distance `n` of the nearest casting face. So `t = (d + f)/n` covers `d`.
+//!   No casting face contains the light, so `n > 0`.
 //!
 //! Vertices are rounded to `f32`: next to its sides the cut volume is as exact as these coordinates. A vertex
 //! that would leave `f32` ends the volume earlier, and it covers less.
@@ -146,7 +146,8 @@ impl ShadowVolume {
             }
         };
         let nearest = finite.map(distance).fold(f64::INFINITY, f64::min) * (1.0 - ROUNDING);
-        // Distances below the rounding of their coordinates are not known; the volume then ends where f32 does.
+        // Distances below the rounding of their coordinates are not known; the volume then ends where f32
+        // does.
         nearest.max(f64::from(f32::MIN_POSITIVE))
     }
 }

@@ -229,8 +229,8 @@ impl ShadowVolume {
     }
 
     /// Vertices as `f32` positions with those at infinity clamped to `far` mesh units from the vertex that
-    /// they were extruded from, to look at. One entry per vertex. Such a volume does not hold all of the shadow
-    /// out to that distance; [`ShadowVolume::finite`] does.
+    /// they were extruded from, to look at. One entry per vertex. Such a volume does not hold all of the
+    /// shadow out to that distance; [`ShadowVolume::finite`] does.
     #[must_use]
     pub fn clamped(&self, far: f32) -> Vec<[f32; 3]> {
         let mut positions = self.positions.clone();

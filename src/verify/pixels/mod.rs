@@ -1,10 +1,10 @@
 //! Comparison of a stencil pass with the exact oracle, pixel by pixel.
 //!
 //! For each pixel the visible point comes from a ray through the pixel's center, not from a depth buffer. The
-//! ray begins at the eye: a surface that a near plane cuts away is a mismatch, unless the plane was asked for.
-//! The casting faces between this point and the light are counted in coordinates relative to the eye, so that
-//! it does not matter how far from the origin they are. A stencil count that differs is either explained or
-//! real.
+//! ray begins at the eye: a surface that a near plane cuts away is a mismatch, unless the plane was asked
+//! for. The casting faces between this point and the light are counted in coordinates relative to the eye, so
+//! that it does not matter how far from the origin they are. A stencil count that differs is either explained
+//! or real.
 
 mod counts;
 mod footprint;

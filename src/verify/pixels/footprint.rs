@@ -132,7 +132,7 @@ impl Pixels<'_> {
             },
             |slot| {
                 let edge = self.edges[self.edge_tree.order()[slot] as usize];
-                found = is_swept(edge.map(|end| self.from_eye(Homogeneous::point(end))), ends, self.light);
+                found = is_swept(edge.map(|end| self.relative(Homogeneous::point(end))), ends, self.light);
                 !found
             },
         );

@@ -71,7 +71,7 @@ impl Pixels<'_> {
     /// The relation of a face with the segment from `point`, on this `side` of the face if that is known.
     fn meeting(&self, point: RayPoint, corners: [[f32; 3]; 3], side: Option<Sign>) -> Option<Meeting> {
         let p = Rounded::point(point.at);
-        let [a, b, c] = corners.map(|corner| self.from_eye(Homogeneous::point(corner)));
+        let [a, b, c] = corners.map(|corner| self.relative(Homogeneous::point(corner)));
         let here = side.unwrap_or_else(|| -orient3d_rounded([a, b, c, p]));
         let there = side_of_light(corners, self.rendered.light);
         // An open segment does not contain its ends.
@@ -92,7 +92,7 @@ impl Pixels<'_> {
     }
 
     /// A vertex or light, relative to the eye.
-    pub(super) fn from_eye(&self, exact: Homogeneous) -> Rounded {
+    pub(super) fn relative(&self, exact: Homogeneous) -> Rounded {
         Rounded::seen_from(self.rendered.projection.eye, exact)
     }
 

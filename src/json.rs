@@ -158,7 +158,7 @@ impl Serialize for PixelCounts {
     }
 }
 
-map!(Mismatch, found => { pixel: [found.x, found.y], point: found.point.map(short), exact, counted });
+map!(Mismatch, found => { pixel: [found.x, found.y], point: found.point.map(short), exact, counted, cut });
 
 impl Serialize for Comparison {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

@@ -66,6 +66,8 @@ impl ShadowAccuracy {
                 signs: &volumes.signs,
                 light: &self.light,
                 projection,
+                // Samples are cut at the near plane, too.
+                seen_from: projection.near,
                 mask: &mask,
                 unsure: &[],
             };

@@ -41,7 +41,7 @@ pub(crate) struct ViewArgs {
 
     /// Nothing nearer to the eye than this, in mesh units, is seen
     ///
-    /// [default: so near that nothing seen from outside is cut away]
+    /// [default: that of the file's camera; without one, so near that nothing that is seen is cut away]
     #[arg(long, value_name = "D", value_parser = distance, allow_negative_numbers = true)]
     near: Option<f32>,
 }

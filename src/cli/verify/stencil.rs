@@ -35,7 +35,7 @@ impl Graphics {
         let size = args.size.unwrap_or(Size::new(SIDE, SIDE).expect("in range"));
         let Source { cameras, bounds, up, .. } = source;
         let camera = args.view.choose(cameras, &args.source.file, bounds, *up, size)?;
-        let projection = camera.projection(size, camera.near(&source.bounds, size));
+        let projection = camera.projection(size, camera.near([source.caster.mesh()], size));
         if projection.is_orthographic() {
             return Err(GpuError::NotBuilt("an orthographic camera").into());
         }
@@ -43,6 +43,7 @@ impl Graphics {
             caster: &source.caster,
             lights: &source.lights,
             projection,
+            near_asked: camera.near.is_some(),
             size,
             pictures: &pictures(args, source.lights.len())?,
         };
@@ -75,6 +76,8 @@ struct Job<'a> {
     caster: &'a Caster,
     lights: &'a [Lamp],
     projection: Projection,
+    /// Whether the distance of the near plane comes from the user or the file.
+    near_asked: bool,
     size: Size,
     /// The names of the pictures, one per light; empty for none.
     pictures: &'a [PathBuf],
@@ -108,8 +111,8 @@ fn judge(gpu: &Gpu, job: &Job<'_>) -> Result<Pixels, Failure> {
         }
         lights.push(pixels);
     }
-    let Job { projection, size, .. } = *job;
-    Ok(Pixels { adapter: gpu.name(), size, projection, lights })
+    let Job { projection, near_asked, size, .. } = *job;
+    Ok(Pixels { adapter: gpu.name(), size, projection, near_asked, lights })
 }
 
 struct Bench<'a> {
@@ -161,11 +164,13 @@ impl Bench<'_> {
         casting: &StencilVolumes,
         mask: &ShadowMask,
     ) -> Comparison {
-        let Job { caster, lights, projection, size, .. } = self.job;
+        let Job { caster, lights, projection, size, near_asked, .. } = self.job;
         let what = format!("comparing pixels, light {} of {}", index + 1, lights.len());
         let progress = Progress::bar(what, size.height().into());
         // The volumes come from exact signs: no face is unsure.
-        let rendered = Rendered { caster, signs: &casting.signs, light, projection, mask, unsure: &[] };
+        let seen_from = if *near_asked { projection.near } else { 0.0 };
+        let signs = &casting.signs;
+        let rendered = Rendered { caster, signs, light, projection, seen_from, mask, unsure: &[] };
         compare(&rendered, SHOWN, &|rows| progress.done(rows))
     }
 }

@@ -53,6 +53,7 @@ impl<'a> Scene<'a> {
     fn compare(&self, mask: &ShadowMask, signs: &[i8], unsure: &[FaceId]) -> Comparison {
         let rendered = Rendered {
             caster: &self.caster,
+            seen: None,
             signs,
             light: &self.light,
             projection: &self.projection,

@@ -57,8 +57,16 @@ impl<'a> Stage<'a> {
 
     fn compare(&self, light: &Light, projection: &Projection, signs: &[i8], mask: &ShadowMask) -> Comparison {
         let caster = &self.caster;
-        let rendered =
-            Rendered { caster, signs, light, projection, seen_from: projection.near, mask, unsure: &[] };
+        let rendered = Rendered {
+            caster,
+            seen: None,
+            signs,
+            light,
+            projection,
+            seen_from: projection.near,
+            mask,
+            unsure: &[],
+        };
         compare(&rendered, 5, &|_| {})
     }
 

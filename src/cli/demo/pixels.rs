@@ -41,6 +41,7 @@ pub(super) fn judge(gpu: &Gpu, caster: &Caster, view: View<'_>, lights: &[Lamp])
         let mask = stage.mask(lamp)?;
         let rendered = Rendered {
             caster,
+            seen: None,
             signs: &casting.signs,
             light: light.light(),
             projection: &stage.projection,

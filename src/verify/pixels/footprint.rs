@@ -144,8 +144,7 @@ impl Pixels<'_> {
         let mut faces = vec![seen.visible.face];
         let bound = self.depth_bound(seen);
         let range = [1.0 - bound, 1.0 + bound].map(|part| part * seen.visible.t);
-        self.oracle
-            .for_each_hit(self.rendered.projection.eye, seen.direction, range, |face| faces.push(face));
+        self.seen.for_each_hit(self.rendered.projection.eye, seen.direction, range, |face| faces.push(face));
         faces.sort_unstable();
         faces.dedup();
         faces

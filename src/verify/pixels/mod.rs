@@ -111,8 +111,10 @@ impl Comparison {
 /// Input of [`compare`]: what was rendered.
 #[derive(Clone, Copy, Debug)]
 pub struct Rendered<'a> {
-    /// The mesh that casts and receives.
+    /// The mesh that casts.
     pub caster: &'a Caster,
+    /// All that is seen: the caster's faces, and then those that only receive. `None` if there are none such.
+    pub seen: Option<&'a Caster>,
     /// The exact sign with which each face casts: one entry per face.
     pub signs: &'a [i8],
     /// The light.
@@ -167,7 +169,7 @@ const THOROUGH: usize = 16;
 /// for (z, agrees) in [(9.0, true), (-9.0, false)] {
 ///     let light = &Light::point([0.0, 0.0, z])?;
 ///     let signs = &CasterFaces::All.signs(&caster.facing(light));
-///     let rendered = Rendered { caster, signs, light, projection, seen_from: 0.0, mask, unsure: &[] };
+///     let rendered = Rendered { caster, seen: None, signs, light, projection, seen_from: 0.0, mask, unsure: &[] };
 ///     let comparison = compare(&rendered, 1, &|_| {});
 ///     assert_eq!(comparison.agrees(), agrees);
 ///     assert_eq!(comparison.count(PixelVerdict::Real) == 0, agrees);
@@ -187,6 +189,7 @@ pub fn compare(rendered: &Rendered<'_>, keep: usize, progress: &(dyn Fn(u64) + S
     let edge_tree = Bvh::build(&boxes);
     let pixels = Pixels {
         oracle: caster.oracle(),
+        seen: rendered.seen.unwrap_or(caster).oracle(),
         rendered,
         rays: Rays::new(projection, size),
         step: step(projection, size),
@@ -232,7 +235,10 @@ impl Seen {
 }
 
 struct Pixels<'a> {
+    /// Of what casts.
     oracle: &'a Oracle,
+    /// Of what is seen.
+    seen: &'a Oracle,
     rendered: &'a Rendered<'a>,
     rays: Rays,
     /// How far sideways the footprint of a pixel reaches, in pixels.
@@ -298,7 +304,7 @@ impl Pixels<'_> {
     fn look(&self, place: [f64; 2]) -> Option<Seen> {
         let ray = self.rays.ray(place[0], place[1]);
         let nearest = self.rendered.seen_from.into();
-        let visible = self.oracle.first_visible_beyond(ray.origin, ray.direction, nearest)?;
+        let visible = self.seen.first_visible_beyond(ray.origin, ray.direction, nearest)?;
         let (count, touching) = self.count(&visible, ray.direction);
         Some(Seen { visible, direction: ray.direction, count, touching })
     }

@@ -116,6 +116,19 @@ fn no_cast_leaves_receivers_in_the_picture_and_out_of_the_shadows() {
         let same = pixels.chunks(4).zip(received.chunks(4)).filter(|(a, b)| a == b).count();
         assert!(same > 1000, "{method}: {same}");
     }
+    // Pixels are compared with the shadows of the casters alone, wherever these fall.
+    if gpu().is_some() {
+        for no_cast in ["Fl*", "Red"] {
+            let run = folder.run(&format!(
+                "verify boxes.obj --points 100 --light point:1,-5,8 --gpu --size 64x48 --no-cast {no_cast}"
+            ));
+            assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+        }
+        let run = folder
+            .run("accuracy shadow boxes.obj --light point:1,-5,8 --size 64x48 --rounds 1 --no-cast Red");
+        assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+        assert!(run.stdout.contains("device") && run.stdout.contains("every claim holds"), "{}", run.stdout);
+    }
     // Silhouettes are those of the casters alone.
     let edges = |rest: &str| {
         folder.json(format!("silhouette boxes.obj --light point:1,5,8 {rest}").trim_end())["lights"].clone()

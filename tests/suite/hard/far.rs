@@ -88,8 +88,16 @@ fn hard_27_one_missing_face_is_found_far_away() {
     let signs = &casting.signs;
     let projection = &projection;
     let light = &light;
-    let rendered =
-        Rendered { caster: &caster, signs, light, projection, seen_from: 0.0, mask: &spoiled, unsure: &[] };
+    let rendered = Rendered {
+        caster: &caster,
+        seen: None,
+        signs,
+        light,
+        projection,
+        seen_from: 0.0,
+        mask: &spoiled,
+        unsure: &[],
+    };
     let real = compare(&rendered, 0, &|_| {}).count(PixelVerdict::Real);
     eprintln!("{real} of {altered} altered pixels are found");
     assert!(altered > 30 && real * 20 > altered * 19, "{real} of {altered}");

@@ -31,7 +31,8 @@ pub(super) fn draw(
     let receivers = GpuCaster::upload(pass.gpu(), caster).unwrap();
     let mask = pass.mask(projection, size, &receivers, &device.draws(), casting.counting()).unwrap();
     let signs = &casting.signs;
-    let rendered = Rendered { caster, signs, light, projection, seen_from, mask: &mask, unsure: &[] };
+    let rendered =
+        Rendered { caster, seen: None, signs, light, projection, seen_from, mask: &mask, unsure: &[] };
     let found = compare(&rendered, 3, &|_| {});
     Some(Drawn { mask, found })
 }

@@ -124,7 +124,11 @@ pub(super) fn judge(
 ) -> Comparison {
     // The views have near planes of their own, some of which are meant to cut.
     let seen_from = projection.near;
-    compare(&Rendered { caster, signs, light, projection, seen_from, mask, unsure: &[] }, 3, &|_| {})
+    compare(
+        &Rendered { caster, seen: None, signs, light, projection, seen_from, mask, unsure: &[] },
+        3,
+        &|_| {},
+    )
 }
 
 /// A caster of a mesh, with the faces that should cast.

@@ -1,11 +1,11 @@
 //! Files to scenes: one module per format, sniffed from the content, then from the extension.
 
 mod error;
-mod fan;
 mod gltf;
 mod md2;
 mod obj;
 mod ply;
+mod polygon;
 mod stl;
 mod text;
 

@@ -7,7 +7,7 @@ use std::io::{BufRead, ErrorKind, Read, Seek, SeekFrom};
 
 use super::text::{Line, Lines, counted, quote, unreadable};
 use super::{Format, Place, ReadError, Source, refused, unheld};
-use crate::mesh::{MAX_TRIANGLES, Mesh, MeshError, Part};
+use crate::mesh::{MAX_TRIANGLES, Mesh, MeshError, Origins, Part};
 use crate::scene::Scene;
 
 /// Bytes before the first triangle of a binary file: a comment and the count.
@@ -115,6 +115,7 @@ fn read_text<R: BufRead>(reader: R) -> Result<Scene, ReadError> {
     let mut lines = Lines::new(reader, Format::Stl, false)?;
     let mut positions: Vec<[f32; 3]> = Vec::new();
     let mut solids: Vec<Part> = Vec::new();
+    let mut origins = Origins::default();
     let mut inside = Inside::File;
     while let Some(mut line) = lines.next_line()? {
         let Some(keyword) = line.word() else { continue };
@@ -126,7 +127,10 @@ fn read_text<R: BufRead>(reader: R) -> Result<Scene, ReadError> {
                 end_of(line)?;
                 Inside::Loop(count + 1)
             }
-            Inside::Solid if is("facet") => Inside::Facet, // its normal follows from the vertices
+            Inside::Solid if is("facet") => {
+                origins.push((positions.len() / 3) as u32, Some(line.number));
+                Inside::Facet // its normal follows from the vertices
+            }
             Inside::Facet if is("outer") => Inside::Loop(0),
             Inside::Done if is("endfacet") => Inside::Solid,
             Inside::Solid if is("endsolid") => Inside::File,
@@ -146,7 +150,7 @@ fn read_text<R: BufRead>(reader: R) -> Result<Scene, ReadError> {
     if inside != Inside::File {
         return Err(lines.error_at_end(format!("the file ends where {} is wanted", wanted(inside))));
     }
-    let mesh = soup(positions)?;
+    let mesh = soup(positions)?.with_origins(origins);
     solids.retain(|solid| !solid.faces.is_empty());
     Ok(Scene::of(match solids.as_mut_slice() {
         [only] => mesh.with_name(std::mem::take(&mut only.name)),

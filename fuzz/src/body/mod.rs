@@ -3,6 +3,7 @@
 pub(crate) mod command;
 mod naive;
 pub(crate) mod oracle;
+pub(crate) mod polygon;
 pub(crate) mod read;
 pub(crate) mod shadow;
 pub(crate) mod topology;
@@ -12,12 +13,13 @@ mod whole;
 pub(crate) type Body = fn(&[u8]);
 
 /// Every target.
-pub(crate) const TARGETS: [(&str, Body); 9] = [
+pub(crate) const TARGETS: [(&str, Body); 10] = [
     ("read_obj", |data| read::run(data, "a.obj")),
     ("read_gltf", |data| read::run(data, "a.gltf")),
     ("read_stl", |data| read::run(data, "a.stl")),
     ("read_ply", |data| read::run(data, "a.ply")),
     ("read_md2", |data| read::run(data, "a.md2")),
+    ("polygon", polygon::run),
     ("topology", topology::run),
     ("shadow", shadow::run),
     ("oracle", oracle::run),

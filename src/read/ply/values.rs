@@ -17,6 +17,11 @@ pub(super) trait Values {
     /// An error at the current item.
     fn error(&self, problem: String) -> ReadError;
 
+    /// The line of the current item, in text.
+    fn line(&self) -> Option<u64> {
+        None
+    }
+
     /// The buffered bytes that come next, if numbers are stored lowest byte first; otherwise none.
     fn at_hand(&mut self) -> &[u8] {
         &[]
@@ -93,6 +98,10 @@ impl<R: BufRead> Values for Text<R> {
                 Err(self.error(problem))
             }
         }
+    }
+
+    fn line(&self) -> Option<u64> {
+        Some(self.lines.current().number)
     }
 
     #[cold]

@@ -30,7 +30,10 @@ fn obj_sample_is_read_whole() {
     assert_eq!(mesh.positions(), [[0.0; 3], [1.0, 0.0, 0.0], [1.5, 1.0, -0.25], [0.0, 1.0, 0.0]]);
     assert_eq!(mesh.triangles(), [[0, 1, 2], [0, 2, 3], [3, 2, 0]]);
     assert_eq!(parts(mesh), [("thing / front / red", 0..2), ("thing / back / red", 2..3)]);
-    assert_eq!(scene.notes, ["1 n-gon cut into fans", "1 statement ignored, the first on line 15 (`l`)"]);
+    assert_eq!(
+        scene.notes,
+        ["1 n-gon cut into triangles", "1 statement ignored, the first on line 15 (`l`)"]
+    );
 }
 
 #[test]
@@ -57,7 +60,7 @@ fn obj_an_index_may_name_a_vertex_further_down() {
 fn obj_n_gons_become_fans_around_the_first_corner() {
     let text = format!("{TRIANGLE}v 1 1 0\nv 2 2 0\nf 1 2 3 4 5\nf 5 4 3 2\nf 1 2 3\n");
     assert_eq!(faces(&text), [[0, 1, 2], [0, 2, 3], [0, 3, 4], [4, 3, 2], [4, 2, 1], [0, 1, 2]]);
-    assert_eq!(scene(&text, "a.obj").notes, ["2 n-gons cut into fans"]);
+    assert_eq!(scene(&text, "a.obj").notes, ["2 n-gons cut into triangles"]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! must report.
 
 #[path = "../../fuzz/src/body/mod.rs"]
-mod body;
+pub(crate) mod body;
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -2,7 +2,11 @@
 
 mod md2;
 mod obj;
+mod origin;
+mod outlines;
 mod ply;
+mod polygon;
+mod polygon_large;
 mod stl;
 
 use std::path::Path;

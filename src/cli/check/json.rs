@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use serde_json::{Map, Value, json};
-use umbrage::check::{Counts, CrackReport, DefectKind};
+use umbrage::check::{Counts, CrackReport, DefectKind, ShellReport};
+use umbrage::mesh::Origin;
 use umbrage::read::Format;
 use umbrage::topology::Topology;
 
 use super::fast::Screened;
-use super::{FileReport, Found, MeshReport, Place, Verdict};
+use super::{FileReport, Found, Listed, MeshReport, Place, Verdict};
 use crate::cli::error::Failure;
 use crate::cli::json::{append, insert_after, to_value};
 use crate::cli::output::number32;
@@ -105,7 +106,7 @@ fn balance(name: Option<&str>, vertices: usize, faces: usize, balanced: bool) ->
 fn mesh(mesh: &MeshReport) -> Value {
     let vertices = [mesh.vertices, mesh.welded_vertices, mesh.unreferenced_vertices];
     let mut object = counts(Some(&mesh.name), vertices, &mesh.counts);
-    object.insert("shell_list".into(), to_value(&mesh.shell_list));
+    object.insert("shell_list".into(), shells(mesh));
     object.insert("defects".into(), mesh.defects.iter().map(defect).collect());
     completeness(&mut object, mesh.nesting_complete, mesh.t_junctions_complete);
     Value::Object(object)
@@ -188,6 +189,29 @@ fn place(place: &Place) -> Value {
     json!({
         "position": place.position.map(number32),
         "name": place.name,
-        "faces": place.faces,
+        "faces": place.faces.iter().map(|listed| listed.face).collect::<Vec<_>>(),
+        "origins": place.faces.iter().map(origin).collect::<Vec<_>>(),
     })
+}
+
+fn origin(listed: &Listed) -> Value {
+    json!({
+        "face": listed.face,
+        "polygon": listed.origin.polygon,
+        "line": listed.origin.line,
+        "part": listed.part,
+    })
+}
+
+/// The shells, each with the polygon of its first face.
+fn shells(mesh: &MeshReport) -> Value {
+    let shell = |(shell, origin): (&ShellReport, &Origin)| {
+        let mut object = to_value(shell);
+        if let Value::Object(object) = &mut object {
+            insert_after(object, "first_face", "first_line", origin.line);
+            insert_after(object, "first_face", "first_polygon", origin.polygon);
+        }
+        object
+    };
+    mesh.shell_list.iter().zip(&mesh.shell_origins).map(shell).collect()
 }

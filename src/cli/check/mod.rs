@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use umbrage::check::{Counts, CrackReport, Defect, DefectKind, NearMiss, ShellReport, Verdict};
-use umbrage::mesh::{FaceId, Mesh};
+use umbrage::mesh::{FaceId, Mesh, Origin};
 use umbrage::read::Format;
 use umbrage::topology::Topology;
 use umbrage::view::Up;
@@ -64,7 +64,9 @@ pub(crate) struct Args {
     ///
     /// A number that was not computed is null. The verdict is null if no file is cracked, but one could not
     /// be read or the nesting of its shells was not decided. At most 1000 shells per mesh and 64 faces per
-    /// defect are listed.
+    /// defect are listed. Faces are triangles, numbered from 0 in each mesh; `origins` names the polygon of the
+    /// file that each was cut from, numbered from 0 in each mesh of the file whatever --only and --scope leave,
+    /// its line (OBJ, and text STL and PLY) and its part.
     #[arg(long)]
     json: bool,
 
@@ -125,8 +127,9 @@ struct MeshReport {
     welded_vertices: usize,
     unreferenced_vertices: usize,
     counts: Counts,
-    /// At most [`SHELLS_LISTED`] of them.
+    /// At most [`SHELLS_LISTED`] of them, and the polygon of the first face of each.
     shell_list: Vec<ShellReport>,
+    shell_origins: Vec<Origin>,
     near_miss: Vec<NearMiss>,
     defects: Vec<Found>,
     nesting_complete: bool,
@@ -155,10 +158,18 @@ struct Place {
     position: [f32; 3],
     length: Option<f64>,
     /// At most [`FACES_LISTED`] of them.
-    faces: Vec<FaceId>,
+    faces: Vec<Listed>,
     face_count: usize,
     /// The names of the parts that the listed faces belong to, or of the mesh.
     name: String,
+}
+
+/// A face, and where its file has it.
+struct Listed {
+    face: FaceId,
+    origin: Origin,
+    /// The part that it belongs to, or none.
+    part: String,
 }
 
 /// Bounds on lists: a mesh may fall apart into single faces, and a whole shell may be one defect.
@@ -298,6 +309,7 @@ fn examine(
         let CrackReport { counts, mut shell_list, near_miss, nesting_complete, t_junctions_complete, .. } =
             report;
         shell_list.truncate(SHELLS_LISTED);
+        let shell_origins = shell_list.iter().map(|shell| mesh.origin(shell.first_face)).collect();
         meshes.push(MeshReport {
             name: mesh.name.clone(),
             vertices,
@@ -305,6 +317,7 @@ fn examine(
             unreferenced_vertices: unreferenced,
             counts,
             shell_list,
+            shell_origins,
             near_miss,
             defects,
             nesting_complete,
@@ -339,9 +352,14 @@ impl MeshReport {
 impl Place {
     fn of(defect: Defect, mesh: &Mesh) -> Self {
         let face_count = defect.faces.len();
-        let faces: Vec<FaceId> = defect.faces.into_iter().take(FACES_LISTED).collect();
+        let listed = |face: FaceId| Listed {
+            face,
+            origin: mesh.origin(face),
+            part: mesh.part_name(face).unwrap_or_default().to_owned(),
+        };
+        let faces: Vec<Listed> = defect.faces.into_iter().take(FACES_LISTED).map(listed).collect();
         let mut names: Vec<&str> = Vec::new();
-        for name in faces.iter().filter_map(|&face| mesh.part_name(face)) {
+        for name in faces.iter().map(|listed| listed.part.as_str()).filter(|name| !name.is_empty()) {
             if !names.contains(&name) {
                 names.push(name);
             }

@@ -12,8 +12,6 @@ mod outline;
 mod quad;
 mod status;
 mod sweep;
-#[cfg(test)]
-mod tests;
 
 use std::ops::Range;
 

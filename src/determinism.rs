@@ -119,6 +119,7 @@ fn files(mesh: &Mesh) -> u64 {
         camera,
         size: Size::new(72, 48).unwrap(),
         lamps: &ShadedLight::equal(&lights()),
+        casters: None,
         up: Up::Y,
         ground: None,
         paint: &|_: FaceId| CLAY,

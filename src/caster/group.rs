@@ -21,9 +21,25 @@ use crate::oracle::Oracle;
 /// let group = CasterGroup::new(casters.iter().collect());
 /// assert_eq!(group.oracle().mesh_face(FaceId(13)), (1, FaceId(1)));
 /// ```
+///
+/// Receivers that do not cast are seen, and nothing more:
+///
+/// ```
+/// use umbrage::caster::{Caster, CasterGroup};
+/// use umbrage::mesh::Mesh;
+/// use umbrage::testing::shapes;
+/// let (cube, floor) = (shapes::cube(), shapes::sheet(1));
+/// let seen = Caster::new(Mesh::concat(&[cube.clone(), floor])?);
+/// let caster = Caster::new(cube);
+/// let group = CasterGroup::new(vec![&caster]).seen_with(&seen);
+/// assert_eq!((group.bounds(), group.oracle().bounds()), (seen.oracle().bounds(), caster.oracle().bounds()));
+/// # Ok::<(), umbrage::mesh::MeshError>(())
+/// ```
 #[derive(Debug)]
 pub struct CasterGroup<'a> {
     casters: Vec<&'a Caster>,
+    /// All that is seen, if that is more than the casters.
+    seen: Option<&'a Caster>,
     oracle: OnceLock<Oracle>,
 }
 
@@ -31,7 +47,14 @@ impl<'a> CasterGroup<'a> {
     /// A group of casters. Nothing is built yet.
     #[must_use]
     pub fn new(casters: Vec<&'a Caster>) -> Self {
-        Self { casters, oracle: OnceLock::new() }
+        Self { casters, seen: None, oracle: OnceLock::new() }
+    }
+
+    /// The same group in a scene of which more is seen than casts. `seen` has the faces of all casters and of
+    /// all receivers.
+    #[must_use]
+    pub fn seen_with(self, seen: &'a Caster) -> Self {
+        Self { seen: Some(seen), ..self }
     }
 
     /// The casters, in the order given.
@@ -52,9 +75,15 @@ impl<'a> CasterGroup<'a> {
         }
     }
 
-    /// Bounding box of all faces.
+    /// The exact ray cast over all that is seen: the casters, unless [`CasterGroup::seen_with`] says more.
+    #[must_use]
+    pub fn seen(&self) -> &Oracle {
+        self.seen.map_or_else(|| self.oracle(), Caster::oracle)
+    }
+
+    /// Bounding box of all that is seen.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        self.oracle().bounds()
+        self.seen().bounds()
     }
 }

@@ -162,7 +162,8 @@ fn with_view<T>(
         Some(name) if name.starts_with("sheet") => [0.62, 0.62, 0.30],
         _ => CLAY,
     };
-    work(View { camera, size, lamps: &lamps, up: Up::Y, ground: None, paint: &paint, edge_samples: 4 })
+    let (up, paint) = (Up::Y, &paint);
+    work(View { camera, size, lamps: &lamps, casters: None, up, ground: None, paint, edge_samples: 4 })
 }
 
 fn by_rays(caster: &Caster, lights: &[Lamp], size: (u32, u32)) -> Result<Picture, Failure> {

@@ -6,11 +6,12 @@ use std::path::Path;
 use umbrage::check::Screen;
 use umbrage::geom::Aabb;
 use umbrage::mesh::{Mesh, Weld, weld_in_place};
-use umbrage::read::{self, Format};
+use umbrage::read::Format;
 use umbrage::scene::{Lamp, Material, NamedCamera, Pattern, PlacedPart, Scene, Scope};
 use umbrage::view::Up;
 
 use super::error::Failure;
+use super::files;
 use super::output;
 use super::progress::Progress;
 
@@ -55,7 +56,7 @@ impl From<ScopeArg> for Scope {
     }
 }
 
-fn parse_pattern(text: &str) -> Result<Pattern, Infallible> {
+pub(crate) fn parse_pattern(text: &str) -> Result<Pattern, Infallible> {
     Ok(Pattern::new(text))
 }
 
@@ -104,16 +105,30 @@ impl MeshArgs {
         self.baked(self.scene(file)?, file)
     }
 
-    /// The same without what is invisible by its material, which neither is seen nor casts.
-    pub(crate) fn read_visible(&self, file: &Path) -> Result<Baked, Failure> {
+    /// The same without what is invisible by its material, which neither is seen nor casts; and apart from
+    /// it, in the scene beside it, what receives shadows but does not cast any.
+    pub(crate) fn read_visible(
+        &self,
+        file: &Path,
+        no_cast: &[Pattern],
+    ) -> Result<(Baked, Vec<Mesh>), Failure> {
         let mut scene = self.scene(file)?;
         leave_out_invisible(&mut scene, file)?;
-        self.baked(scene, file)
+        if no_cast.is_empty() {
+            return Ok((self.baked(scene, file)?, Vec::new()));
+        }
+        require_matches(&scene, "--no-cast", no_cast).map_err(|failure| failure.in_file(file))?;
+        let mut receivers = scene.clone();
+        let split = scene
+            .retain(|part| !matches_any(part, no_cast))
+            .and_then(|()| receivers.retain(|part| matches_any(part, no_cast)));
+        split.map_err(|error| Failure::new(error, "leave out --no-cast").in_file(file))?;
+        Ok((self.baked(scene, file)?, self.bake(receivers, file)?))
     }
 
     fn scene(&self, file: &Path) -> Result<Scene, Failure> {
         let progress = Progress::spinner(format!("reading {}", file.display()));
-        let scene = read::read(file);
+        let scene = files::read(file);
         drop(progress);
         let mut scene = scene?;
         for note in &scene.notes {
@@ -177,15 +192,25 @@ impl MeshArgs {
 
 /// Leaves out what none of the patterns matches, if there are any.
 fn retain_only(scene: &mut Scene, patterns: &[Pattern]) -> Result<(), Failure> {
-    for pattern in patterns {
-        if !scene.placed_parts().any(|part| part.names().any(|name| pattern.matches(name))) {
-            return Err(nothing_matches("--only", pattern, scene));
-        }
-    }
-    let asked = |part: &PlacedPart<'_>| {
-        patterns.is_empty() || part.names().any(|name| patterns.iter().any(|pattern| pattern.matches(name)))
-    };
+    require_matches(scene, "--only", patterns)?;
+    let asked = |part: &PlacedPart<'_>| patterns.is_empty() || matches_any(part, patterns);
     scene.retain(asked).map_err(|error| Failure::new(error, "choose other names"))
+}
+
+/// Whether a name of `part` is as one of the patterns says.
+fn matches_any(part: &PlacedPart<'_>, patterns: &[Pattern]) -> bool {
+    part.names().any(|name| patterns.iter().any(|pattern| pattern.matches(name)))
+}
+
+/// Refuses a pattern that no name is like.
+fn require_matches(scene: &Scene, option: &str, patterns: &[Pattern]) -> Result<(), Failure> {
+    match patterns
+        .iter()
+        .find(|&pattern| !scene.placed_parts().any(|part| matches_any(&part, std::slice::from_ref(pattern))))
+    {
+        None => Ok(()),
+        Some(pattern) => Err(nothing_matches(option, pattern, scene)),
+    }
 }
 
 /// How many names a message lists.

@@ -5,6 +5,7 @@
 
 mod chart;
 mod error;
+mod files;
 mod input;
 mod interrupt;
 mod json;
@@ -14,6 +15,7 @@ mod output;
 mod parsers;
 mod progress;
 mod resources;
+mod shadow;
 #[cfg(feature = "gpu")]
 mod stencil_render;
 mod view;

@@ -1,28 +1,27 @@
 //! `umbrage render`: a picture with exact shadows.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use umbrage::caster::Caster;
-#[cfg(feature = "gpu")]
-use umbrage::geom::Aabb;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::{FaceId, Mesh, Part};
 use umbrage::render;
-use umbrage::render::{CLAY, Ground, Picture, ShadedLight, View};
+use umbrage::render::{CLAY, Picture, ShadedLight, View};
 use umbrage::scene::Material;
 #[cfg(feature = "gpu")]
 use umbrage::shadow::stencil::StencilMethod;
+use umbrage::shadow::{Request, Samples, Technique, Visibility};
 use umbrage::view::Size;
 
 use super::input::{Source, SourceArgs};
-#[cfg(feature = "gpu")]
 use super::lights;
 use super::parsers::{refuse_overwriting, require_folder};
 use super::progress::Progress;
 use super::resources::{AdapterArgs, ThreadArgs};
+use super::shadow::ShadowArgs;
 #[cfg(feature = "gpu")]
-use super::stencil_render::Stage;
+use super::stencil_render::{Shadowing, Stage};
 use super::view::ViewArgs;
 use super::{Failure, Outcome, output};
 
@@ -44,9 +43,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "WxH", default_value = "960x540", allow_hyphen_values = true)]
     size: Size,
 
-    /// How shadows are found
-    #[arg(long, value_enum, default_value_t = Method::Auto)]
-    method: Method,
+    #[command(flatten)]
+    shadow: ShadowArgs,
 
     /// How many samples a pixel is the mean of: 1, 4, 9 or 16; where rays find shadows, pixels at edges only
     ///
@@ -85,70 +83,69 @@ enum FalloffArg {
     Physical,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Method {
-    /// A stencil pass where there is a graphics adapter, for each light and shell as it is right; else rays
-    Auto,
-    /// Stencil counting in front of what is seen; wrong where the eye is in a shadow
-    Zpass,
-    /// Stencil counting behind what is seen; right everywhere
-    Zfail,
-    /// Exact ray cast
+/// How the picture is made, once that is settled.
+enum Path {
+    /// Ray by ray, with more rays at edges.
     Rays,
+    /// Sample by sample, each lamp by the CPU form of its technique.
+    Samples,
+    #[cfg(feature = "gpu")]
+    Device(Box<Gpu>),
 }
 
-/// How shadows are found, once that is settled.
-enum Way {
-    Rays,
-    #[cfg(feature = "gpu")]
-    Stencil {
-        gpu: Box<Gpu>,
-        asked: Option<StencilMethod>,
-    },
+/// Whether a technique is counted in a stencil.
+fn counts(technique: Option<Technique>) -> bool {
+    matches!(technique, Some(Technique::Stencil | Technique::ZFail | Technique::ZPass))
 }
 
-impl Method {
+impl ShadowArgs {
+    /// A stencil pass if any lamp asks for one, or leaves it to us and no other asks for rays; else rays.
+    /// Where some lamps count and others cast rays, all is done on the CPU, on the same samples.
+    fn settle(&self, adapter: &AdapterArgs) -> Result<Path, Failure> {
+        let rays = self.asks_for(|technique| technique == Some(Technique::Rays));
+        match (self.asks_for(counts), self.asks_for(|technique| technique.is_none())) {
+            (true, _) if rays => Ok(Path::Samples),
+            (true, _) => self.device(adapter),
+            (false, true) if !rays => self.device_or_rays(adapter),
+            _ => Ok(Path::Rays),
+        }
+    }
+
     #[cfg(feature = "gpu")]
-    fn settle(self, adapter: &AdapterArgs) -> Result<Way, Failure> {
-        let asked = match self {
-            Self::Rays => return Ok(Way::Rays),
-            Self::Auto => {
-                return Ok(match adapter.find()? {
-                    Ok(gpu) => Way::Stencil { gpu: Box::new(gpu), asked: None },
-                    Err(error) => {
-                        note_rays(&error);
-                        Way::Rays
-                    }
-                });
+    fn device(&self, adapter: &AdapterArgs) -> Result<Path, Failure> {
+        Ok(Path::Device(Box::new(adapter.open("--shadow")?)))
+    }
+
+    #[cfg(feature = "gpu")]
+    fn device_or_rays(&self, adapter: &AdapterArgs) -> Result<Path, Failure> {
+        Ok(match adapter.find()? {
+            Ok(gpu) => Path::Device(Box::new(gpu)),
+            Err(error) => {
+                note_rays(&error);
+                Path::Rays
             }
-            Self::Zpass => StencilMethod::ZPass,
-            Self::Zfail => StencilMethod::ZFail,
-        };
-        Ok(Way::Stencil { gpu: Box::new(adapter.open("--method")?), asked: Some(asked) })
+        })
     }
 
     #[cfg(not(feature = "gpu"))]
-    fn settle(self, adapter: &AdapterArgs) -> Result<Way, Failure> {
+    fn device(&self, adapter: &AdapterArgs) -> Result<Path, Failure> {
         adapter.refuse()?;
-        let name = match self {
-            Self::Rays | Self::Auto => return Ok(Way::Rays),
-            Self::Zpass => "zpass",
-            Self::Zfail => "zfail",
-        };
-        Err(Failure::new(
-            format_args!("--method {name}: this build cannot use a graphics adapter"),
-            "use --method rays",
-        ))
+        Err(Failure::new("--shadow: this build cannot use a graphics adapter", "use --shadow rays"))
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn device_or_rays(&self, adapter: &AdapterArgs) -> Result<Path, Failure> {
+        adapter.refuse()?;
+        Ok(Path::Rays)
     }
 }
 
 #[cfg(feature = "gpu")]
 fn note_rays(error: &GpuError) {
-    output::say(format_args!("note: --method auto: rays: {error}"));
+    output::say(format_args!("note: --shadow auto: rays: {error}"));
 }
 
 /// Samples along each side of a pixel.
-#[cfg(feature = "gpu")]
 const STENCIL_SAMPLES: u32 = 2;
 const RAYS_SAMPLES: u32 = 3;
 
@@ -163,7 +160,7 @@ pub(crate) fn parse_samples(text: &str) -> Result<u32, String> {
 }
 
 /// Refuses a name that no picture can be written under, judging by the extension.
-pub(crate) fn require_png(path: &Path) -> Result<(), Failure> {
+pub(crate) fn require_png(path: &std::path::Path) -> Result<(), Failure> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         return Ok(());
     }
@@ -175,50 +172,47 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     refuse_overwriting("--output", Some(&args.output), &args.source.file)?;
     require_folder(&args.output)?;
     args.view.refuse()?; // before the file is read
-    let way = args.method.settle(&args.adapter)?;
+    let path = args.shadow.settle(&args.adapter)?;
     args.threads.apply()?;
 
-    let Source { up, caster, bounds, lights: of_scene, cameras, materials, .. } = args.source.load()?;
-    let camera = args.view.choose(&cameras, &args.source.file, &bounds, up, args.size)?;
-    let mut lamps = if args.source.lights.were_asked_for() {
-        ShadedLight::equal(&of_scene)
+    let mut source = args.source.load()?;
+    let techniques = args.shadow.of_lamps(&source.lights)?;
+    let camera =
+        args.view.choose(&source.cameras, &args.source.file, &source.bounds, source.up, args.size)?;
+    let ground = if args.ground {
+        let ground = source.add_ground();
+        Some(ground.map_err(|error| Failure::new(error, "leave out --ground").in_file(&args.source.file))?)
     } else {
-        ShadedLight::balanced(&of_scene, &bounds)
+        None
     };
-    if args.falloff == FalloffArg::Physical {
-        for (shaded, lamp) in lamps.iter_mut().zip(&of_scene) {
-            *shaded = shaded.with_physical_falloff(lamp.range, &bounds);
-        }
-    }
-    let (caster, ground) = if args.ground {
-        let (mesh, ground) = Ground::under(caster.into_mesh(), up)
-            .map_err(|error| Failure::new(error, "leave out --ground").in_file(&args.source.file))?;
-        (Caster::new(mesh), Some(ground))
-    } else {
-        (caster, None)
-    };
+    let lamps = shine(&args, &source, &techniques);
+    // What is dark is not asked for.
+    let techniques: Vec<_> =
+        techniques.into_iter().filter(|&technique| technique != Some(Technique::Dark)).collect();
 
-    let colors = colors(caster.mesh(), &materials);
+    let colors = colors(source.seen().mesh(), &source.materials);
     let paint = |face: FaceId| colors.get(face.index()).copied().unwrap_or(CLAY);
+    let (up, size) = (source.up, args.size);
     let view = |samples| View {
         camera,
-        size: args.size,
+        size,
         lamps: &lamps,
+        casters: None,
         up,
         ground,
         paint: &paint,
         edge_samples: args.samples.unwrap_or(samples),
     };
-    let picture = match way {
-        Way::Rays => by_rays(caster, &view(RAYS_SAMPLES))?,
+    let picture = match path {
+        Path::Rays => by_rays(source, view(RAYS_SAMPLES))?,
+        Path::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &techniques)?,
         #[cfg(feature = "gpu")]
-        Way::Stencil { gpu, asked } => match by_stencil(&gpu, &caster, &bounds, view(STENCIL_SAMPLES), asked)
-        {
+        Path::Device(gpu) => match by_stencil(&gpu, &source, view(STENCIL_SAMPLES), &techniques) {
             Ok(picture) => picture,
             // Anything but a defect of ours.
-            Err(error) if asked.is_none() && !matches!(error, GpuError::Wgpu(_)) => {
+            Err(error) if !args.shadow.asks_for(counts) && !matches!(error, GpuError::Wgpu(_)) => {
                 note_rays(&error);
-                by_rays(caster, &view(RAYS_SAMPLES))?
+                by_rays(source, view(RAYS_SAMPLES))?
             }
             Err(error) => return Err(error.into()),
         },
@@ -226,6 +220,22 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     picture.write_png(&args.output)?;
     output::wrote(&args.output);
     Ok(Outcome::Sound)
+}
+
+/// The lamps that shine, in their order: all but those that are dark.
+fn shine(args: &Args, source: &Source, techniques: &[Option<Technique>]) -> Vec<ShadedLight> {
+    let mut lamps = match args.source.lights.were_asked_for() {
+        true => ShadedLight::equal(&source.lights),
+        false => ShadedLight::balanced(&source.lights, &source.bounds),
+    };
+    for ((shaded, lamp), &technique) in lamps.iter_mut().zip(&source.lights).zip(techniques) {
+        if args.falloff == FalloffArg::Physical {
+            *shaded = shaded.with_physical_falloff(lamp.range, &source.bounds);
+        }
+        shaded.shadow = technique != Some(Technique::None);
+    }
+    let lit = lamps.into_iter().zip(techniques).filter(|(_, technique)| **technique != Some(Technique::Dark));
+    lit.map(|(lamp, _)| lamp).collect()
 }
 
 /// The base color of each face; empty if no material states one, so that all faces are of clay.
@@ -241,12 +251,40 @@ fn colors(mesh: &Mesh, materials: &[Material]) -> Vec<[f32; 3]> {
     colors
 }
 
-/// Lets go of the mesh: the ray cast has faces of its own.
-fn by_rays(caster: Caster, view: &View<'_>) -> Result<Picture, Failure> {
-    let oracle = caster.into_oracle();
+/// Lets go of the meshes: the ray casts have faces of their own.
+fn by_rays(source: Source, view: View<'_>) -> Result<Picture, Failure> {
+    let Source { caster, seen, .. } = source;
+    let casters = caster.into_oracle();
+    let seen = seen.map(Caster::into_oracle);
     let progress = Progress::bar("rendering", view.steps());
-    let picture = render::render(&oracle, view, &|steps| progress.done(steps));
+    let view = View { casters: Some(&casters), ..view };
+    let picture = render::render(seen.as_ref().unwrap_or(&casters), &view, &|steps| progress.done(steps));
     drop(progress);
+    picture.map_err(|error| Failure::new(error, "choose a smaller --size"))
+}
+
+/// Each lamp by the CPU form of its technique.
+fn by_samples(
+    source: &Source,
+    view: &View<'_>,
+    techniques: &[Option<Technique>],
+) -> Result<Picture, Failure> {
+    let progress = Progress::spinner("rendering");
+    let casters = source.group();
+    let projection = view.camera.projection(view.size, view.camera.near(&source.bounds, view.size));
+    let samples = Samples::of_view(&casters, &projection, view.size, view.edge_samples)
+        .map_err(|error| Failure::new(error, "choose a smaller --size"))?;
+    let shade = |(lamp, technique): (&ShadedLight, &Option<Technique>)| {
+        let request = Request { casters: &casters, light: &lamp.light, samples: &samples };
+        technique.unwrap_or(Technique::Rays).shade(&request)
+    };
+    let visibility: Vec<Visibility> = view.lamps.iter().zip(techniques).map(shade).collect();
+    let picture = render::render_samples(&samples, view, &visibility);
+    drop(progress);
+    for (lamp, technique) in view.lamps.iter().zip(techniques) {
+        let name = technique.unwrap_or(Technique::Rays);
+        output::say(format_args!("note: {}: {name}, on the CPU", lights::label(&lamp.light, "")));
+    }
     picture.map_err(|error| Failure::new(error, "choose a smaller --size"))
 }
 
@@ -254,18 +292,25 @@ fn by_rays(caster: Caster, view: &View<'_>) -> Result<Picture, Failure> {
 #[cfg(feature = "gpu")]
 fn by_stencil(
     gpu: &Gpu,
-    caster: &Caster,
-    bounds: &Aabb,
+    source: &Source,
     view: View<'_>,
-    asked: Option<StencilMethod>,
+    techniques: &[Option<Technique>],
 ) -> Result<Picture, GpuError> {
     let progress = Progress::spinner("rendering");
-    let stage = Stage::new(gpu, caster, bounds, view, asked)?;
+    let shadowing = |technique: &Option<Technique>| match technique {
+        Some(Technique::None) => Shadowing::Lit,
+        Some(Technique::ZFail) => Shadowing::Counted(Some(StencilMethod::ZFail)),
+        Some(Technique::ZPass) => Shadowing::Counted(Some(StencilMethod::ZPass)),
+        _ => Shadowing::Counted(None),
+    };
+    let shadows: Vec<Shadowing> = techniques.iter().map(shadowing).collect();
+    let stage = Stage::new(gpu, [&source.caster, source.seen()], &source.bounds, view, &shadows)?;
     let picture = stage.picture()?;
     drop(progress);
     output::say(format_args!("note: stencil pass on {}", output::plain(&gpu.name())));
     for (lamp, casting) in view.lamps.iter().zip(&stage.castings) {
-        output::say(format_args!("note: {}: {}", lights::label(&lamp.light, ""), casting.methods.summary()));
+        let how = casting.as_ref().map_or("no shadow".to_owned(), |casting| casting.methods.summary());
+        output::say(format_args!("note: {}: {how}", lights::label(&lamp.light, "")));
     }
     Ok(picture)
 }

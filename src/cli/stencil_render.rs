@@ -1,60 +1,85 @@
-//! Pictures with stencil shadows: from a mesh and a view to pixels, with a description per light.
+//! Pictures with stencil shadows: from meshes and a view to pixels, with a description per light.
 
 use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::CasterFaces;
 use umbrage::geom::Aabb;
 use umbrage::gpu::{Gpu, GpuError};
-use umbrage::render::{Picture, View, render_visibility};
-use umbrage::shadow::Depth;
-use umbrage::shadow::stencil::{GpuStencilVolumes, ShadowMask, StencilMethod, StencilPass, StencilVolumes};
+use umbrage::render::{Picture, ShadedLight, View, render_visibility};
+use umbrage::shadow::stencil::{
+    Counting, Draw, GpuStencilVolumes, ShadowMask, StencilMethod, StencilPass, StencilVolumes,
+};
+use umbrage::shadow::{Depth, GpuVisibility};
 use umbrage::view::Projection;
 
-/// A mesh and a view, with the volumes of each lamp.
+/// The shadow of one lamp.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Shadowing {
+    /// Counted in a stencil pass, by one method for all shells or by the right one for each.
+    Counted(Option<StencilMethod>),
+    /// None: light passes through everything.
+    Lit,
+}
+
+/// A scene and a view, with the volumes of each lamp.
 pub(crate) struct Stage<'a> {
-    caster: &'a Caster,
+    seen: &'a Caster,
     view: View<'a>,
     pass: StencilPass,
     on_device: GpuCaster,
     pub(crate) projection: Projection,
-    /// One entry per lamp.
-    pub(crate) castings: Vec<StencilVolumes>,
-    volumes: Vec<GpuStencilVolumes>,
+    /// One entry per lamp; `None` without a shadow.
+    pub(crate) castings: Vec<Option<StencilVolumes>>,
+    volumes: Vec<Option<GpuStencilVolumes>>,
 }
 
 impl<'a> Stage<'a> {
-    /// `bounds` are those of the mesh without a ground. All faces cast: proving that half of them are enough
-    /// takes longer than drawing the other half once.
+    /// `seen` has the faces of `caster` and those that only receive; `bounds` are those of `seen` without a
+    /// ground; `shadows` has one entry per lamp. All faces cast: proving that half of them are enough takes
+    /// longer than drawing the other half once.
     pub(crate) fn new(
         gpu: &Gpu,
-        caster: &'a Caster,
+        [caster, seen]: [&'a Caster; 2],
         bounds: &Aabb,
         view: View<'a>,
-        asked: Option<StencilMethod>,
+        shadows: &[Shadowing],
     ) -> Result<Self, GpuError> {
         let projection = view.camera.projection(view.size, view.camera.near(bounds, view.size));
         if projection.is_orthographic() {
             return Err(GpuError::NotBuilt("an orthographic camera"));
         }
-        let castings: Vec<_> = (view.lamps.iter())
-            .map(|lamp| caster.stencil_volumes(&lamp.light, &projection, Some(CasterFaces::All), asked))
+        let cast = |lamp: &ShadedLight, asked| {
+            caster.stencil_volumes(&lamp.light, &projection, Some(CasterFaces::All), asked)
+        };
+        let castings: Vec<_> = (view.lamps.iter().zip(shadows))
+            .map(|(lamp, shadowing)| match *shadowing {
+                Shadowing::Counted(asked) => Some(cast(lamp, asked)),
+                Shadowing::Lit => None,
+            })
             .collect();
-        let volumes = castings.iter().map(|casting| casting.upload(gpu)).collect::<Result<_, _>>()?;
+        let upload = |casting: &Option<StencilVolumes>| casting.as_ref().map(|it| it.upload(gpu)).transpose();
+        let volumes = castings.iter().map(upload).collect::<Result<_, _>>()?;
         let pass = StencilPass::new(gpu, Depth::Plane)?;
-        let on_device = GpuCaster::upload(gpu, caster)?;
-        Ok(Self { caster, view, pass, on_device, projection, castings, volumes })
+        let on_device = GpuCaster::upload(gpu, seen)?;
+        Ok(Self { seen, view, pass, on_device, projection, castings, volumes })
+    }
+
+    /// The volumes of a lamp on the device, and how their layers are counted; `None` without a shadow.
+    fn counted(&self, lamp: usize) -> Option<(Vec<Draw<'_>>, Counting)> {
+        Some((self.volumes[lamp].as_ref()?.draws(), self.castings[lamp].as_ref()?.counting()))
     }
 
     /// The lit picture.
     pub(crate) fn picture(&self) -> Result<Picture, GpuError> {
         let samples = self.view.samples(&self.on_device, &self.projection, self.pass.depth())?;
-        render_visibility(&samples, self.caster, &self.view, |lamp| {
-            self.pass.visibility(&samples, &self.volumes[lamp].draws(), self.castings[lamp].counting())
+        render_visibility(&samples, self.seen, &self.view, |lamp| match self.counted(lamp) {
+            Some((draws, counting)) => self.pass.visibility(&samples, &draws, counting),
+            None => GpuVisibility::constant(self.on_device.gpu(), samples.size(), 1.0),
         })
     }
 
     /// The counts of one lamp.
     pub(crate) fn mask(&self, lamp: usize) -> Result<ShadowMask, GpuError> {
-        let (draws, counting) = (self.volumes[lamp].draws(), self.castings[lamp].counting());
+        let (draws, counting) = self.counted(lamp).unwrap_or((Vec::new(), Counting::Stencil));
         self.pass.mask(&self.projection, self.view.size, &self.on_device, &draws, counting)
     }
 }

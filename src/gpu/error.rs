@@ -40,7 +40,7 @@ pub enum GpuError {
     },
     /// A kind of view that no shader draws yet.
     #[error(
-        "not built yet: {0} on a graphics adapter; use a perspective camera, or rays (render --method rays)"
+        "not built yet: {0} on a graphics adapter; use a perspective camera, or rays (render --shadow rays)"
     )]
     NotBuilt(&'static str),
     /// A mesh is so small that a device may flush its coordinates to zero.

@@ -202,6 +202,46 @@ mod tests {
         }
     }
 
+    /// Slivers and slabs in planes that differ by ulps: their rounded distances are not in the order of their
+    /// boxes, and a search that stops at the first distance misses the least.
+    #[test]
+    fn first_hit_among_faces_at_nearly_the_same_distance_is_the_least_of_all() {
+        let mut state = 1_u64;
+        let mut random = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1 << 24) as f32
+        };
+        let mut differing = 0;
+        for _ in 0..60 {
+            let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+            for face in 0..64_u32 {
+                let turn = 6.3 * random();
+                let (sin, cos) = turn.sin_cos();
+                for (along, across) in [(-3.0, 0.01), (3.0, 0.01), (0.3 * random(), -1.0 - random())] {
+                    let z = f32::from_bits(1.0_f32.to_bits() + (3.0 * random()) as u32);
+                    positions.push([along * cos - across * sin, along * sin + across * cos, z]);
+                }
+                triangles.push([3 * face, 3 * face + 1, 3 * face + 2]);
+            }
+            let mesh = Mesh::new(positions, triangles).unwrap();
+            let oracle = Oracle::build(&mesh);
+            for _ in 0..100 {
+                let origin = [2.0 * random() - 1.0, 2.0 * random() - 1.0, 3.0 + random()];
+                let direction = [0.2 * random() - 0.1, 0.2 * random() - 0.1, -1.0];
+                let towards = Light::directional(direction.map(|x| -x)).unwrap();
+                let all: Vec<Hit> = (0..mesh.face_count())
+                    .map(FaceId::new)
+                    .filter(|&face| intersect(origin, &towards, mesh.corners(face)) != Intersection::None)
+                    .map(|face| Hit { face, t: distance(origin, &towards, mesh.corners(face)) })
+                    .collect();
+                let naive = all.iter().copied().min_by(|a, b| a.t.total_cmp(&b.t));
+                assert_eq!(oracle.first_hit(origin, direction), naive);
+                differing += all.iter().filter(|hit| naive.is_some_and(|least| hit.t > least.t)).count();
+            }
+        }
+        assert!(differing > 1000, "{differing}");
+    }
+
     #[test]
     fn visible_point_is_found_for_a_hit_at_the_origin_and_for_tiny_directions() {
         // Steps of the hit's last place are below the spacing of t here: the search would never end.

@@ -4,16 +4,20 @@ mod error;
 mod gltf;
 mod md2;
 mod obj;
+mod packed;
 mod ply;
 mod polygon;
 mod stl;
 mod text;
+mod threemf;
 
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 pub use error::{Place, ReadError};
+
+use packed::Packing;
 
 use crate::mesh::MeshError;
 pub use crate::scene::Format;
@@ -82,11 +86,8 @@ pub fn read_bytes(bytes: &[u8], name: impl AsRef<Path>) -> Result<Scene, ReadErr
     read_source(source, name, None).map_err(|error| error.in_file(name))
 }
 
-fn read_source<R: BufRead + Seek>(
-    mut source: Source<R>,
-    name: &Path,
-    folder: Option<&Path>,
-) -> Result<Scene, ReadError> {
+/// The first bytes of a file, which is then at its beginning again.
+fn head<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Vec<u8>, ReadError> {
     let unreadable = |error: io::Error| ReadError::new(None, Place::File, format!("cannot be read: {error}"));
     let mut head = Vec::new();
     source.reader.by_ref().take(HEAD).read_to_end(&mut head).map_err(unreadable)?;
@@ -94,13 +95,53 @@ fn read_source<R: BufRead + Seek>(
     if source.len == 0 {
         return Err(ReadError::new(None, Place::File, "the file is empty"));
     }
-    let format = sniff(&head, source.len, name)?;
+    Ok(head)
+}
+
+fn read_source<R: BufRead + Seek>(
+    mut source: Source<R>,
+    name: &Path,
+    folder: Option<&Path>,
+) -> Result<Scene, ReadError> {
+    let head = head(&mut source)?;
+    if let Some(packing) = Packing::of(&head) {
+        return packed::read(packing, source, name, folder);
+    }
+    plain_with(&head, source, name, folder)
+}
+
+/// Reads a file that is not packed.
+fn plain<R: BufRead + Seek>(
+    mut source: Source<R>,
+    name: &Path,
+    folder: Option<&Path>,
+) -> Result<Scene, ReadError> {
+    let head = head(&mut source)?;
+    plain_with(&head, source, name, folder)
+}
+
+/// The same, if its first bytes are `head`.
+fn plain_with<R: BufRead + Seek>(
+    head: &[u8],
+    source: Source<R>,
+    name: &Path,
+    folder: Option<&Path>,
+) -> Result<Scene, ReadError> {
+    if let Some(encoding) = utf16(head) {
+        let problem = format!("the text is encoded in {encoding}, but mesh files are in ASCII or UTF-8");
+        return Err(ReadError::new(None, Place::File, problem).remedy("save it as UTF-8"));
+    }
+    let format = sniff(head, source.len, name)?;
     let mut scene = match format {
         Format::Obj => obj::read(source, folder),
         Format::Gltf | Format::Glb => gltf::read(source, format, folder),
         Format::Stl => stl::read(source),
         Format::Ply => ply::read(source),
         Format::Md2 => md2::read(source),
+        Format::ThreeMf => {
+            let problem = "a 3MF file is a ZIP archive, which this is not";
+            Err(ReadError::new(format, Place::File, problem))
+        }
     }?;
     (scene.format, scene.up) = (Some(format), format.up());
     Ok(scene)
@@ -119,6 +160,22 @@ fn unheld(format: Format, count: u64, noun: &str) -> ReadError {
 
 /// Bytes of a file that its format is detected from: enough for the comments that exporters begin with.
 const HEAD: u64 = 4096;
+
+/// The encoding of a text of 16-bit units, by its byte order mark or by its zeros.
+fn utf16(head: &[u8]) -> Option<&'static str> {
+    // ASCII in 16 bits: every second byte is 0, the others are none. No binary format begins so.
+    let ascii = |first: usize| {
+        head.len() >= 16
+            && (0..16).all(|at| (head[at] == 0) == (at % 2 != first))
+            && head[..16].iter().all(u8::is_ascii)
+    };
+    match head {
+        [0xff, 0xfe, ..] => Some("UTF-16"),
+        [0xfe, 0xff, ..] => Some("UTF-16"),
+        _ if ascii(0) || ascii(1) => Some("UTF-16"),
+        _ => None,
+    }
+}
 
 /// The format that the first bytes of a file show, or else its extension.
 fn sniff(head: &[u8], len: u64, name: &Path) -> Result<Format, ReadError> {

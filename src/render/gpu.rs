@@ -42,7 +42,7 @@ impl View<'_> {
             Size::new(width, height).map_err(|_| GpuError::Picture { side: width.max(height), limit })?;
         let bytes = size.pixels() as u64 * SAMPLE_BYTES;
         if bytes > MOST_BYTES {
-            let remedy = "use a smaller --size, fewer --samples, or --method rays";
+            let remedy = "use a smaller --size, fewer --samples, or --shadow rays";
             return Err(GpuError::TooLarge {
                 what: "samples of a picture",
                 bytes,

@@ -44,8 +44,19 @@ impl Ground {
     ///
     /// [`MeshError::TooLarge`] if four more vertices and two more faces do not fit 32-bit ids.
     pub fn under(mesh: Mesh, up: Up) -> Result<(Mesh, Self), MeshError> {
-        let [low, high] = mesh.bounds().unwrap_or([[0.0; 3]; 2]);
-        let bounds = Aabb { low, high };
+        let bounds = mesh.bounds().map_or(Aabb::EMPTY, |[low, high]| Aabb { low, high });
+        Self::below(mesh, &bounds, up)
+    }
+
+    /// The same below `bounds`, the box of a scene that `mesh` is a part of.
+    ///
+    /// # Errors
+    ///
+    /// As [`Ground::under`].
+    pub fn below(mesh: Mesh, bounds: &Aabb, up: Up) -> Result<(Mesh, Self), MeshError> {
+        let zero = Aabb { low: [0.0; 3], high: [0.0; 3] };
+        let bounds = if bounds.is_empty() { &zero } else { bounds };
+        let low = bounds.low;
         let diagonal = if bounds.diagonal() > 0.0 { bounds.diagonal() } else { 1.0 };
         let center = DVec3::from(bounds.center().map(f64::from));
         let most = f64::from(f32::MAX);

@@ -1,5 +1,5 @@
 //! Pictures by exact ray cast: primary visibility, exact verdicts for each lamp, and plain shading. Also the
-//! same pictures on a graphics device, with the visibility that any technique computes.
+//! same pictures with the visibility that any technique computes, on the CPU and on a graphics device.
 
 mod color;
 #[cfg(feature = "gpu")]
@@ -8,6 +8,7 @@ mod ground;
 mod overlay;
 #[cfg(feature = "files")]
 mod png;
+mod samples;
 mod shade;
 mod verdicts;
 
@@ -17,11 +18,12 @@ use glam::Vec3;
 pub use gpu::render_visibility;
 pub use ground::Ground;
 pub use overlay::{Line, Marker, Overlay};
+pub use samples::render_samples;
 pub use shade::{Falloff, ShadedLight};
 pub use verdicts::{verdict_color, verdicts};
 
 use crate::mesh::FaceId;
-use crate::oracle::Oracle;
+use crate::oracle::{Oracle, PrimaryHit};
 use crate::parallel;
 use crate::view::{Camera, Rays, Size, Up};
 
@@ -43,6 +45,8 @@ pub struct View<'a> {
     pub size: Size,
     /// The lamps, each with its shadow.
     pub lamps: &'a [ShadedLight],
+    /// The faces that cast in [`render`]; `None` if all that is seen casts.
+    pub casters: Option<&'a Oracle>,
     /// Up direction of the hemispheric ambient light.
     pub up: Up,
     /// The ground, if the mesh has one ([`Ground::under`]).
@@ -116,6 +120,7 @@ impl View<'_> {
 ///     camera: Camera::fit(&oracle.bounds(), Up::Y, size.aspect()),
 ///     size,
 ///     lamps: &lamps,
+///     casters: None,
 ///     up: Up::Y,
 ///     ground: None,
 ///     paint: &|_| CLAY,
@@ -158,20 +163,34 @@ pub fn render(
 
 /// The light that comes along the ray through a position in the picture.
 fn sample(oracle: &Oracle, view: &View<'_>, rays: &Rays, x_px: f64, y_px: f64) -> Vec3 {
-    let background = BELOW.lerp(ABOVE, 1.0 - (y_px / f64::from(view.size.height())) as f32);
     let ray = rays.ray(x_px, y_px);
     let near = view.camera.near.unwrap_or(0.0).into();
-    let Some(seen) = oracle.first_visible_beyond(ray.origin, ray.direction, near) else { return background };
+    let seen = oracle.first_visible_beyond(ray.origin, ray.direction, near);
+    let casters = view.casters.unwrap_or(oracle);
+    color_at(view, rays, [x_px, y_px], seen.as_ref(), |lamp, hit| {
+        shade::exact(casters, &view.lamps[lamp], hit.point)
+    })
+}
+
+/// The color at a position in the picture where `seen` is visible. `visibility` says how much of a lamp, by
+/// its index, reaches it.
+fn color_at(
+    view: &View<'_>,
+    rays: &Rays,
+    [x_px, y_px]: [f64; 2],
+    seen: Option<&PrimaryHit>,
+    visibility: impl Fn(usize, &PrimaryHit) -> f32,
+) -> Vec3 {
+    let background = BELOW.lerp(ABOVE, 1.0 - (y_px / f64::from(view.size.height())) as f32);
+    let Some(seen) = seen else { return background };
     let direction = rays.direction(x_px, y_px).normalize().as_vec3();
+    let lit = |base| shade::shade(view, seen, direction, base, |lamp| visibility(lamp, seen));
     match &view.ground {
-        Some(ground) if seen.face >= ground.first_face => {
-            let fade = ground.fade(seen.point);
-            if fade >= 1.0 {
-                return background;
-            }
-            shade::shade(oracle, view, &seen, direction, GROUND).lerp(background, fade)
-        }
-        _ => shade::shade(oracle, view, &seen, direction, (view.paint)(seen.face).into()),
+        Some(ground) if seen.face >= ground.first_face => match ground.fade(seen.point) {
+            1.0.. => background,
+            fade => lit(GROUND).lerp(background, fade),
+        },
+        _ => lit((view.paint)(seen.face).into()),
     }
 }
 

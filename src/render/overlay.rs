@@ -91,7 +91,16 @@ impl Overlay {
             tints.get(at).filter(|tint| tint.0 == face).map_or(CLAY, |tint| tint.1.map(linear))
         };
         let lamps = headlights(&camera);
-        let view = View { camera, size, lamps: &lamps, up, ground: None, paint: &paint, edge_samples: 1 };
+        let view = View {
+            camera,
+            size,
+            lamps: &lamps,
+            casters: None,
+            up,
+            ground: None,
+            paint: &paint,
+            edge_samples: 1,
+        };
         let mask = buffer(size, 0.0)?;
         let mut picture = render(oracle, &view, progress)?;
         let depths = depths(oracle, &camera, size, progress)?;

@@ -47,6 +47,8 @@ pub struct ShadedLight {
     pub cone: Option<SpotCone>,
     /// How the light weakens with the distance.
     pub falloff: Falloff,
+    /// Whether [`render`](super::render) asks what blocks the light; if not, it passes through everything.
+    pub shadow: bool,
 }
 
 /// How light weakens with the distance from a lamp at a position. A directional lamp is as strong everywhere.
@@ -71,12 +73,15 @@ pub enum Falloff {
 pub(super) const MOST_FALLOFF: f32 = 32_768.0;
 
 impl ShadedLight {
+    fn new(lamp: &Lamp, color: [f32; 3]) -> Self {
+        Self { light: *lamp.light(), color, cone: lamp.cone, falloff: Falloff::Plain, shadow: true }
+    }
+
     /// White lights of equal strength.
     #[must_use]
     pub fn equal<L: Clone + Into<Lamp>>(lamps: &[L]) -> Vec<Self> {
         let color = [KEY / (lamps.len() as f32).sqrt(); 3];
-        let shaded =
-            |lamp: Lamp| Self { light: *lamp.light(), color, cone: lamp.cone, falloff: Falloff::Plain };
+        let shaded = |lamp: Lamp| Self::new(&lamp, color);
         lamps.iter().map(|lamp| shaded(lamp.clone().into())).collect()
     }
 
@@ -102,7 +107,7 @@ impl ShadedLight {
             let strongest = lamp.color.iter().fold(f32::MIN_POSITIVE, |most, &x| most.max(x));
             let strength = KEY * (relative(share) / norm) as f32;
             let color = lamp.color.map(|x| strength * (x.max(0.0) / strongest).min(1.0));
-            Self { light: *lamp.light(), color, cone: lamp.cone, falloff: Falloff::Plain }
+            Self::new(lamp, color)
         };
         lamps.iter().zip(&shares).map(shaded).collect()
     }
@@ -158,13 +163,23 @@ fn within(cone: SpotCone, to_light: Vec3) -> f32 {
     ((cosine - outer) / width).clamp(0.0, 1.0).powi(2)
 }
 
-/// The light reflected from a visible point towards the eye. A grazing verdict counts as lit.
+/// How much of a lamp reaches a visible point on whose side of the face the lamp is, by exact ray cast. A
+/// grazing verdict counts as lit.
+pub(super) fn exact(casters: &Oracle, lamp: &ShadedLight, point: [f32; 3]) -> f32 {
+    match lamp.shadow && casters.verdict(point, &lamp.light) == Verdict::Shadowed {
+        true => 0.0,
+        false => 1.0,
+    }
+}
+
+/// The light reflected from a visible point towards the eye. `visibility` says how much of a lamp, by its
+/// index, reaches the point.
 pub(super) fn shade(
-    oracle: &Oracle,
     view: &View<'_>,
     seen: &PrimaryHit,
     direction: Vec3,
     base: Vec3,
+    visibility: impl Fn(usize) -> f32,
 ) -> Vec3 {
     let [a, b, c] = seen.corners.map(wide);
     let to_eye = -direction;
@@ -173,13 +188,17 @@ pub(super) fn shade(
 
     let up = normal[view.up.axis()];
     let mut light = base * (AMBIENT + AMBIENT_SLOPE * up);
-    for lamp in view.lamps {
+    for (index, lamp) in view.lamps.iter().enumerate() {
         // The light is behind the seen side of the face: the face itself blocks it.
         if side_of_light(seen.corners, &lamp.light) != seen.side {
             continue;
         }
         let (to_light, arriving) = lamp.reach(wide(seen.point));
-        if arriving == Vec3::ZERO || oracle.verdict(seen.point, &lamp.light) == Verdict::Shadowed {
+        if arriving == Vec3::ZERO {
+            continue;
+        }
+        let arriving = arriving * visibility(index);
+        if arriving == Vec3::ZERO {
             continue;
         }
         let half = (to_light + to_eye).normalize_or_zero();

@@ -21,6 +21,8 @@ pub enum Format {
     Ply,
     /// Quake II model.
     Md2,
+    /// 3D Manufacturing Format.
+    ThreeMf,
 }
 
 impl Format {
@@ -34,6 +36,7 @@ impl Format {
             Self::Stl => "stl",
             Self::Ply => "ply",
             Self::Md2 => "md2",
+            Self::ThreeMf => "3mf",
         }
     }
 
@@ -41,7 +44,7 @@ impl Format {
     #[must_use]
     pub fn up(self) -> Up {
         match self {
-            Self::Md2 | Self::Stl => Up::Z,
+            Self::Md2 | Self::Stl | Self::ThreeMf => Up::Z,
             Self::Obj | Self::Gltf | Self::Glb | Self::Ply => Up::Y,
         }
     }
@@ -50,7 +53,7 @@ impl Format {
     #[must_use]
     pub fn from_extension(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        [Self::Obj, Self::Gltf, Self::Glb, Self::Stl, Self::Ply, Self::Md2]
+        [Self::Obj, Self::Gltf, Self::Glb, Self::Stl, Self::Ply, Self::Md2, Self::ThreeMf]
             .into_iter()
             .find(|format| format.name() == extension)
     }

@@ -43,7 +43,7 @@ impl Samples {
         hits.resize(count, None);
         let width = size.width() as usize * per_side as usize;
         let rays = Rays::new(projection, size);
-        let oracle = casters.oracle();
+        let oracle = casters.seen();
         crate::parallel::rows(&mut hits, width, |y, row| {
             for (x, hit) in row.iter_mut().enumerate() {
                 let [x, y] = [x, y].map(|i| (i as f64 + 0.5) / f64::from(per_side));

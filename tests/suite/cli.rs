@@ -69,15 +69,16 @@ impl Folder {
         self.run_in(&none, arguments)
     }
 
+    /// The command, not yet run.
+    fn command(&self, arguments: &str) -> assert_cmd::Command {
+        let mut command = cargo_bin_cmd!("umbrage");
+        // Without this variable Mesa complains on standard error, which the test checks.
+        command.current_dir(self.0.path()).env("XDG_RUNTIME_DIR", self.0.path()).args(arguments.split(' '));
+        command
+    }
+
     fn run_in(&self, environment: &[(&str, &str)], arguments: &str) -> Run {
-        let output = cargo_bin_cmd!("umbrage")
-            .current_dir(self.0.path())
-            // Without this variable Mesa complains on standard error, which the test checks.
-            .env("XDG_RUNTIME_DIR", self.0.path())
-            .envs(environment.iter().copied())
-            .args(arguments.split(' '))
-            .output()
-            .unwrap();
+        let output = self.command(arguments).envs(environment.iter().copied()).output().unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
         let run = Run {
             code: output.status.code().expect("no signal ends it"),

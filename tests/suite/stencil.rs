@@ -4,17 +4,19 @@
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use umbrage::Reason;
-use umbrage::caster::ShellBoxes;
+use umbrage::caster::{Caster, ShellBoxes};
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::Light;
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::{Intersection, Oracle, intersect};
 use umbrage::scene::Scope;
-use umbrage::shadow::stencil::{DepthComplexity, ShellMethods, StencilMethod, max_depth_complexity};
+use umbrage::shadow::stencil::{
+    Counting, DepthComplexity, ShellMethods, StencilMethod, max_depth_complexity,
+};
 use umbrage::testing::shapes;
 use umbrage::testing::strategy::{light, place, soup};
 use umbrage::topology::{Shells, Topology};
-use umbrage::view::Projection;
+use umbrage::view::{Projection, ProjectionKind};
 
 use crate::support::real_meshes;
 
@@ -387,6 +389,27 @@ fn layers_nested_cubes_reach_the_limit_when_they_do() {
         let inside = Light::point([0.1, 0.2, 0.3]).unwrap();
         assert!(layers(&shapes::nested_cubes(60), &inside, 256).is_below());
         assert!(!layers(&shapes::nested_cubes(256), &inside, 256).is_below());
+    }
+}
+
+#[test]
+fn layers_of_256_and_more_are_counted_in_integers_and_255_in_the_stencil() {
+    let (right, up, forward) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
+    let kind = ProjectionKind::InfinitePerspective;
+    let camera = Projection { eye: [0.2, 0.3, 999.0], right, up, forward, near: 0.1, kind };
+    let light = Light::directional([0.0, 0.0, -1.0]).unwrap();
+    for (count, wanted) in [
+        (255, Counting::Stencil),
+        (256, Counting::Integer),
+        (257, Counting::Integer),
+        (258, Counting::Integer),
+    ] {
+        let sheets: Vec<Mesh> =
+            (0..count).map(|z| shapes::translated(&shapes::sheet(1), [0.0, 0.0, z as f32])).collect();
+        let caster = Caster::new(Mesh::concat(&sheets).unwrap());
+        // 256 layers wrap to 0 in eight bits, which reads as lit.
+        let volumes = caster.stencil_volumes(&light, &camera, None, None);
+        assert_eq!(volumes.counting(), wanted, "{count} layers");
     }
 }
 

@@ -1,7 +1,8 @@
-//! The chart of `umbrage accuracy --svg`: wrong answers against time, a panel for each file.
+//! Charts of error against time, a panel for each file or light.
 
 use crate::cli::chart::{Axis, COLOR_COUNT, Mark, Svg, escaped, number, significant};
-use umbrage::accuracy::{Method, Row};
+use umbrage::accuracy::{Method, Spread};
+use umbrage::verify::Tally;
 
 use super::{Asked, FileResult, Measured};
 
@@ -13,14 +14,36 @@ const RIGHT: f64 = 716.0;
 const TOP: f64 = 66.0;
 const BOTTOM: f64 = 356.0;
 const PANEL: f64 = 416.0;
+/// Distance between a mark and its label above which a line joins the two.
+const LEADER: f64 = 40.0;
 /// Room below the panels, for notes.
 const NOTES: f64 = 56.0;
 
-/// One method's mark.
+/// One chart of several, below each other.
+pub(super) struct Panel {
+    pub(super) heading: String,
+    pub(super) second_line: String,
+    /// Titles of the two axes.
+    pub(super) titles: [&'static str; 2],
+    pub(super) entries: Vec<Entry>,
+}
+
+/// What a mark stands for.
+pub(super) struct Entry {
+    pub(super) name: String,
+    /// Second line of the label.
+    pub(super) said: String,
+    /// In the unit of the axis.
+    pub(super) time: Spread,
+    pub(super) tally: Tally,
+    pub(super) dominated: bool,
+}
+
+/// One entry's mark.
 struct Spot<'a> {
-    method: &'a Method,
-    /// Its color and shape.
-    look: usize,
+    entry: &'a Entry,
+    /// Its color, and its shape among [`Mark::ALL`].
+    look: [usize; 2],
     place: [f64; 2],
     /// Positions of its fastest and slowest round.
     spread: [f64; 2],
@@ -29,18 +52,41 @@ struct Spot<'a> {
 /// The box of a text or mark, which no other text may overlap: left, top, right, bottom.
 type Taken = [f64; 4];
 
-pub(super) fn svg(results: &[FileResult], asked: &Asked) -> String {
+/// The panels of measured queries, one for each file.
+pub(super) fn of_queries(results: &[FileResult], asked: &Asked) -> Vec<Panel> {
     let measured = results.iter().filter_map(|result| Some((result, result.measured.as_ref().ok()?)));
-    let panels: Vec<(&FileResult, &Measured)> = measured.collect();
+    measured.map(|(result, measured)| of_file(result, measured, asked)).collect()
+}
+
+fn of_file(result: &FileResult, measured: &Measured, asked: &Asked) -> Panel {
+    let name = result.file.file_name().unwrap_or(result.file.as_os_str()).to_string_lossy();
+    let (faces, queries) = (measured.faces as f64, measured.baseline().total.queries as f64);
+    let entry = |method: &Method| Entry {
+        name: method.name.to_owned(),
+        said: said(method.total.time.median, "ns", &method.total.tally()),
+        time: method.total.time,
+        tally: method.total.tally(),
+        dominated: method.dominated,
+    };
+    Panel {
+        heading: format!("Error against time: {}", asked.question.name()),
+        second_line: format!("{}, {} faces, {} queries", shortened(&name), number(faces), number(queries)),
+        titles: ["nanoseconds a query, median of the rounds", "wrong answers a query"],
+        entries: measured.found.methods.iter().map(entry).collect(),
+    }
+}
+
+/// The chart of all panels.
+pub(super) fn svg(panels: &[Panel]) -> String {
     let mut svg = Svg::new(WIDTH, PANEL * panels.len() as f64 + NOTES);
-    for (index, (result, measured)) in panels.iter().enumerate() {
-        panel(&mut svg, PANEL * index as f64, result, measured, asked);
+    for (index, chart) in panels.iter().enumerate() {
+        panel(&mut svg, PANEL * index as f64, chart);
     }
     let below = PANEL * panels.len() as f64 + 10.0;
     let notes = [
-        "Filled: wrong answers, of queries with one right answer. Hollow: none was found; the mark is drawn at 3/n,",
-        "which the rate is below with 95 % confidence, if queries are independent. Bars: the fastest and the slowest round.",
-        "Thick line: the methods that no other one dominates, being as fast and as often right.",
+        "Filled: wrong answers, of those with one right answer. Hollow: none was found; the mark is drawn at 3/n,",
+        "which the rate is below with 95 % confidence, if answers are independent. Bars: the fastest and the slowest round.",
+        "Thick line: what nothing else dominates, being as fast and as often right.",
     ];
     for (note, y) in notes.iter().zip([below, below + 16.0, below + 32.0]) {
         svg.add(format_args!("<text class=\"faint\" x=\"{LEFT}\" y=\"{y}\" font-size=\"11\">{note}</text>"));
@@ -48,34 +94,27 @@ pub(super) fn svg(results: &[FileResult], asked: &Asked) -> String {
     svg.finish()
 }
 
-fn panel(svg: &mut Svg, top: f64, result: &FileResult, measured: &Measured, asked: &Asked) {
-    let methods = &measured.found.methods;
+fn panel(svg: &mut Svg, top: f64, panel: &Panel) {
     // 1. The heading.
-    let name = result.file.file_name().unwrap_or(result.file.as_os_str()).to_string_lossy();
     let (first, second) = (top + 28.0, top + 48.0);
     svg.add(format_args!(
-        "<text x=\"{LEFT}\" y=\"{first}\" font-size=\"17\" font-weight=\"bold\">Error against time: {}</text>",
-        asked.question.name()
+        "<text x=\"{LEFT}\" y=\"{first}\" font-size=\"17\" font-weight=\"bold\">{}</text>",
+        escaped(&panel.heading)
     ));
-    svg.add(format_args!(
-        "<text x=\"{LEFT}\" y=\"{second}\">{}, {} faces, {} queries</text>",
-        escaped(&shortened(&name)),
-        number(measured.faces as f64),
-        number(measured.baseline().total.queries as f64)
-    ));
+    svg.add(format_args!("<text x=\"{LEFT}\" y=\"{second}\">{}</text>", escaped(&panel.second_line)));
 
     // 2. The axes.
-    let times = methods.iter().flat_map(|method| [method.total.time.min, method.total.time.max]);
+    let entries = &panel.entries;
+    let times = entries.iter().flat_map(|entry| [entry.time.min, entry.time.max]);
     let x = Axis::around(times.map(above_zero), [LEFT, RIGHT]);
-    let y = Axis::decades(methods.iter().map(|method| height(&method.total)), [top + BOTTOM, top + TOP]);
-    let titles = ["nanoseconds a query, median of the rounds", "wrong answers a query"];
-    svg.grid(&x, &y, [number, power], titles);
+    let y = Axis::decades(entries.iter().map(|entry| height(&entry.tally)), [top + BOTTOM, top + TOP]);
+    svg.grid(&x, &y, [tick, power], panel.titles);
 
-    // 3. The front that no method beats, then the marks over it.
+    // 3. The front that nothing beats, then the marks over it.
     let spots: Vec<Spot<'_>> =
-        methods.iter().zip(0..).map(|(method, look)| spot(method, look, &x, &y)).collect();
+        entries.iter().enumerate().map(|(index, entry)| spot(entry, index, &x, &y)).collect();
     let mut front: Vec<[f64; 2]> =
-        spots.iter().filter(|spot| !spot.method.dominated).map(|spot| spot.place).collect();
+        spots.iter().filter(|spot| !spot.entry.dominated).map(|spot| spot.place).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let line: Vec<String> = front.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
     svg.add(format_args!(
@@ -90,36 +129,46 @@ fn panel(svg: &mut Svg, top: f64, result: &FileResult, measured: &Measured, aske
     for spot in &spots {
         draw(svg, spot);
     }
-    for spot in &spots {
-        label(svg, spot, top, &mut taken);
+    // Lines to labels come before the labels, lest one cross the text of another.
+    let areas: Vec<Taken> = spots.iter().map(|spot| label_area(spot, top, &mut taken)).collect();
+    for (spot, area) in spots.iter().zip(&areas) {
+        leader(svg, spot, area);
+    }
+    for (spot, area) in spots.iter().zip(&areas) {
+        label(svg, spot, area);
     }
 }
 
-fn spot<'a>(method: &'a Method, index: usize, x: &Axis, y: &Axis) -> Spot<'a> {
-    let Row { time, .. } = method.total;
+fn spot<'a>(entry: &'a Entry, index: usize, x: &Axis, y: &Axis) -> Spot<'a> {
+    let time = entry.time;
     let [place, low, high] = [time.median, time.min, time.max].map(|time| x.place(above_zero(time)));
-    let place = [place, y.place(height(&method.total))];
-    Spot { method, look: index % COLOR_COUNT, place, spread: [low, high] }
+    // Two entries of one color differ in shape.
+    let look = [index % COLOR_COUNT, (index + index / COLOR_COUNT) % COLOR_COUNT];
+    Spot { entry, look, place: [place, y.place(height(&entry.tally))], spread: [low, high] }
 }
 
 /// A mark with its spread, hollow where nothing is wrong.
 fn draw(svg: &mut Svg, spot: &Spot<'_>) {
-    let Spot { method, look, place: [x, y], spread: [low, high] } = *spot;
-    let path = Mark::ALL[look].path([x, y]);
-    let inside = if method.total.wrong == 0 { " class=\"paper\" style=\"stroke:currentColor\"" } else { "" };
-    let title = escaped(&format!("{}: {}", method.name, said(method)));
+    let Spot { entry, look: [color, shape], place: [x, y], spread: [low, high] } = *spot;
+    let path = Mark::ALL[shape].path([x, y]);
+    let inside = if entry.tally.wrong == 0 { " class=\"paper\" style=\"stroke:currentColor\"" } else { "" };
+    let title = escaped(&format!("{}: {}", entry.name, entry.said));
     svg.add(format_args!(
-        "<g class=\"c{look}\" fill=\"currentColor\" stroke=\"currentColor\"><path d=\"M{low:.1} {y:.1}H{high:.1}\"/><path \
+        "<g class=\"c{color}\" fill=\"currentColor\" stroke=\"currentColor\"><path d=\"M{low:.1} {y:.1}H{high:.1}\"/><path \
          d=\"{path}\" stroke-width=\"1.8\"{inside}><title>{title}</title></path></g>"
     ));
 }
 
-/// Two lines of text next to a mark, at the nearest free position.
-fn label(svg: &mut Svg, spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) {
-    let dominated = if spot.method.dominated { ", dominated" } else { "" };
-    let (name, said) = (format!("{}{dominated}", spot.method.name), said(spot.method));
+/// The name as labels have it.
+fn name(entry: &Entry) -> String {
+    format!("{}{}", entry.name, if entry.dominated { ", dominated" } else { "" })
+}
+
+/// The nearest free position for two lines of text next to a mark.
+fn label_area(spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) -> Taken {
+    let (name, said) = (name(spot.entry), &spot.entry.said);
     // An upper bound: the font is not known here.
-    let width = 8.4 * name.chars().count().max(said.chars().count()) as f64;
+    let width = 7.8 * name.chars().count().max(said.chars().count()) as f64;
     let [x, y] = spot.place;
     let at = |left: f64, middle: f64| [left, middle - 17.0, left + width, middle + 17.0];
     let inside = |[left, above, right, below]: Taken| {
@@ -137,28 +186,48 @@ fn label(svg: &mut Svg, spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) {
     let fits = |area: &Taken| inside(*area) && free(area);
     // If nothing fits: at the left end, below everything else.
     let area = places.into_iter().find(fits).unwrap_or_else(|| at(LEFT + 6.0, top + BOTTOM - 24.0));
-    let ([left, above, ..], look) = (area, spot.look);
-    let (first, second) = (above + 14.0, above + 29.0);
-    svg.add(format_args!(
-        "<g class=\"c{look} halo\" fill=\"currentColor\"><text x=\"{left:.1}\" y=\"{first:.1}\" \
-         font-weight=\"bold\">{}</text><text x=\"{left:.1}\" y=\"{second:.1}\" font-size=\"12\">{}</text></g>",
-        escaped(&name),
-        escaped(&said)
-    ));
     taken.push(area);
+    area
+}
+
+/// A line from a mark to its label, unless the two are beside each other.
+fn leader(svg: &mut Svg, spot: &Spot<'_>, &[left, above, right, below]: &Taken) {
+    let ([x, y], [color, _]) = (spot.place, spot.look);
+    let [to_x, to_y] = [x.clamp(left, right), y.clamp(above, below)];
+    if (to_x - x).hypot(to_y - y) > LEADER {
+        svg.add(format_args!(
+            "<path class=\"c{color}\" stroke=\"currentColor\" stroke-width=\"0.7\" \
+             d=\"M{x:.1} {y:.1}L{to_x:.1} {to_y:.1}\"/>"
+        ));
+    }
+}
+
+/// Two lines of text.
+fn label(svg: &mut Svg, spot: &Spot<'_>, &[left, above, ..]: &Taken) {
+    let (first, second, [color, _]) = (above + 14.0, above + 29.0, spot.look);
+    svg.add(format_args!(
+        "<g class=\"c{color} halo\" fill=\"currentColor\"><text x=\"{left:.1}\" y=\"{first:.1}\" \
+         font-weight=\"bold\">{}</text><text x=\"{left:.1}\" y=\"{second:.1}\" font-size=\"12\">{}</text></g>",
+        escaped(&name(spot.entry)),
+        escaped(&spot.entry.said)
+    ));
 }
 
 /// "0.31 ns, 0 of 8,597,952 wrong".
-fn said(method: &Method) -> String {
-    let Row { wrong, judged, time, .. } = method.total;
-    let time = above_zero(time.median);
+pub(super) fn said(time: f64, unit: &str, tally: &Tally) -> String {
+    let time = above_zero(time);
     let time = if time < 1000.0 { significant(time) } else { number(time) };
-    format!("{time} ns, {} of {} wrong", number(wrong as f64), number(judged as f64))
+    format!("{time} {unit}, {} of {} wrong", number(tally.wrong as f64), number(tally.judged as f64))
 }
 
 /// Wrong answers per query; if there are none, the upper bound.
-fn height(row: &Row) -> f64 {
-    row.bound_95().unwrap_or(row.error()).clamp(1e-12, 1.0)
+fn height(tally: &Tally) -> f64 {
+    tally.bound_95().unwrap_or(tally.error()).clamp(1e-12, 1.0)
+}
+
+/// Times of a chart may lie below 1.
+fn tick(time: f64) -> String {
+    if time < 1.0 { significant(time).trim_end_matches('0').to_owned() } else { number(time) }
 }
 
 /// Numbers that have a logarithm.
@@ -175,7 +244,7 @@ fn power(x: f64) -> String {
 }
 
 /// A name that fits the heading.
-fn shortened(name: &str) -> String {
+pub(super) fn shortened(name: &str) -> String {
     const MOST: usize = 48;
     if name.chars().count() <= MOST {
         return name.to_owned();

@@ -15,7 +15,8 @@ use umbrage::scene::Lamp;
 use umbrage::view::Size;
 use umbrage::write::write_atomic;
 
-use super::input::{Source, SourceArgs};
+use super::files;
+use super::input::{CastArgs, Source, SourceArgs};
 use super::lights::LightArgs;
 use super::load::MeshArgs;
 use super::output::{self, Output};
@@ -43,12 +44,16 @@ pub(crate) struct Args {
     #[arg(value_enum)]
     what: What,
 
-    /// Mesh files: obj, gltf, glb, stl, ply, md2; recognized by their content, then by their extension
+    /// Mesh files, or folders of such, or - for standard input: obj, gltf, glb, stl, ply, md2, 3mf; also in
+    /// gzip or ZIP; recognized by their content, then by their extension
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
     #[command(flatten)]
     mesh: MeshArgs,
+
+    #[command(flatten)]
+    cast: CastArgs,
 
     #[command(flatten)]
     lights: LightArgs,
@@ -84,7 +89,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
 
-    /// Draw wrong answers against time, a mark for each method [default: nothing is drawn]
+    /// Draw wrong answers against time, a mark for each method or technique [default: nothing is drawn]
     #[arg(long, value_name = "OUT.svg")]
     svg: Option<PathBuf>,
 
@@ -121,6 +126,16 @@ impl What {
 }
 
 impl Args {
+    /// One of the files, with the options for all of them.
+    fn source(&self, file: &Path) -> SourceArgs {
+        SourceArgs {
+            file: file.to_owned(),
+            mesh: self.mesh.clone(),
+            cast: self.cast.clone(),
+            lights: self.lights.clone(),
+        }
+    }
+
     /// Refuses options of the view for questions that have none.
     fn refuse_view(&self) -> Result<(), Failure> {
         let asked = [
@@ -179,7 +194,8 @@ struct Asked {
     options: Options,
 }
 
-pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
+    args.files = files::expand(args.files);
     let Some(question) = args.what.question() else {
         args.refuse_queries()?;
         refuse_outputs(&args)?;
@@ -217,7 +233,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     // Files hold what was measured; where that is nothing, there are none.
     if results.iter().any(|result| result.measured.is_ok()) {
         save(args.csv.as_deref(), || csv::table(&results, asked.question))?;
-        save(args.svg.as_deref(), || chart::svg(&results, &asked))?;
+        save(args.svg.as_deref(), || chart::svg(&chart::of_queries(&results, &asked)))?;
     }
     Ok(outcome)
 }
@@ -253,8 +269,7 @@ fn refuse_outputs(args: &Args) -> Result<(), Failure> {
 
 fn measure(file: &Path, args: &Args, asked: &Asked) -> Result<Measured, Failure> {
     let Asked { question, options } = asked;
-    let source = SourceArgs { file: file.to_owned(), mesh: args.mesh.clone(), lights: args.lights.clone() };
-    let Source { format, caster, lights, .. } = source.load()?;
+    let Source { format, caster, lights, .. } = args.source(file).load()?;
     let mesh = caster.into_mesh();
     if lights.len() > MOST_LIGHTS {
         let (file, count) = (file.display(), lights.len());

@@ -8,11 +8,15 @@ use umbrage::caster::CasterGroup;
 use umbrage::geom::Light;
 use umbrage::scene::Lamp;
 use umbrage::shadow::{Claim, Samples};
+use umbrage::verify::Tally;
+use umbrage::verify::errors::Errors;
 use umbrage::view::{Projection, Size};
 
 use super::Args;
+use super::chart::{self, Entry, Panel};
 use super::csv::cell;
-use crate::cli::input::{Source, SourceArgs};
+use crate::cli::chart::number as number_text;
+use crate::cli::input::Source;
 use crate::cli::output::{self, Output, Table, counted, number, plain, significant};
 use crate::cli::progress::Progress;
 use crate::cli::{Failure, Outcome, lights};
@@ -30,14 +34,11 @@ struct Measured {
 }
 
 pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
-    if args.svg.is_some() {
-        let remedy = "use --csv, or leave it out";
-        return Err(Failure::new("not built yet: --svg of `accuracy shadow`", remedy));
-    }
     let mut out = Output::new();
     let mut outcome = Outcome::Sound;
     let mut documents = Vec::new();
     let mut table = HEADER.to_owned();
+    let mut panels = Vec::new();
     for (index, file) in args.files.iter().enumerate() {
         match measure(file, args) {
             Ok(measured) => {
@@ -45,6 +46,7 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
                     outcome = outcome.max(Outcome::Unsound);
                 }
                 table += &measured.csv();
+                panels.extend(measured.panels());
                 if args.json {
                     documents.push(measured.document());
                 } else {
@@ -66,23 +68,24 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     }
     out.flush()?;
     super::save(args.csv.as_deref(), || table)?;
+    super::save(args.svg.as_deref(), || chart::svg(&panels))?;
     Ok(outcome)
 }
 
 fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
-    let source = SourceArgs { file: file.to_owned(), mesh: args.mesh.clone(), lights: args.lights.clone() };
-    let Source { up, caster, bounds, lights, cameras, .. } = source.load()?;
+    let source = args.source(file).load()?;
+    let Source { up, ref caster, bounds, ref lights, ref cameras, .. } = source;
     if caster.mesh().face_count() == 0 {
         let problem = "there are no faces to cast or to receive a shadow";
         return Err(Failure::new(problem, "name a mesh that has some").in_file(file));
     }
     let size = args.size.unwrap_or(Size::new(SIZE.0, SIZE.1).expect("in range"));
-    let camera = args.view.choose(&cameras, file, &bounds, up, size)?;
+    let camera = args.view.choose(cameras, file, &bounds, up, size)?;
     let projection: Projection = camera.projection(size, camera.near(&bounds, size));
     let hard: Vec<Light> = lights.iter().map(|light| *light.light()).collect();
     let steps = ShadowAccuracy::STEPS * hard.len() as u64;
     let progress = Progress::bar(format!("measuring {}", file.display()), steps);
-    let casters = CasterGroup::new(vec![&caster]);
+    let casters = source.group();
     let view =
         |casters: &CasterGroup<'_>| Samples::of_view(casters, &projection, size, args.samples.unwrap_or(1));
     let (samples, mut found) =
@@ -90,7 +93,7 @@ fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
             .map_err(|error| Failure::new(error, "use a smaller --size").in_file(file))?;
     drop(progress);
     add_device(args, &casters, &samples, &mut found)?;
-    Ok(Measured { file: file.to_owned(), size, samples: samples.len(), lights, found })
+    Ok(Measured { file: file.to_owned(), size, samples: samples.len(), lights: lights.clone(), found })
 }
 
 /// Adds the rows of a graphics adapter, where there is one.
@@ -217,6 +220,23 @@ impl Measured {
         })
     }
 
+    /// A chart for each light.
+    fn panels(&self) -> Vec<Panel> {
+        let file = self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy();
+        let panel = |(light, found): (&Lamp, &ShadowAccuracy)| Panel {
+            heading: "Error against time: shadows of one light".to_owned(),
+            second_line: format!(
+                "{}, {} samples, {}",
+                chart::shortened(&file),
+                number_text(self.samples as f64),
+                lights::label(light.light(), &light.name)
+            ),
+            titles: ["milliseconds a frame, median of the rounds", "wrong samples, of those judged"],
+            entries: found.rows.iter().map(entry).collect(),
+        };
+        self.lights.iter().zip(&self.found).map(panel).collect()
+    }
+
     fn csv(&self) -> String {
         let file = self.file.to_string_lossy().into_owned();
         let rows = self.lights.iter().zip(&self.found).flat_map(|(light, found)| {
@@ -258,6 +278,19 @@ const LEGEND: &str = "judged: samples that face the light and whose exact verdic
                       the truth; acne: falsely dark, leak: falsely lit; prepare: work that stays valid while the \
                       camera moves; frame: from given samples to their visibility, the median of the rounds; dominated: \
                       another technique is as fast and as often right";
+
+fn entry(row: &ShadowRow) -> Entry {
+    let Errors { judged, wrong, samples, excused, .. } = row.errors;
+    let tally = Tally { queries: samples, ties: excused, judged, wrong };
+    let device = if row.device.is_some() { ", device" } else { "" };
+    Entry {
+        name: format!("{}{device}", row.technique),
+        said: chart::said(row.frame_ms.median, "ms", &tally),
+        time: row.frame_ms,
+        tally,
+        dominated: row.dominated_by.is_some(),
+    }
+}
 
 /// What does not apply to a technique, or is not built yet, is null.
 fn row_document(row: &ShadowRow) -> Value {

@@ -16,6 +16,7 @@ use umbrage::topology::Topology;
 use umbrage::view::Up;
 use umbrage::write::{self, Model};
 
+use super::files;
 use super::load::{self, MeshArgs, WeldedMesh};
 use super::output::{self, Output};
 use super::parsers::{refuse_overwriting, whole};
@@ -31,7 +32,8 @@ use picture::Sketch;
 /// shell is inside out.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Mesh files: obj, gltf, glb, stl, ply, md2; recognized by their content, then by their extension
+    /// Mesh files, or folders of such, or - for standard input: obj, gltf, glb, stl, ply, md2, 3mf; also in
+    /// gzip or ZIP; recognized by their content, then by their extension
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -176,7 +178,8 @@ struct Listed {
 const SHELLS_LISTED: usize = 1000;
 const FACES_LISTED: usize = 64;
 
-pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
+    args.files = files::expand(args.files);
     refuse(&args)?;
     args.threads.apply()?;
     if args.fast {

@@ -12,7 +12,7 @@ use umbrage::view::Size;
 use crate::cli::lights::label;
 use crate::cli::output::{Table, plain};
 use crate::cli::progress::Progress;
-use crate::cli::stencil_render::Stage;
+use crate::cli::stencil_render::{Shadowing, Stage};
 
 /// The picture of the stencil pass, and its comparison with the ray cast.
 pub(super) struct Judged {
@@ -35,12 +35,16 @@ pub(super) fn judge(
     view: View<'_>,
     lights: &[Lamp],
 ) -> Result<Judged, GpuError> {
-    let stage = Stage::new(gpu, caster, bounds, View { edge_samples: SAMPLES, ..view }, None)?;
+    let stage = {
+        let view = View { edge_samples: SAMPLES, ..view };
+        Stage::new(gpu, [caster; 2], bounds, view, &vec![Shadowing::Counted(None); lights.len()])?
+    };
     let picture = stage.picture()?;
     let progress = Progress::bar("judging pixels", (lights.len() as u64) * u64::from(view.size.height()));
     let mut table = Table::new(&["light", "pixels", "sky", "agree", "grazing", "disagree"]);
     let (mut panels, mut methods, mut agrees) = (Vec::new(), String::new(), true);
     for (lamp, (light, casting)) in lights.iter().zip(&stage.castings).enumerate() {
+        let Some(casting) = casting else { continue };
         let mask = stage.mask(lamp)?;
         let rendered = Rendered {
             caster,

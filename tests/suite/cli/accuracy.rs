@@ -276,6 +276,22 @@ fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
 }
 
 #[test]
+fn accuracy_of_shadows_is_drawn_for_each_light_with_a_mark_for_each_row() {
+    let folder = folder();
+    let asked =
+        "--light point:2,3,5 --light directional:0,-1,0.2 --size 48x32 --rounds 1 --svg a.svg --csv a.csv";
+    assert_eq!(folder.code(&format!("accuracy shadow torus.obj {asked}")), 0);
+    let svg = fs::read_to_string(folder.path("a.svg")).unwrap();
+    assert!(well_formed(&svg));
+    let rows = fs::read_to_string(folder.path("a.csv")).unwrap().lines().count() - 1;
+    assert_eq!(svg.matches("<title>").count(), rows);
+    assert_eq!(svg.matches("Error against time: shadows of one light").count(), 2);
+    // Rays are never wrong, and their mark is hollow; no light at all is wrong where the light is.
+    let of = |name: &str| svg.lines().find(|line| line.contains(&format!("<title>{name}: "))).unwrap();
+    assert!(of("rays").contains("class=\"paper\"") && !of("dark").contains("class=\"paper\""));
+}
+
+#[test]
 fn accuracy_of_shadows_refuses_what_is_about_queries_and_the_others_what_is_about_views() {
     let folder = folder();
     for (arguments, line) in [

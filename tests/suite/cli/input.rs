@@ -99,3 +99,32 @@ fn input_without_faces_is_noted_by_every_command() {
         assert!(text.contains("sound, but there are no faces to check"), "{text}");
     }
 }
+
+#[test]
+fn check_reads_standard_input_and_the_mesh_files_of_a_folder() {
+    let folder = Folder::with_cubes();
+    fs::create_dir_all(folder.path("assets/deeper")).unwrap();
+    fs::create_dir(folder.path("empty")).unwrap();
+    fs::copy(folder.path("cube.obj"), folder.path("assets/b.obj")).unwrap();
+    fs::copy(folder.path("cube.obj"), folder.path("assets/deeper/a.OBJ")).unwrap();
+    fs::write(folder.path("assets/notes.txt"), "no mesh").unwrap();
+    let document = folder.json("check assets cube.obj");
+    let files: Vec<&str> =
+        document["files"].as_array().unwrap().iter().map(|file| file["file"].as_str().unwrap()).collect();
+    assert_eq!(files, ["assets/b.obj", "assets/deeper/a.OBJ", "cube.obj"]);
+    let run = folder.run("check empty cube.obj");
+    assert!(
+        run.code == 2 && run.stderr.contains("empty: is a directory without mesh files"),
+        "{}",
+        run.stderr
+    );
+    assert!(run.stdout.contains("cube.obj"), "the others are still done");
+
+    let bytes = fs::read(folder.path("cube.obj")).unwrap();
+    let piped = folder.command("check - --json").write_stdin(bytes).output().unwrap();
+    let from_file = folder.run("check cube.obj --json").stdout;
+    assert_eq!(String::from_utf8(piped.stdout).unwrap(), from_file.replace("cube.obj", "-"));
+    let nothing = folder.command("check -").write_stdin("").output().unwrap();
+    assert_eq!(nothing.status.code(), Some(2));
+    assert!(String::from_utf8(nothing.stderr).unwrap().contains("-: the file is empty"));
+}

@@ -111,7 +111,7 @@ fn render_by_stencil_pass_is_the_ray_cast_but_at_edges() {
     assert_eq!(folder.code(&format!("render {scene} --method rays -o rays.png")), 0);
     let (.., rays) = png(&folder, "rays.png");
     for method in ["auto", "zpass", "zfail"] {
-        let run = folder.run(&format!("render {scene} --method {method} -o a.png"));
+        let run = folder.run(&format!("render {scene} --shadow {method} -o a.png"));
         assert_eq!((run.code, run.stdout.as_str()), (0, ""), "{}", run.stderr);
         let named = if method == "auto" { "z" } else { method };
         for light in ["point:3,5,4", "directional:1,-1,0"] {
@@ -141,10 +141,72 @@ fn render_without_an_adapter_falls_back_only_where_it_may() {
     }
     let run = folder.run_without_adapter(&format!("render {rest}"));
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(run.stderr.starts_with("umbrage: note: --method auto: rays: "), "{}", run.stderr);
+    assert!(run.stderr.starts_with("umbrage: note: --shadow auto: rays: "), "{}", run.stderr);
     assert!(run.stderr.contains("apt-get install mesa-vulkan-drivers"), "{}", run.stderr);
     let auto = fs::read(folder.path("a.png")).unwrap();
     assert_eq!(folder.code(&format!("render --method rays {rest}")), 0);
     assert_eq!(fs::read(folder.path("a.png")).unwrap(), auto);
     assert_eq!(folder.run_without_adapter(&format!("render --adapter llvmpipe {rest}")).code, 2);
+}
+
+#[test]
+fn render_takes_a_technique_for_each_light() {
+    let folder = Folder::with_cubes();
+    let view = "--ground --size 48x36 --samples 1";
+    let (key, fill) = ("--light point:3,5,4", "--light directional:1,-1,0");
+    let picture = |rest: &str| {
+        let run = folder.run(&format!("render cube.obj {view} {rest} -o a.png"));
+        assert_eq!(run.code, 0, "{rest}: {}", run.stderr);
+        png(&folder, "a.png").2
+    };
+    let rays = picture(&format!("{key} {fill} --shadow rays"));
+    // A dark lamp shines no less for the others: lamps share one brightness.
+    let one_dark = picture(&format!("{key} {fill} --shadow rays --shadow 2=dark"));
+    let all_dark = picture(&format!("{key} {fill} --shadow dark"));
+    let unshadowed = picture(&format!("{key} {fill} --shadow none"));
+    let brightness = |pixels: &[u8]| pixels.iter().map(|&byte| u64::from(byte)).sum::<u64>();
+    let sums = [&all_dark, &one_dark, &rays, &unshadowed].map(|pixels| brightness(pixels));
+    assert!(sums.is_sorted_by(|a, b| a < b), "{sums:?}");
+    // Counting beside rays is done on the CPU, without an adapter; both are exact.
+    let run = folder.run_without_adapter(&format!(
+        "render cube.obj {view} {key} {fill} --shadow rays --shadow 2=zfail -o mixed.png"
+    ));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("note: directional:1,-1,0: zfail, on the CPU"), "{}", run.stderr);
+    assert!(png(&folder, "mixed.png").2 == rays);
+    for (shadow, line) in [
+        (
+            "--shadow 3=rays",
+            "--shadow 3=: there is no such light; use the name of a light, or a number from 1 to 2",
+        ),
+        ("--shadow pcss:taps=16", "not built yet: pcss"),
+        ("--shadow rays --shadow dark", "--shadow dark: there is one for all lamps already; "),
+        ("--shadow ray", "`ray` is not a technique; write one of rays, stencil,"),
+    ] {
+        let run = folder.run(&format!("render cube.obj {key} {fill} {shadow} -o b.png"));
+        assert!(run.code == 2 && run.stderr.contains(line), "{}", run.stderr);
+        assert!(!folder.path("b.png").exists());
+    }
+}
+
+#[test]
+fn render_by_stencil_pass_takes_lamps_without_a_shadow() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = Folder::with_cubes();
+    let scene = "cube.obj --light point:3,5,4 --light directional:1,-1,0 --ground --size 96x64 --samples 1";
+    let mut pictures = Vec::new();
+    for (first, second) in [("rays", "none"), ("zfail", "none"), ("zfail", "dark"), ("rays", "dark")] {
+        let run = folder.run(&format!("render {scene} --shadow {first} --shadow 2={second} -o a.png"));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        assert_eq!(run.stderr.contains("note: stencil pass on"), first == "zfail", "{}", run.stderr);
+        pictures.push(png(&folder, "a.png").2);
+    }
+    let differing = |a: usize, b: usize| {
+        let differs = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 2);
+        pictures[a].chunks(4).zip(pictures[b].chunks(4)).filter(differs).count()
+    };
+    assert!(differing(0, 1) <= 6 && differing(2, 3) <= 6, "{} {}", differing(0, 1), differing(2, 3));
+    assert!(differing(0, 2) > 100 && differing(1, 3) > 100);
 }

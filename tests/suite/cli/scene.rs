@@ -96,6 +96,42 @@ fn only_loads_what_has_such_a_name() {
 }
 
 #[test]
+fn no_cast_leaves_receivers_in_the_picture_and_out_of_the_shadows() {
+    let folder = Folder::new();
+    materials(&folder);
+    // The light comes from below the floor: the red box is lit only if the floor does not cast.
+    let view = "--eye 1,-9,0.5 --target 0,0,0 --size 64x48 --samples 1 --light point:0.5,-5,-5";
+    let lit = |rest: &str| {
+        let run = folder.run(&format!("render boxes.obj {view} {rest} -o a.png"));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let (.., pixels) = png(&folder, "a.png");
+        (pixels.chunks(4).filter(|pixel| pixel[0] > 120 && pixel[1] < 90).count(), pixels)
+    };
+    let methods: &[&str] = if gpu().is_some() { &["rays", "zfail"] } else { &["rays"] };
+    for method in methods {
+        let (all, pixels) = lit(&format!("--shadow {method}"));
+        let (without, received) = lit(&format!("--shadow {method} --no-cast Fl*"));
+        assert!(all == 0 && without > 100, "{method}: {all} {without}");
+        // The floor is still there: its pixels are those of before, in the light as they were.
+        let same = pixels.chunks(4).zip(received.chunks(4)).filter(|(a, b)| a == b).count();
+        assert!(same > 1000, "{method}: {same}");
+    }
+    // Silhouettes are those of the casters alone.
+    let edges = |rest: &str| {
+        folder.json(format!("silhouette boxes.obj --light point:1,5,8 {rest}").trim_end())["lights"].clone()
+    };
+    assert_eq!(edges("--no-cast Floor"), edges("--only Red"));
+    assert_ne!(edges("--no-cast Floor"), edges(""));
+    let run = folder.run("verify boxes.obj --points 100 --light point:1,5,8 --no-cast floor");
+    assert_eq!(run.code, 2);
+    assert!(
+        run.stderr.contains("boxes.obj: --no-cast floor: nothing has such a name; use a name"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
 fn falloff_is_plain_unless_asked_for() {
     let folder = Folder::with_cubes();
     let picture = |rest: &str| {
@@ -201,7 +237,7 @@ fn camera_of_the_file_is_chosen_and_an_orthographic_one_drawn_by_rays() {
             assert!(run.code == 2 && run.stderr.contains(wanted), "{command}: {}", run.stderr);
         }
         let run = folder.run("render cube.gltf --size 64x64 --camera plan -o b.png");
-        assert!(run.code == 0 && run.stderr.contains("--method auto: rays: not built yet"), "{}", run.stderr);
+        assert!(run.code == 0 && run.stderr.contains("--shadow auto: rays: not built yet"), "{}", run.stderr);
         assert!(png(&folder, "b.png").2 == plan);
     }
 }

@@ -145,6 +145,13 @@ fn hard_15_transform_that_mirrors_turns_the_windings_with_it() {
         expect_crossings(&mesh, &light, &[(behind, 2)]);
         expect_agreement(&mesh, &light);
     }
+    // The sign of the determinant counts, however small: 2⁻¹⁸⁰ here is below every usual epsilon.
+    let tiny = 2.0_f32.powi(-60);
+    for factor in [tiny, -tiny] {
+        let mesh = baked(&shapes::cube(), scale(factor, tiny, tiny));
+        assert_eq!(counts(&mesh).inside_out_shells, 0, "{factor:e}");
+        assert_eq!(counts(&mesh).signed_volume, 8.0 * f64::from(tiny).powi(3));
+    }
     // Negative test: positions mirrored, windings unchanged.
     assert_eq!(counts(&shapes::scaled(&shapes::cube(), -1.0)).inside_out_shells, 1);
 }

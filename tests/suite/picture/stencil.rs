@@ -51,6 +51,7 @@ impl Subject {
             camera: self.camera,
             size: size("96x64"),
             lamps: &self.lamps,
+            casters: None,
             up: Up::Y,
             ground: Some(self.ground),
             paint: &|face: FaceId| if face.index().is_multiple_of(7) { [0.7, 0.3, 0.1] } else { CLAY },

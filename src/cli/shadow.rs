@@ -1,0 +1,126 @@
+//! `--shadow`: the technique of each lamp.
+
+use std::str::FromStr;
+
+use umbrage::scene::Lamp;
+use umbrage::shadow::Technique;
+
+use super::Failure;
+
+/// How shadows are found.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct ShadowArgs {
+    /// How shadows are found: `auto`, `rays`, `stencil`, `zfail`, `zpass`, `none` or `dark`; for one light
+    /// `LAMP=TECHNIQUE`, by its name or its number from 1; may be repeated
+    ///
+    /// `rays`: exact ray cast. `stencil`: a stencil pass on a graphics adapter, z-pass for each shell for
+    /// which it is proven right, else z-fail; `zfail`: right everywhere; `zpass`: wrong where the eye is in a
+    /// shadow. `none`: light passes through everything; `dark`: the light is off. `auto`: `stencil` where
+    /// there is an adapter, else `rays`; also `rays` if another light asks for it. For example: --shadow
+    /// zfail --shadow 2=none.
+    #[arg(long, visible_alias = "method", value_name = "[LAMP=]TECHNIQUE", default_value = "auto")]
+    shadow: Vec<Asked>,
+}
+
+/// One `--shadow`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Asked {
+    /// Name or number; `None` for all lamps without a `--shadow` of their own.
+    lamp: Option<String>,
+    /// `None` for `auto`.
+    technique: Option<Technique>,
+}
+
+impl FromStr for Asked {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        // Options of a technique come behind a colon: `key=value` is none of a lamp.
+        let (lamp, technique) = match text.split_once('=') {
+            Some((lamp, technique)) if !lamp.contains(':') => (Some(lamp.to_owned()), technique),
+            _ => (None, text),
+        };
+        if technique.ends_with(".json") {
+            return Err("not built yet: a saved plan".to_owned());
+        }
+        let technique = match technique {
+            "auto" => None,
+            _ => Some(technique.parse::<Technique>().map_err(|error| error.to_string())?),
+        };
+        Ok(Self { lamp, technique })
+    }
+}
+
+impl ShadowArgs {
+    /// Whether any lamp asks for a technique that `is`.
+    pub(crate) fn asks_for(&self, is: impl Fn(Option<Technique>) -> bool) -> bool {
+        self.shadow.iter().any(|asked| is(asked.technique))
+    }
+
+    /// The technique of each lamp; `None` for `auto`.
+    pub(crate) fn of_lamps(&self, lamps: &[Lamp]) -> Result<Vec<Option<Technique>>, Failure> {
+        let mut of_all = self.shadow.iter().filter(|asked| asked.lamp.is_none());
+        let general = of_all.next();
+        if let Some(second) = of_all.next() {
+            let name = second.technique.map_or("auto", Technique::name);
+            let problem = format!("--shadow {name}: there is one for all lamps already");
+            return Err(Failure::new(problem, format!("name the lamp: --shadow LAMP={name}")));
+        }
+        let mut techniques = vec![general.and_then(|asked| asked.technique); lamps.len()];
+        for asked in &self.shadow {
+            let Some(wanted) = &asked.lamp else { continue };
+            let index = position(wanted, lamps)?;
+            techniques[index] = asked.technique;
+        }
+        Ok(techniques)
+    }
+}
+
+/// The lamp of this name, or else of this number, counted from 1.
+fn position(wanted: &str, lamps: &[Lamp]) -> Result<usize, Failure> {
+    let named = lamps.iter().position(|lamp| lamp.name == wanted && !wanted.is_empty());
+    let numbered = || wanted.parse::<usize>().ok()?.checked_sub(1).filter(|&index| index < lamps.len());
+    named.or_else(numbered).ok_or_else(|| {
+        let problem = format!("--shadow {wanted}=: there is no such light");
+        let remedy = match lamps.len() {
+            1 => "leave the name out: there is one light".to_owned(),
+            count => format!("use the name of a light, or a number from 1 to {count}"),
+        };
+        Failure::new(problem, remedy)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn args(texts: &[&str]) -> ShadowArgs {
+        ShadowArgs { shadow: texts.iter().map(|text| text.parse().unwrap()).collect() }
+    }
+
+    #[test]
+    fn shadow_of_one_lamp_wins_over_that_of_all() {
+        let lamps: Vec<Lamp> =
+            ["point:1,2,3", "point:2,3,4", "point:3,4,5"].map(|l| l.parse().unwrap()).into();
+        let named = |name: &str, lamp: &Lamp| Lamp { name: name.to_owned(), ..lamp.clone() };
+        let lamps = [named("key", &lamps[0]), named("1", &lamps[1]), lamps[2].clone()];
+        let of = |texts: &[&str]| args(texts).of_lamps(&lamps).map_err(|failure| failure.to_string());
+        let (rays, dark) = (Some(Technique::Rays), Some(Technique::Dark));
+        assert_eq!(of(&["auto"]), Ok(vec![None; 3]));
+        assert_eq!(of(&["rays"]), Ok(vec![rays; 3]));
+        assert_eq!(of(&["key=dark", "rays"]), Ok(vec![dark, rays, rays]));
+        assert_eq!(of(&["1=dark", "3=rays"]), Ok(vec![None, dark, rays]), "a name wins over a number");
+        assert_eq!(of(&["rays", "2=auto"]), Ok(vec![rays, None, rays]));
+        assert!(of(&["4=dark"]).unwrap_err().contains("a number from 1 to 3"));
+        assert!(of(&["rays", "dark"]).unwrap_err().contains("--shadow LAMP=dark"));
+    }
+
+    #[test]
+    fn shadow_that_is_not_built_or_unknown_is_refused_by_name() {
+        let error = |text: &str| text.parse::<Asked>().unwrap_err();
+        assert_eq!(error("pcss:taps=16"), "not built yet: pcss");
+        assert_eq!(error("plan.json"), "not built yet: a saved plan");
+        assert!(error("key=ray").starts_with("`ray` is not a technique"));
+        assert!(error("zfail:size=3").contains("no option `size`"));
+    }
+}

@@ -237,7 +237,7 @@ impl Mesh {
 
     /// The same mesh, whose faces were cut from these polygons of its file.
     pub(crate) fn with_origins(mut self, origins: Origins) -> Self {
-        self.origins = (!origins.are_plain()).then(|| Arc::new(origins));
+        self.origins = (!origins.are_plain(self.face_count())).then(|| Arc::new(origins));
         self
     }
 

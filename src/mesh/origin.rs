@@ -76,9 +76,10 @@ impl Origins {
         self.lines.len() > 0
     }
 
-    /// Whether every face is the polygon of its own number, on no line: nothing to remember.
-    pub(crate) fn are_plain(&self) -> bool {
-        !self.have_lines() && self.faces.count_up() && self.polygons.count_up()
+    /// Whether each of `face_count` faces is the polygon of its own number, on no line: nothing to remember.
+    pub(crate) fn are_plain(&self, face_count: usize) -> bool {
+        let as_many = self.faces.len() as usize == face_count;
+        as_many && !self.have_lines() && self.faces.count_up() && self.polygons.count_up()
     }
 
     /// The polygon of a face.
@@ -172,11 +173,11 @@ mod tests {
         let mut triangles = Origins::default();
         triangles.push_triangles(0, 1000);
         (1000..2000).for_each(|face| triangles.push(face, None));
-        assert!(triangles.are_plain());
-        // Fault injected: one polygon more, of two triangles.
-        triangles.push(2000, None);
-        triangles.push(2002, None);
-        assert!(!triangles.are_plain());
+        assert!(triangles.are_plain(2000));
+        // Fault injected: the last polygon is of two triangles, or one before it.
+        assert!(!triangles.are_plain(2001));
+        triangles.push(2001, None);
+        assert!(!triangles.are_plain(2002));
     }
 
     #[test]

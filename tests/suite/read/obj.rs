@@ -28,7 +28,7 @@ fn obj_sample_is_read_whole() {
     let scene = scene(SAMPLE, "a.obj");
     let mesh = &scene.meshes[0];
     assert_eq!(mesh.positions(), [[0.0; 3], [1.0, 0.0, 0.0], [1.5, 1.0, -0.25], [0.0, 1.0, 0.0]]);
-    assert_eq!(mesh.triangles(), [[0, 1, 2], [0, 2, 3], [3, 2, 0]]);
+    assert_eq!(mesh.triangles(), [[1, 2, 3], [1, 3, 0], [3, 2, 0]]);
     assert_eq!(parts(mesh), [("thing / front / red", 0..2), ("thing / back / red", 2..3)]);
     assert_eq!(
         scene.notes,

@@ -32,6 +32,7 @@ pub(crate) struct Origins {
 
 impl Origins {
     /// The next polygon of a file.
+    #[cfg(any(test, feature = "files"))]
     #[inline]
     pub(crate) fn push(&mut self, first_face: u32, line: Option<u64>) {
         self.faces.push(first_face.into());
@@ -41,6 +42,7 @@ impl Origins {
     }
 
     /// The next `count` polygons of a file, each a triangle.
+    #[cfg(any(test, feature = "files"))]
     pub(crate) fn push_triangles(&mut self, first_face: u32, count: u32) {
         self.faces.extend(first_face.into(), 1, count);
     }
@@ -93,6 +95,7 @@ impl Origins {
     }
 
     /// Calls `each` with the faces of each polygon that has several, where there are `face_count` faces.
+    #[cfg(any(test, feature = "files"))]
     pub(crate) fn for_each_n_gon(&self, face_count: u32, mut each: impl FnMut(Range<u32>)) {
         let mut runs = self.faces.runs().peekable();
         while let Some((first, step, count)) = runs.next() {

@@ -74,6 +74,7 @@ impl Steps {
     }
 
     /// The runs: the first number, the step, how many.
+    #[cfg(any(test, feature = "files"))]
     pub(super) fn runs(&self) -> impl Iterator<Item = (u64, u32, u32)> + '_ {
         let ends = self.runs[1.min(self.runs.len())..].iter().map(|run| run.start).chain([self.len]);
         self.runs.iter().zip(ends).map(|(run, end)| (run.first, run.step, end - run.start))

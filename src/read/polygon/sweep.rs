@@ -157,8 +157,8 @@ impl Sweep {
             }
             self.old.push(side);
         }
-        self.from_the_left(shape, at, corners, before)?;
-        self.to_the_right(shape, at, corners, before)?;
+        self.end_sides(shape, at, corners, before)?;
+        self.begin_sides(shape, at, corners, before)?;
         // The sides alternate, and neighbors do not cross.
         let mut below = before;
         for above in self.new.iter().copied().map(Some).chain([after]) {
@@ -180,13 +180,7 @@ impl Sweep {
     }
 
     /// Ends the sides that end here, and finds those that go on, or are gone on with: `kept`.
-    fn from_the_left(
-        &mut self,
-        shape: &Shape<'_>,
-        at: u32,
-        corners: &[u32],
-        before: Option<u32>,
-    ) -> Option<()> {
+    fn end_sides(&mut self, shape: &Shape<'_>, at: u32, corners: &[u32], before: Option<u32>) -> Option<()> {
         let mut ending = corners
             .iter()
             .map(|&corner| match shape.sides(corner) {
@@ -243,7 +237,7 @@ impl Sweep {
     }
 
     /// Sorts the sides that go on and those that begin here: `new`.
-    fn to_the_right(
+    fn begin_sides(
         &mut self,
         shape: &Shape<'_>,
         at: u32,

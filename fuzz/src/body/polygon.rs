@@ -103,7 +103,10 @@ fn around_a_tree(draw: &mut impl Draw, cells: u32) -> Vec<Point> {
 }
 
 /// The triangles, as numbers of corners, and whether the reader says that the polygon crosses itself.
-pub(crate) fn cut(positions: &[[f32; 3]]) -> (Vec<[u32; 3]>, bool) {
+pub(crate) type Answer = (Vec<[u32; 3]>, bool);
+
+/// What the reader makes of a polygon.
+pub(crate) fn cut(positions: &[[f32; 3]]) -> Answer {
     let mut file = String::new();
     for [x, y, z] in positions {
         file.push_str(&format!("v {x} {y} {z}\n"));
@@ -117,7 +120,7 @@ pub(crate) fn cut(positions: &[[f32; 3]]) -> (Vec<[u32; 3]>, bool) {
 
 /// Panics unless the triangles that `cut` makes of a polygon, from each corner and in both directions, are as
 /// they should be.
-pub(crate) fn judge(polygon: &Polygon, cut: impl Fn(&[[f32; 3]]) -> (Vec<[u32; 3]>, bool)) {
+pub(crate) fn judge(polygon: &Polygon, cut: impl Fn(&[[f32; 3]]) -> Answer) {
     let n = polygon.corners.len();
     let positions: Vec<[f32; 3]> = polygon.corners.iter().map(|&p| polygon.placed.point(p)).collect();
     let (triangles, crosses) = cut(&positions);

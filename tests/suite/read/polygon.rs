@@ -10,7 +10,7 @@ use umbrage::topology::Topology;
 
 use super::outlines::{comb, plate, spiral, star, u_shape};
 use super::scene;
-use crate::fuzz::body::polygon::{Placed, Point, Polygon, cut, drawn, judge};
+use crate::fuzz::body::polygon::{Answer, Placed, Point, Polygon, cut, drawn, judge};
 
 const FLAT: Placed = Placed::Plane { slopes: [0, 0], turns: 0 };
 
@@ -171,7 +171,7 @@ fn polygon_that_crosses_itself_is_said_to_with_its_place() {
 
 #[test]
 fn polygon_wrong_triangles_fail_the_judge() {
-    let fails = |polygon: &Polygon, wrong: &dyn Fn(&[[f32; 3]]) -> (Vec<[u32; 3]>, bool)| {
+    let fails = |polygon: &Polygon, wrong: &dyn Fn(&[[f32; 3]]) -> Answer| {
         std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| judge(polygon, wrong))).is_err()
     };
     let u = polygon(u_shape(1), FLAT, true);

@@ -122,6 +122,15 @@ impl Ply {
             if length < 3 {
                 return Err(values.error(format!("a face needs three corners, this one has {length}")));
             }
+            if length == 3 {
+                let mut corners = [0; 3];
+                for corner in &mut corners {
+                    let vertex = values.number(number)?;
+                    *corner = ply.vertex(vertex, values)?;
+                }
+                ply.faces.triangle(corners, values.line());
+                return Ok(());
+            }
             for _ in 0..length {
                 let vertex = values.number(number)?;
                 ply.faces.corner(ply.vertex(vertex, values)?);

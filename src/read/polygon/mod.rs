@@ -57,6 +57,13 @@ impl Faces {
         self.corners += 1;
     }
 
+    /// A polygon of three corners, on `line` of a text file: the same as three corners and an end, in less time.
+    #[inline]
+    pub(super) fn triangle(&mut self, corners: [u32; 3], line: Option<u64>) {
+        self.origins.push(self.triangles.len() as u32, line);
+        self.triangles.push(corners);
+    }
+
     /// Ends the current polygon, which stands on `line` of a text file; the number of its corners. One of
     /// fewer than three is counted among the polygons of the file, and has no triangle.
     #[inline]

@@ -19,7 +19,7 @@ esac
 # Short inputs say little where the bytes are decisions.
 control=100
 case $target in
-    topology | shadow | oracle) control=0 ;;
+    polygon | topology | shadow | oracle) control=0 ;;
 esac
 
 corpus=fuzz/corpus/$target seeds=fuzz/corpus/$target.seeds

@@ -1,12 +1,16 @@
 //! Triangle meshes: finite positions, in-range indices, named runs of faces, and welding.
 
 mod id;
+mod origin;
+mod steps;
 mod weld;
 
 use std::ops::Range;
 use std::sync::Arc;
 
 pub use id::{EdgeId, FaceId, HalfEdgeId, VertexId};
+pub use origin::Origin;
+pub(crate) use origin::Origins;
 pub(crate) use weld::weld_points;
 pub use weld::{Weld, Welded, weld, weld_in_place};
 
@@ -18,7 +22,10 @@ pub use weld::{Weld, Welded, weld, weld_in_place};
 ///
 /// Every determinant of three coordinate differences of a mesh fits an `f64` with room to spare
 /// (2⁻⁴⁴⁷ … 2³⁹³). The exact predicates rely on this range: they can neither overflow nor underflow.
-#[derive(Clone, Debug, Default, PartialEq)]
+///
+/// Two meshes are equal if they have the same name, positions, faces, parts and frames, wherever in a file
+/// their faces stand.
+#[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// Name of the mesh in its file; may be empty.
     pub name: String,
@@ -26,6 +33,16 @@ pub struct Mesh {
     triangles: Arc<Vec<[u32; 3]>>,
     parts: Vec<Part>,
     frames: Vec<Vec<[f32; 3]>>,
+    /// `None` if every face is the polygon of its own number.
+    origins: Option<Arc<Origins>>,
+}
+
+impl PartialEq for Mesh {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { name, positions, triangles, parts, frames, origins: _ } = self;
+        (name, positions, triangles, parts, frames)
+            == (&other.name, &other.positions, &other.triangles, &other.parts, &other.frames)
+    }
 }
 
 /// A named run of faces: a group, a primitive, a material.
@@ -218,6 +235,48 @@ impl Mesh {
         self
     }
 
+    /// The same mesh, whose faces were cut from these polygons of its file.
+    pub(crate) fn with_origins(mut self, origins: Origins) -> Self {
+        self.origins = (!origins.are_plain(self.face_count())).then(|| Arc::new(origins));
+        self
+    }
+
+    /// The same mesh, whose faces are those of `other` in the same order.
+    pub(crate) fn with_origins_of(mut self, other: Option<Arc<Origins>>) -> Self {
+        self.origins = other;
+        self
+    }
+
+    pub(crate) fn origins(&self) -> Option<&Arc<Origins>> {
+        self.origins.as_ref()
+    }
+
+    /// The polygon of the file that `face` is, or was cut from. Logarithmic in the changes of the number of
+    /// corners from polygon to polygon.
+    ///
+    /// It stays with the face through [`weld`], [`Scene::bake`](crate::scene::Scene::bake) and
+    /// [`Scene::retain`](crate::scene::Scene::retain). A mesh that was not read has polygons that are its
+    /// faces.
+    ///
+    /// ```
+    /// # #[cfg(feature = "files")] {
+    /// use umbrage::mesh::FaceId;
+    /// use umbrage::read::read_bytes;
+    /// let file = b"v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\nf 1 3 2\n";
+    /// let mesh = read_bytes(file, "a.obj")?.meshes.remove(0);
+    /// let origin = mesh.origin(FaceId(2)); // the quad is two faces
+    /// assert_eq!((origin.polygon, origin.line), (1, Some(6)));
+    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn origin(&self, face: FaceId) -> Origin {
+        match &self.origins {
+            Some(origins) => origins.of(face.0),
+            None => Origin { polygon: face.0, line: None },
+        }
+    }
+
     /// The same mesh with further animation frames: other positions for the same vertices.
     ///
     /// Welding compares vertices in all frames, so the adjacency does not depend on the frame.
@@ -365,11 +424,13 @@ impl Mesh {
         let mut positions = Vec::with_capacity(meshes.iter().map(Mesh::vertex_count).sum());
         let mut triangles = Vec::with_capacity(meshes.iter().map(Mesh::face_count).sum());
         let mut parts = Vec::new();
+        let mut origins = Origins::default();
         for mesh in meshes {
             // `Mesh::new` below checks the counts: an offset that does not fit makes a count too large.
             let (vertices, faces) = (positions.len() as u32, triangles.len() as u32);
             positions.extend_from_slice(&mesh.positions);
             triangles.extend(mesh.triangles.iter().map(|t| t.map(|vertex| vertex.wrapping_add(vertices))));
+            origins.append(mesh, 0..mesh.face_count() as u32, faces);
             if mesh.parts.is_empty() {
                 parts.push(Part::new(mesh.name.clone(), faces..triangles.len() as u32));
             }
@@ -382,7 +443,7 @@ impl Mesh {
                 parts.push(Part { name, faces, material: part.material });
             }
         }
-        Ok(Mesh::new(positions, triangles)?.with_parts(parts))
+        Ok(Mesh::new(positions, triangles)?.with_parts(parts).with_origins(origins))
     }
 }
 

@@ -1,7 +1,6 @@
 //! Files to scenes: one module per format, sniffed from the content, then from the extension.
 
 mod error;
-mod fan;
 mod foreign;
 mod gltf;
 mod lost;
@@ -10,6 +9,7 @@ mod obj;
 mod off;
 mod packed;
 mod ply;
+mod polygon;
 mod slips;
 mod sniff;
 mod stl;

@@ -4,7 +4,7 @@
 //! the file by group and material, and does not report the line of an error. All vertices stay, in the order
 //! of the file. Material libraries are parsed by `tobj`.
 //!
-//! An index may name a vertex that comes later. Polygons are cut into fans. Texture coordinates, normals and
+//! An index may name a vertex that comes later. Polygons are cut into triangles. Texture coordinates, normals and
 //! smoothing are skipped without a note; other statements (lines, points, curves) with a note.
 
 mod library;
@@ -14,7 +14,7 @@ use std::io::{BufRead, Seek};
 use std::path::Path;
 
 use self::library::Libraries;
-use super::fan::Fan;
+use super::polygon::{Cut, Faces};
 use super::slips::Slips;
 use super::text::{Line, Lines, counted, name, quote};
 use super::{Format, ReadError, Source, refused};
@@ -49,7 +49,7 @@ pub(super) fn read<R: BufRead + Seek>(source: Source<R>, folder: Option<&Path>) 
 #[derive(Default)]
 struct Obj {
     positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
+    faces: Faces,
     parts: Vec<Part>,
     /// Object, group, material: what the next faces belong to.
     names: [String; 3],
@@ -60,7 +60,6 @@ struct Obj {
     /// The index of each material that was named.
     materials: HashMap<String, u32>,
     libraries: Libraries,
-    n_gons: u64,
     /// The highest index (from 1) named by a face, and the first line that names it.
     highest: (u64, u64),
     slips: Slips,
@@ -92,22 +91,17 @@ impl Obj {
     }
 
     fn face(&mut self, mut line: Line<'_>) -> Result<(), ReadError> {
-        let start = self.triangles.len();
-        let mut fan = Fan::default();
+        let start = self.faces.triangles.len();
         while let Some(word) = line.word() {
             if word[0] == b'#' {
                 break;
             }
             let vertex = self.vertex_of(word, line)?;
-            fan.corner(vertex, &mut self.triangles);
+            self.faces.corner(vertex);
         }
-        match fan.corners {
-            0..3 => {
-                self.slips.add("face", "of fewer than three corners left out", || line.at());
-                return Ok(());
-            }
-            3 => {}
-            _ => self.n_gons += 1,
+        if self.faces.end(Some(line.number)) < 3 {
+            self.slips.add("face", "of fewer than three corners left out", || line.at());
+            return Ok(());
         }
         if self.parts.is_empty() || self.renamed {
             self.begin_part(start);
@@ -190,7 +184,7 @@ impl Obj {
             let problem = format!("{keyword} is not a statement of a mesh, and the file holds no vertex");
             return Err(error(*line, problem).remedy("check that this is a Wavefront OBJ file"));
         }
-        let mut end = self.triangles.len() as u32;
+        let mut end = self.faces.triangles.len() as u32;
         for part in self.parts.iter_mut().rev() {
             part.faces.end = end;
             end = part.faces.start;
@@ -200,13 +194,12 @@ impl Obj {
         {
             self.parts.clear();
         }
-        let mesh = Mesh::new(self.positions, self.triangles).map_err(|error| refused(Format::Obj, &error))?;
-        let mut scene = Scene::of(mesh.with_parts(self.parts));
+        let Cut { triangles, origins, notes } = self.faces.cut(&self.positions);
+        let mesh = Mesh::new(self.positions, triangles).map_err(|error| refused(Format::Obj, &error))?;
+        let mut scene = Scene::of(mesh.with_parts(self.parts).with_origins(origins));
         scene.materials = materials(self.materials, &self.libraries.materials);
         scene.notes = self.libraries.notes;
-        if self.n_gons > 0 {
-            scene.notes.push(format!("{} cut into fans", counted(self.n_gons, "n-gon")));
-        }
+        scene.notes.extend(notes);
         scene.notes.extend(self.slips.notes());
         if let Some((line, keyword)) = self.first_ignored {
             let statements = counted(self.ignored, "statement");

@@ -13,8 +13,8 @@ use std::io::{BufRead, Seek, SeekFrom};
 use header::Header;
 pub(super) use header::is_keyword;
 
-use super::fan::Fan;
 use super::lost::Lost;
+use super::polygon::{Cut, Faces};
 use super::slips::Slips;
 use super::text::{counted, unreadable};
 use super::words::Words;
@@ -42,12 +42,9 @@ pub(super) fn read<R: BufRead + Seek>(source: Source<R>) -> Result<Scene, ReadEr
 #[derive(Default)]
 struct Off {
     positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
+    faces: Faces,
     lost: Lost,
     slips: Slips,
-    n_gons: u64,
-    /// The corners of the current face.
-    face: Vec<u32>,
 }
 
 impl Off {
@@ -68,7 +65,7 @@ impl Off {
         let count = self.positions.len();
         match u32::try_from(vertex) {
             Ok(index) if (index as usize) < count => {
-                self.face.push(index);
+                self.faces.corner(index);
                 Ok(())
             }
             _ => {
@@ -78,25 +75,20 @@ impl Off {
         }
     }
 
-    /// Ends the current face; `at` is where, for a note.
-    fn end_face(&mut self, at: impl FnOnce() -> String) {
-        match self.face.len() {
-            0..3 => self.slips.add("face", "of fewer than three corners left out", at),
-            3 => {}
-            _ => self.n_gons += 1,
+    /// Ends the current face, on `line` of a text file; `at` is where, for a note.
+    fn end_face(&mut self, line: Option<u64>, at: impl FnOnce() -> String) {
+        if self.faces.end(line) < 3 {
+            self.slips.add("face", "of fewer than three corners left out", at);
         }
-        let mut fan = Fan::default();
-        self.face.drain(..).for_each(|vertex| fan.corner(vertex, &mut self.triangles));
     }
 
     fn finish(mut self) -> Result<Scene, ReadError> {
         let mut notes: Vec<String> = self.slips.notes().collect();
-        notes.extend(self.lost.settle(Format::Off, &mut self.positions, &self.triangles)?);
-        if self.n_gons > 0 {
-            notes.push(format!("{} cut into fans", counted(self.n_gons, "n-gon")));
-        }
-        let mesh = Mesh::new(self.positions, self.triangles).map_err(|error| refused(Format::Off, &error))?;
-        Ok(Scene { notes, ..Scene::of(mesh) })
+        notes.extend(self.lost.settle(Format::Off, &mut self.positions, &self.faces.triangles)?);
+        let Cut { triangles, origins, notes: of_faces } = self.faces.cut(&self.positions);
+        notes.extend(of_faces);
+        let mesh = Mesh::new(self.positions, triangles).map_err(|error| refused(Format::Off, &error))?;
+        Ok(Scene { notes, ..Scene::of(mesh.with_origins(origins)) })
     }
 }
 

@@ -7,7 +7,7 @@
 //! Types are those of the format, by either name, and `int64`, `uint64`, `long` and `ulong`.
 //!
 //! Read are `x`, `y`, `z` of element `vertex` (any numeric type, rounded to `f32`), and the list
-//! `vertex_indices` or `vertex_index` of `face` (polygons, cut into fans) and `tristrips` (strips, −1 starts
+//! `vertex_indices` or `vertex_index` of `face` (polygons, cut into triangles) and `tristrips` (strips, −1 starts
 //! a new one). In a strip every second triangle is turned, and a triangle that repeats a vertex is stitching
 //! between strips and no face. Other elements are skipped with a note, other properties in silence.
 
@@ -22,8 +22,8 @@ use std::io::{BufRead, Seek};
 use header::{Element, Encoding, Header, Kind, Number};
 use values::{Binary, Text, Values};
 
-use super::fan::Fan;
 use super::lost::Lost;
+use super::polygon::{Cut, Faces};
 use super::text::{Lines, counted};
 use super::{Format, Place, ReadError, Source, refused, unheld};
 use crate::mesh::Mesh;
@@ -48,10 +48,9 @@ struct Ply {
     positions: Vec<[f32; 3]>,
     /// How far a coordinate moved at most when it was rounded.
     rounding: f64,
-    triangles: Vec<[u32; 3]>,
+    faces: Faces,
     lost: Lost,
     vertex_count: u64,
-    n_gons: u64,
     strips: u64,
     stitches: u64,
 }
@@ -78,9 +77,8 @@ impl Ply {
                 }
             }
         }
-        if ply.n_gons > 0 {
-            notes.push(format!("{} cut into fans", counted(ply.n_gons, "n-gon")));
-        }
+        let Cut { triangles, origins, notes: polygons } = ply.faces.cut(&ply.positions);
+        notes.extend(polygons);
         if ply.strips > 0 {
             notes.push(format!("{} cut into triangles", counted(ply.strips, "triangle strip")));
         }
@@ -88,9 +86,9 @@ impl Ply {
             notes.push(format!("{} of strips skipped", counted(ply.stitches, "stitching triangle")));
         }
         notes.extend(values.slips().notes());
-        notes.extend(ply.lost.settle(Format::Ply, &mut ply.positions, &ply.triangles)?);
-        let mesh = Mesh::new(ply.positions, ply.triangles).map_err(|error| refused(Format::Ply, &error))?;
-        Ok(Scene { notes, rounding: ply.rounding, ..Scene::of(mesh) })
+        notes.extend(ply.lost.settle(Format::Ply, &mut ply.positions, &triangles)?);
+        let mesh = Mesh::new(ply.positions, triangles).map_err(|error| refused(Format::Ply, &error))?;
+        Ok(Scene { notes, rounding: ply.rounding, ..Scene::of(mesh.with_origins(origins)) })
     }
 
     fn vertices(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
@@ -143,12 +141,20 @@ impl Ply {
                 let at = values.at();
                 values.slips().add("face", "of fewer than three corners left out", || at);
             }
-            ply.n_gons += u64::from(length > 3);
-            let mut fan = Fan::default();
+            if length == 3 {
+                let mut corners = [0; 3];
+                for corner in &mut corners {
+                    let vertex = values.number(number)?;
+                    *corner = ply.vertex(vertex, values)?;
+                }
+                ply.faces.triangle(corners, values.line());
+                return Ok(());
+            }
             for _ in 0..length {
                 let vertex = values.number(number)?;
-                fan.corner(ply.vertex(vertex, values)?, &mut ply.triangles);
+                ply.faces.corner(ply.vertex(vertex, values)?);
             }
+            ply.faces.end(values.line());
             Ok(())
         })
     }
@@ -156,6 +162,7 @@ impl Ply {
     fn strips(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
         self.lists(element, values, None, |ply, values, number, length| {
             let (mut before, mut corners) = ([0; 2], 0_u64);
+            let first = ply.faces.triangles.len();
             for _ in 0..length {
                 let value = values.number(number)?;
                 if value == -1.0 {
@@ -168,12 +175,13 @@ impl Ply {
                     0 => ply.strips += 1,
                     1 => {}
                     _ if a == b || b == vertex || a == vertex => ply.stitches += 1,
-                    _ if corners % 2 == 0 => ply.triangles.push([a, b, vertex]),
-                    _ => ply.triangles.push([b, a, vertex]),
+                    _ if corners % 2 == 0 => ply.faces.triangles.push([a, b, vertex]),
+                    _ => ply.faces.triangles.push([b, a, vertex]),
                 }
                 before = [b, vertex];
                 corners += 1;
             }
+            ply.faces.end_strip(first, values.line());
             Ok(())
         })
     }
@@ -191,10 +199,13 @@ impl Ply {
         let mut index = 0;
         loop {
             if let Some(plain) = plain {
-                let before = self.triangles.len();
-                let bytes = plain.read(values.at_hand(), element.count - index, &mut self.triangles);
+                let triangles = &mut self.faces.triangles;
+                let before = triangles.len();
+                let bytes = plain.read(values.at_hand(), element.count - index, triangles);
+                let count = (triangles.len() - before) as u64;
                 values.pass(bytes);
-                index += (self.triangles.len() - before) as u64;
+                self.faces.end_triangles(count);
+                index += count;
             }
             if index == element.count {
                 return Ok(());

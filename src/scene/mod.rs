@@ -16,7 +16,7 @@ pub use own_space::OwnSpace;
 pub use pattern::Pattern;
 pub use visible::PlacedPart;
 
-use crate::mesh::{Mesh, MeshError, Part};
+use crate::mesh::{Mesh, MeshError, Origins, Part};
 use crate::view::{Camera, Up};
 
 /// The content of a file.
@@ -38,7 +38,7 @@ pub struct Scene {
     pub cameras: Vec<NamedCamera>,
     /// Cameras of the file that cannot be used.
     pub left_out_cameras: Vec<LeftOutCamera>,
-    /// What the reader changed or left out, for people: n-gons cut into fans, lines ignored.
+    /// What the reader changed or left out, for people: n-gons cut into triangles, lines ignored.
     pub notes: Vec<String>,
     /// How far a coordinate moved at most, in mesh units, when the numbers of the file were rounded to `f32`;
     /// 0 where the file itself stores `f32`.
@@ -163,6 +163,7 @@ fn place(mesh: Mesh, instance: &Instance) -> Result<Mesh, MeshError> {
     if instance.world_from_mesh == Mat4::IDENTITY {
         return Ok(mesh.with_name(name));
     }
+    let origins = mesh.origins().cloned();
     let (mut positions, mut triangles, parts, mut frames) = mesh.into_parts();
     for position in frames.iter_mut().flatten().chain(&mut positions) {
         *position = instance.world_from_mesh.transform_point3((*position).into()).into();
@@ -170,7 +171,8 @@ fn place(mesh: Mesh, instance: &Instance) -> Result<Mesh, MeshError> {
     if instance.world_from_mesh.as_dmat4().determinant() < 0.0 {
         triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
     }
-    Mesh::new(positions, triangles)?.with_name(name).with_parts(parts).with_frames(frames)
+    let placed = Mesh::new(positions, triangles)?.with_name(name).with_parts(parts);
+    placed.with_origins_of(origins).with_frames(frames)
 }
 
 /// Each part of `mesh` as a mesh of its own, with only the vertices that it uses.
@@ -182,10 +184,13 @@ fn split(mesh: Mesh) -> Result<Vec<Mesh>, MeshError> {
     let mut pieces = Vec::with_capacity(mesh.parts().len());
     for part in mesh.parts() {
         let faces = &mesh.triangles()[part.faces.start as usize..part.faces.end as usize];
+        let mut origins = Origins::default();
+        origins.append(&mesh, part.faces.clone(), 0);
         let name = [mesh.name.as_str(), part.name.as_str()].into_iter().filter(|name| !name.is_empty());
         let piece = pick(&mesh, faces, &mut new_of_old)?
             .with_name(name.collect::<Vec<_>>().join(" / "))
-            .with_parts(vec![Part { faces: 0..faces.len() as u32, ..part.clone() }]);
+            .with_parts(vec![Part { faces: 0..faces.len() as u32, ..part.clone() }])
+            .with_origins(origins);
         pieces.push(piece);
     }
     Ok(pieces)

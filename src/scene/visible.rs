@@ -1,9 +1,10 @@
 //! Leaving out parts of a scene, by name or for being invisible.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use super::{Instance, Material, Scene, pick};
-use crate::mesh::{Mesh, MeshError, Part};
+use crate::mesh::{Mesh, MeshError, Origins, Part};
 
 /// A part of a mesh in one instance. A mesh without parts counts as one part.
 #[derive(Clone, Copy, Debug)]
@@ -88,20 +89,24 @@ fn subset(mesh: &Mesh, kept: &[bool]) -> Result<Mesh, MeshError> {
         return Ok(mesh.clone());
     }
     let mut faces: Vec<[u32; 3]> = Vec::new();
+    let mut origins = Origins::default();
+    let mut add = |range: Range<u32>| {
+        let first = faces.len() as u32; // no more than before
+        origins.append(mesh, range.clone(), first);
+        faces.extend_from_slice(&mesh.triangles()[range.start as usize..range.end as usize]);
+        first..faces.len() as u32
+    };
     let (mut parts, mut next) = (Vec::new(), 0);
     for (part, &keep) in mesh.parts().iter().zip(kept) {
-        let [start, end] = [part.faces.start, part.faces.end].map(|face| face as usize);
-        faces.extend_from_slice(&mesh.triangles()[next..start]);
+        add(next..part.faces.start);
         if keep {
-            let first = faces.len() as u32; // no more than before
-            faces.extend_from_slice(&mesh.triangles()[start..end]);
-            parts.push(Part { faces: first..faces.len() as u32, ..part.clone() });
+            parts.push(Part { faces: add(part.faces.clone()), ..part.clone() });
         }
-        next = end;
+        next = part.faces.end;
     }
-    faces.extend_from_slice(&mesh.triangles()[next..]);
+    add(next..mesh.face_count() as u32);
     let picked = pick(mesh, &faces, &mut vec![u32::MAX; mesh.vertex_count()])?;
-    Ok(picked.with_name(mesh.name.clone()).with_parts(parts))
+    Ok(picked.with_name(mesh.name.clone()).with_parts(parts).with_origins(origins))
 }
 
 #[cfg(test)]

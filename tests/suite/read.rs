@@ -4,7 +4,11 @@ mod foreign;
 mod md2;
 mod obj;
 mod off;
+mod origin;
+mod outlines;
 mod ply;
+mod polygon;
+mod polygon_large;
 mod reports;
 mod slips;
 mod stl;
@@ -223,7 +227,7 @@ fn real_meshes_have_the_measured_counts() {
         mesh.triangles().as_flattened().iter().for_each(|&vertex| used[vertex as usize] = true);
         let unused = used.iter().filter(|used| !**used).count();
         assert_eq!(unused.to_string(), unreferenced, "unreferenced vertices of {name}");
-        let note = scene.notes.iter().find_map(|note| note.strip_suffix(" n-gons cut into fans"));
+        let note = scene.notes.iter().find_map(|note| note.strip_suffix(" n-gons cut into triangles"));
         assert_eq!(note.unwrap_or("0"), n_gons, "n-gons of {name}");
         let [low, high] = mesh.bounds().unwrap();
         for (axis, size) in size.split(" x ").enumerate() {

@@ -4,6 +4,7 @@ pub(crate) mod command;
 pub(crate) mod meshopt;
 mod naive;
 pub(crate) mod oracle;
+pub(crate) mod polygon;
 pub(crate) mod read;
 pub(crate) mod shadow;
 pub(crate) mod topology;
@@ -13,7 +14,7 @@ mod whole;
 pub(crate) type Body = fn(&[u8]);
 
 /// Every target.
-pub(crate) const TARGETS: [(&str, Body); 11] = [
+pub(crate) const TARGETS: [(&str, Body); 12] = [
     ("read_obj", |data| read::run(data, "a.obj")),
     ("read_gltf", |data| read::run(data, "a.gltf")),
     ("read_meshopt", meshopt::run),
@@ -21,6 +22,7 @@ pub(crate) const TARGETS: [(&str, Body); 11] = [
     ("read_ply", |data| read::run(data, "a.ply")),
     ("read_off", |data| read::run(data, "a.off")),
     ("read_md2", |data| read::run(data, "a.md2")),
+    ("polygon", polygon::run),
     ("topology", topology::run),
     ("shadow", shadow::run),
     ("oracle", oracle::run),

@@ -4,10 +4,12 @@ use std::path::PathBuf;
 
 use serde_json::{Map, Value, json};
 use umbrage::check::{Counts, CrackReport, DefectKind, Requirement, Standing, Verdict};
+use umbrage::mesh::Origin;
 use umbrage::read::Format;
 use umbrage::topology::Topology;
 
 use super::fast::Screened;
+use super::report::Listed;
 use super::{FileReport, Found, MeshReport, Place};
 use crate::cli::error::Failure;
 use crate::cli::json::{append, insert_after, to_value};
@@ -119,7 +121,7 @@ fn balance(name: Option<&str>, vertices: usize, faces: usize, balanced: bool) ->
             *value = Value::Null;
         }
     }
-    for key in ["shell_list", "defects", "nesting_complete", "t_junctions_complete"] {
+    for key in ["shell_list", "shell_origins", "defects", "nesting_complete", "t_junctions_complete"] {
         object.insert(key.into(), Value::Null);
     }
     Value::Object(object)
@@ -129,6 +131,7 @@ fn mesh(mesh: &MeshReport) -> Value {
     let vertices = [mesh.vertices, mesh.welded_vertices, mesh.unreferenced_vertices];
     let mut object = counts(Some(&mesh.name), vertices, &mesh.counts);
     object.insert("shell_list".into(), to_value(&mesh.shell_list));
+    object.insert("shell_origins".into(), mesh.shell_origins.iter().map(polygon).collect());
     object.insert("defects".into(), mesh.defects.iter().map(defect).collect());
     completeness(&mut object, mesh.nesting_complete, mesh.t_junctions_complete);
     Value::Object(object)
@@ -145,6 +148,7 @@ fn total(report: &FileReport, limit: usize) -> Value {
     ];
     let mut object = counts(None, vertices, &sum);
     object.insert("shell_list".into(), Value::Null);
+    object.insert("shell_origins".into(), Value::Null);
     let defects = DefectKind::ALL.into_iter().filter_map(|kind| defect_of_all(report, kind, limit));
     object.insert("defects".into(), defects.collect());
     let all = |of: fn(&MeshReport) -> bool| report.meshes.iter().all(of);
@@ -215,6 +219,27 @@ fn place(place: &Place) -> Value {
     json!({
         "position": place.position.map(number32),
         "name": place.name,
-        "faces": place.faces,
+        "faces": place.faces.iter().map(|listed| listed.face).collect::<Vec<_>>(),
+        "origins": place.faces.iter().map(origin).collect::<Vec<_>>(),
     })
+}
+
+/// A listed face.
+fn origin(listed: &Listed) -> Value {
+    let mut object = Map::from_iter([("face".to_owned(), to_value(&listed.face))]);
+    append_polygon(&mut object, &listed.origin);
+    object.insert("part".into(), listed.part.as_str().into());
+    Value::Object(object)
+}
+
+/// The polygon of the first face of a shell.
+fn polygon(origin: &Origin) -> Value {
+    let mut object = Map::new();
+    append_polygon(&mut object, origin);
+    Value::Object(object)
+}
+
+fn append_polygon(object: &mut Map<String, Value>, origin: &Origin) {
+    object.insert("polygon".into(), origin.polygon.into());
+    object.insert("line".into(), origin.line.into());
 }

@@ -74,7 +74,9 @@ pub(crate) struct Args {
     ///
     /// A number that was not computed, or whose search did not finish, is null. The verdict is null if no
     /// file is cracked, but one could not be read or a search did not finish. At most 1000 shells per mesh
-    /// and 64 faces per defect are listed.
+    /// and 64 faces per defect are listed. Faces are triangles, numbered from 0 in each mesh; `origins` names the
+    /// polygon of the file that each was cut from, numbered from 0 in each mesh of the file whatever --only and
+    /// --scope leave, its line (OBJ, and text STL, PLY and OFF) and its part.
     #[arg(long)]
     json: bool,
 

@@ -7,7 +7,7 @@ use umbrage::check::{
 };
 use umbrage::geom::Aabb;
 use umbrage::glam::Mat4;
-use umbrage::mesh::{FaceId, Mesh};
+use umbrage::mesh::{FaceId, Mesh, Origin};
 use umbrage::read::Format;
 use umbrage::scene::OwnSpace;
 use umbrage::topology::Topology;
@@ -40,8 +40,9 @@ pub(super) struct MeshReport {
     pub(super) welded_vertices: usize,
     pub(super) unreferenced_vertices: usize,
     pub(super) counts: Counts,
-    /// At most [`SHELLS_LISTED`] of them.
+    /// At most [`SHELLS_LISTED`] of them, and the polygon of the first face of each.
     pub(super) shell_list: Vec<ShellReport>,
+    pub(super) shell_origins: Vec<Origin>,
     pub(super) near_miss: Vec<NearMiss>,
     pub(super) defects: Vec<Found>,
     pub(super) nesting_complete: bool,
@@ -76,10 +77,18 @@ pub(super) struct Place {
     pub(super) position: [f32; 3],
     pub(super) length: Option<f64>,
     /// At most [`FACES_LISTED`] of them.
-    pub(super) faces: Vec<FaceId>,
+    pub(super) faces: Vec<Listed>,
     pub(super) face_count: usize,
     /// The names of the parts that the listed faces belong to, or of the mesh.
     pub(super) name: String,
+}
+
+/// A face, and where its file has it.
+pub(super) struct Listed {
+    pub(super) face: FaceId,
+    pub(super) origin: Origin,
+    /// The part that it belongs to, or none.
+    pub(super) part: String,
 }
 
 /// Bounds on lists: a mesh may fall apart into single faces, and a whole shell may be one defect.
@@ -143,6 +152,7 @@ pub(super) fn examine(
         let CrackReport { counts, mut shell_list, near_miss, nesting_complete, t_junctions_complete, .. } =
             report;
         shell_list.truncate(SHELLS_LISTED);
+        let shell_origins = shell_list.iter().map(|shell| mesh.origin(shell.first_face)).collect();
         meshes.push(MeshReport {
             name: mesh.name.clone(),
             vertices,
@@ -150,6 +160,7 @@ pub(super) fn examine(
             unreferenced_vertices: unreferenced,
             counts,
             shell_list,
+            shell_origins,
             near_miss,
             defects,
             nesting_complete,
@@ -205,9 +216,14 @@ impl MeshReport {
 impl Place {
     fn of(defect: Defect, mesh: &Mesh) -> Self {
         let face_count = defect.faces.len();
-        let faces: Vec<FaceId> = defect.faces.into_iter().take(FACES_LISTED).collect();
+        let listed = |face: FaceId| Listed {
+            face,
+            origin: mesh.origin(face),
+            part: mesh.part_name(face).unwrap_or_default().to_owned(),
+        };
+        let faces: Vec<Listed> = defect.faces.into_iter().take(FACES_LISTED).map(listed).collect();
         let mut names: Vec<&str> = Vec::new();
-        for name in faces.iter().filter_map(|&face| mesh.part_name(face)) {
+        for name in faces.iter().map(|listed| listed.part.as_str()).filter(|name| !name.is_empty()) {
             if !names.contains(&name) {
                 names.push(name);
             }

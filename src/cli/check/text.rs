@@ -4,6 +4,7 @@ use std::fmt::{self, Display};
 use std::path::Path;
 
 use umbrage::check::{Counts, DefectKind, NearMiss, Requirement, Standing, Verdict};
+use umbrage::mesh::{FaceId, Origin};
 
 use super::{FileReport, MeshReport, Place};
 use crate::cli::error::Failure;
@@ -285,7 +286,7 @@ impl Report<'_> {
             };
             table.row(vec![
                 name,
-                shell.first_face.index().to_string(),
+                Faces(&[(shell.first_face, mesh.shell_origins[number])]).to_string(),
                 shell.faces.to_string(),
                 shell.euler_characteristic.to_string(),
                 shell.genus.map_or("-".into(), |genus| genus.to_string()),
@@ -411,14 +412,15 @@ impl Display for At<'_> {
         if let Some(length) = self.place.length {
             write!(f, ", length {}", significant(length))?;
         }
-        let faces: Vec<String> =
-            self.place.faces.iter().take(FACES_PRINTED).map(|face| face.index().to_string()).collect();
-        if !faces.is_empty() {
+        let listed = &self.place.faces[..self.place.faces.len().min(FACES_PRINTED)];
+        if !listed.is_empty() {
             let noun = if self.place.face_count == 1 { "face" } else { "faces" };
-            write!(f, ", {noun} {}", faces.join(" "))?;
+            let faces: Vec<(FaceId, Origin)> =
+                listed.iter().map(|listed| (listed.face, listed.origin)).collect();
+            write!(f, ", {noun} {}", Faces(&faces))?;
         }
-        if self.place.face_count > faces.len() {
-            write!(f, " and {} more", self.place.face_count - faces.len())?;
+        if self.place.face_count > listed.len() {
+            write!(f, " and {} more", self.place.face_count - listed.len())?;
         }
         if let Some(mesh) = &self.mesh {
             write!(f, ", {mesh}")?;
@@ -432,5 +434,29 @@ impl Display for At<'_> {
             write!(f, ", {name}")?;
         }
         Ok(())
+    }
+}
+
+/// The numbers of faces, and where the file has them if that is another number: "3 4 (polygon 2, line 9)".
+struct Faces<'a>(&'a [(FaceId, Origin)]);
+
+impl Display for Faces<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let joined = |numbers: &[u64]| numbers.iter().map(u64::to_string).collect::<Vec<_>>().join(" ");
+        let faces: Vec<u64> = self.0.iter().map(|(face, _)| u64::from(face.0)).collect();
+        let polygons: Vec<u64> = self.0.iter().map(|(_, origin)| u64::from(origin.polygon)).collect();
+        let lines: Vec<u64> = self.0.iter().filter_map(|(_, origin)| origin.line).collect();
+        write!(f, "{}", joined(&faces))?;
+        let named = [("polygon", if polygons == faces { vec![] } else { polygons }), ("line", lines)];
+        let named =
+            named.into_iter().filter(|(_, numbers)| !numbers.is_empty()).map(|(noun, mut numbers)| {
+                // The triangles of one polygon are neighbors.
+                numbers.dedup();
+                format!("{noun}{} {}", if numbers.len() == 1 { "" } else { "s" }, joined(&numbers))
+            });
+        match named.collect::<Vec<_>>() {
+            named if named.is_empty() => Ok(()),
+            named => write!(f, " ({})", named.join(", ")),
+        }
     }
 }

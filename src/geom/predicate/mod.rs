@@ -226,7 +226,12 @@ fn value_of_det(rows: [Row; 3], share: f64) -> f64 {
 #[inline]
 #[must_use]
 pub fn turn(a: [f32; 3], b: [f32; 3], c: [f32; 3], axis: usize) -> Sign {
-    turn_homogeneous(a, b, Homogeneous::point(c), axis)
+    let (u, v) = (Row(b, a).rounded(), Row(c, a).rounded());
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    match certain_minor(u, v, i, j, MINOR_FILTER) {
+        Sign::Zero => turn_homogeneous(a, b, Homogeneous::point(c), axis),
+        certain => certain,
+    }
 }
 
 /// As [`turn`], with a third corner that may lie at infinity.
@@ -254,13 +259,14 @@ const MINOR_FILTER: f64 = (3.0 + 16.0 * EPSILON) * EPSILON;
 #[inline(always)]
 fn surely_not_collinear(a: [f32; 3], b: [f32; 3], c: [f32; 3], filter: f64) -> bool {
     let (u, v) = (Row(b, a).rounded(), Row(c, a).rounded());
-    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-        let (p, q) = (u[i] * v[j], u[j] * v[i]);
-        if (p - q).abs() > filter * (p.abs() + q.abs()) {
-            return true;
-        }
-    }
-    false
+    [(0, 1), (1, 2), (2, 0)].into_iter().any(|(i, j)| !certain_minor(u, v, i, j, filter).is_zero())
+}
+
+/// The sign of a minor of rounded differences; zero if it is not certain.
+#[inline(always)]
+fn certain_minor(u: [f64; 3], v: [f64; 3], i: usize, j: usize, filter: f64) -> Sign {
+    let (p, q) = (u[i] * v[j], u[j] * v[i]);
+    if (p - q).abs() > filter * (p.abs() + q.abs()) { Sign::of(p - q) } else { Sign::Zero }
 }
 
 /// Whether a plane through `apex` certainly separates two pairs of points: one pair strictly on one side, the

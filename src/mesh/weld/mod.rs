@@ -131,6 +131,7 @@ pub fn weld(mesh: &Mesh, how: Weld) -> Welded {
         positions: kept.positions,
         triangles: triangles.into(),
         parts: mesh.parts.clone(),
+        origins: mesh.origins.clone(),
     };
     Welded { mesh: welded, vertex_of }
 }

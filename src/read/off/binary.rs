@@ -34,7 +34,7 @@ pub(super) fn read<R: BufRead>(
             let vertex = i32::from_be_bytes(numbers.bytes()?);
             off.corner(vertex.into()).map_err(|problem| numbers.error(problem))?;
         }
-        off.end_face(|| format!("at face {index}"));
+        off.end_face(None, || format!("at face {index}"));
         let colors = numbers.count()?;
         numbers.skip(colors)?;
     }

@@ -91,7 +91,7 @@ fn face<R: BufRead>(off: &mut Off, words: &mut Words<R>, index: u64) -> Result<(
         };
         off.corner(vertex).map_err(|problem| words.error(problem))?;
     }
-    off.end_face(|| format!("on line {line}"));
+    off.end_face(Some(line), || format!("on line {line}"));
     // A color may follow.
     words.skip_line().map(drop)
 }

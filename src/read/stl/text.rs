@@ -3,7 +3,7 @@
 use std::io::BufRead;
 
 use super::soup;
-use crate::mesh::Part;
+use crate::mesh::{Origins, Part};
 use crate::read::slips::Slips;
 use crate::read::text::{decimal, name};
 use crate::read::words::Words;
@@ -81,6 +81,7 @@ enum Inside {
 struct Text {
     positions: Vec<[f32; 3]>,
     solids: Vec<Part>,
+    origins: Origins,
     /// The name of the last solid that has begun.
     name: Vec<u8>,
     slips: Slips,
@@ -162,6 +163,7 @@ impl Text {
         if !words.starts_line() {
             self.slips.add("facet", "not at the beginning of a line", || format!("on line {}", words.line()));
         }
+        self.origins.push(self.faces(), Some(words.line()));
         Inside::Facet
     }
 
@@ -265,7 +267,7 @@ impl Text {
             }
             _ => return Err(words.error(format!("the file ends where {} is wanted", wanted(inside)))),
         }
-        let mesh = soup(self.positions)?;
+        let mesh = soup(self.positions)?.with_origins(self.origins);
         let mut scene = Scene::of(match self.solids.as_mut_slice() {
             [only] => mesh.with_name(std::mem::take(&mut only.name)),
             _ => mesh.with_parts(self.solids),

@@ -118,7 +118,8 @@ impl Model {
                 }
                 Event::End(_) if unknown > 0 => unknown -= 1,
                 Event::End(_) => {
-                    if levels.pop() == Some(Inside::Object) {
+                    let left = levels.pop();
+                    if left == Some(Inside::Object) {
                         parser.end_of_object(at)?;
                     }
                 }

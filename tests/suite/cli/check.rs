@@ -15,7 +15,7 @@ use super::{Folder, assert_shape, keys, real};
 const MESH_KEYS: &str = "name vertices welded_vertices faces edges shells closed_shells euler_characteristic \
     boundary_edges boundary_loops non_manifold_edges max_faces_per_edge misoriented_edges non_manifold_vertices \
     collapsed_faces zero_area_faces duplicate_faces unreferenced_vertices near_miss_edges t_junctions \
-    inside_out_shells self_intersections signed_volume watertight balanced even shell_list defects \
+    inside_out_shells self_intersections signed_volume watertight balanced even shell_list shell_origins defects \
     nesting_complete t_junctions_complete";
 
 #[test]
@@ -70,7 +70,7 @@ fn check_json_has_the_agreed_keys_in_order() {
     assert_eq!(keys(&file["total"]), MESH_KEYS);
     let defect = &file["meshes"][0]["defects"][0];
     assert_eq!(keys(defect), "kind count at_least effect at");
-    assert_eq!(keys(&defect["at"][0]), "position name faces");
+    assert_eq!(keys(&defect["at"][0]), "position name faces origins");
     assert_eq!((&document["verdict"], &file["format"]), (&Value::from("cracked"), &Value::from("obj")));
     assert_shape("check", &document);
 }
@@ -555,4 +555,49 @@ fn check_of_coordinates_beyond_the_digits_of_f32() {
     assert_eq!([watertight(0), watertight(1)], [false, true], "a plate, and a box on it");
     let run = folder.run(&format!("check {}", at("utm_cube.obj")));
     assert!(run.stderr.contains("the largest moved by 0.2"), "{}", run.stderr);
+}
+
+#[test]
+fn check_names_the_polygon_the_line_and_the_part_of_a_face() {
+    let folder = Folder::new();
+    // Two boxes without lids, of quads; the second one hangs on a part of its own.
+    let quads = |from: usize| {
+        let sides = [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7], [3, 2, 1, 0]];
+        let line = |side: [usize; 4]| {
+            format!("f {} {} {} {}\n", side[0] + from, side[1] + from, side[2] + from, side[3] + from)
+        };
+        sides.map(line).concat()
+    };
+    let corners = |x: i32| {
+        let flat = [[0, 0], [2, 0], [2, 2], [0, 2]];
+        [0, 2].map(|z| flat.map(|[u, v]| format!("v {} {v} {z}\n", u + x)).concat()).concat()
+    };
+    let text = format!("{}{}g near\n{}g far\n{}", corners(0), corners(9), quads(1), quads(9));
+    fs::write(folder.path("boxes.obj"), &text).unwrap();
+    let line_of = |polygon: usize| 18 + polygon + usize::from(polygon > 4);
+    for (only, first) in [("", 0), (" --only far", 5)] {
+        let document = folder.json(&format!("check boxes.obj --self-intersections{only}"));
+        let mesh = &document["files"][0]["meshes"][0];
+        let hole = &mesh["defects"][0]["at"][0];
+        let faces = hole["faces"].as_array().unwrap();
+        let origins = hole["origins"].as_array().unwrap();
+        assert_eq!(faces.len(), origins.len());
+        for (index, origin) in origins.iter().enumerate() {
+            let part = if first == 0 { "near" } else { "far" };
+            let polygon = first + index;
+            let wanted = serde_json::json!({
+                "face": faces[index], "polygon": polygon, "line": line_of(polygon), "part": part
+            });
+            assert_eq!(*origin, wanted);
+        }
+        let shell = serde_json::json!({ "polygon": first, "line": line_of(first) });
+        assert_eq!(mesh["shell_origins"][0], shell);
+        let text = folder.run(&format!("check boxes.obj{only}")).stdout;
+        let polygons: Vec<String> = (first..first + 4).map(|polygon| polygon.to_string()).collect();
+        let lines: Vec<String> = (first..first + 4).map(|polygon| line_of(polygon).to_string()).collect();
+        let place = format!("(polygons {}, lines {})", polygons.join(" "), lines.join(" "));
+        assert!(text.contains(&place), "{place}: {text}");
+        // Fault injected: the lines one further.
+        assert!(!text.contains(&place.replace("lines ", "lines 1")), "{text}");
+    }
 }

@@ -28,9 +28,12 @@ fn obj_sample_is_read_whole() {
     let scene = scene(SAMPLE, "a.obj");
     let mesh = &scene.meshes[0];
     assert_eq!(mesh.positions(), [[0.0; 3], [1.0, 0.0, 0.0], [1.5, 1.0, -0.25], [0.0, 1.0, 0.0]]);
-    assert_eq!(mesh.triangles(), [[0, 1, 2], [0, 2, 3], [3, 2, 0]]);
+    assert_eq!(mesh.triangles(), [[1, 2, 3], [1, 3, 0], [3, 2, 0]]);
     assert_eq!(parts(mesh), [("thing / front / red", 0..2), ("thing / back / red", 2..3)]);
-    assert_eq!(scene.notes, ["1 n-gon cut into fans", "1 statement ignored, the first on line 15 (`l`)"]);
+    assert_eq!(
+        scene.notes,
+        ["1 n-gon cut into triangles", "1 statement ignored, the first on line 15 (`l`)"]
+    );
 }
 
 #[test]
@@ -54,10 +57,20 @@ fn obj_an_index_may_name_a_vertex_further_down() {
 }
 
 #[test]
-fn obj_n_gons_become_fans_around_the_first_corner() {
-    let text = format!("{TRIANGLE}v 1 1 0\nv 2 2 0\nf 1 2 3 4 5\nf 5 4 3 2\nf 1 2 3\n");
-    assert_eq!(faces(&text), [[0, 1, 2], [0, 2, 3], [0, 3, 4], [4, 3, 2], [4, 2, 1], [0, 1, 2]]);
-    assert_eq!(scene(&text, "a.obj").notes, ["2 n-gons cut into fans"]);
+fn obj_n_gons_become_triangles_in_their_sequence() {
+    // A flat house and a quad beside it, whose second diagonal is the shorter one.
+    let house = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 6 0\nv 0 4 0\nv 4 9 0\n";
+    let text = format!("{house}f 1 2 3 4 5\nf 3 6 4 5\nf 1 2 3\n");
+    let mesh = mesh(&text, "a.obj");
+    let area = |faces: &[[u32; 3]]| -> f32 {
+        let corner = |vertex: u32| mesh.positions()[vertex as usize];
+        let half =
+            |[a, b, c]: [[f32; 3]; 3]| 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+        faces.iter().map(|face| half(face.map(corner))).sum()
+    };
+    assert_eq!((mesh.face_count(), area(&mesh.triangles()[..3])), (6, 20.0));
+    assert_eq!(mesh.triangles()[3..], [[2, 5, 3], [2, 3, 4], [0, 1, 2]]);
+    assert_eq!(scene(&text, "a.obj").notes, ["2 n-gons cut into triangles"]);
 }
 
 #[test]

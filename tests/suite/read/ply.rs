@@ -85,7 +85,7 @@ fn ply_sample_is_read_whole_in_every_encoding() {
         assert_eq!(mesh.triangles(), [faces, strips].concat());
         let notes = [
             "1 edge element ignored",
-            "1 n-gon cut into fans",
+            "1 n-gon cut into triangles",
             "2 triangle strips cut into triangles",
             "2 stitching triangles of strips skipped",
         ];

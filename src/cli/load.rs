@@ -7,13 +7,14 @@ use umbrage::check::Screen;
 use umbrage::geom::Aabb;
 use umbrage::mesh::{Mesh, MeshError, Weld, weld_in_place};
 use umbrage::read::Format;
-use umbrage::scene::{Lamp, Material, NamedCamera, OwnSpace, Pattern, PlacedPart, Scene, Scope};
+use umbrage::scene::{Lamp, Material, OwnSpace, Pattern, PlacedPart, Scene, Scope};
 use umbrage::view::Up;
 
 use super::error::Failure;
 use super::files;
 use super::output;
 use super::progress::Progress;
+use super::view::Cameras;
 
 /// How vertices are merged and what counts as one mesh.
 #[derive(Clone, Debug, clap::Args)]
@@ -80,7 +81,7 @@ pub(crate) struct Baked {
     /// One for each scope.
     pub(crate) meshes: Vec<Mesh>,
     pub(crate) lights: Vec<Lamp>,
-    pub(crate) cameras: Vec<NamedCamera>,
+    pub(crate) cameras: Cameras,
     pub(crate) materials: Vec<Material>,
 }
 
@@ -164,7 +165,7 @@ impl MeshArgs {
 
     fn baked(&self, mut scene: Scene, file: &Path) -> Result<Baked, Failure> {
         let (format, up) = (scene.format, scene.up);
-        let (lights, cameras) = (std::mem::take(&mut scene.lamps), std::mem::take(&mut scene.cameras));
+        let (lights, cameras) = (std::mem::take(&mut scene.lamps), Cameras::take(&mut scene));
         let materials = std::mem::take(&mut scene.materials);
         Ok(Baked { format, up, meshes: self.bake(scene, file)?, lights, cameras, materials })
     }

@@ -228,6 +228,9 @@ fn shine(args: &Args, source: &Source, techniques: &[Option<Technique>]) -> Vec<
         true => ShadedLight::equal(&source.lights),
         false => ShadedLight::balanced(&source.lights, &source.bounds),
     };
+    if args.falloff == FalloffArg::Plain && source.lights.iter().any(|lamp| lamp.range.is_some()) {
+        output::say("note: a light's range is not applied: --falloff physical ends the light there");
+    }
     for ((shaded, lamp), &technique) in lamps.iter_mut().zip(&source.lights).zip(techniques) {
         if args.falloff == FalloffArg::Physical {
             *shaded = shaded.with_physical_falloff(lamp.range, &source.bounds);

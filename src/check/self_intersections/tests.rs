@@ -134,9 +134,9 @@ fn cap(count: u32, zigzag: bool) -> Mesh {
             .map(|step| {
                 let corner = [low, if step % 2 == 0 { low + 1 } else { high - 1 }, high];
                 if step % 2 == 0 {
-                    low += 1
+                    low += 1;
                 } else {
-                    high -= 1
+                    high -= 1;
                 }
                 corner
             })

@@ -56,7 +56,7 @@ pub(super) fn refuse(args: &Args) -> Result<(), Failure> {
         (args.mark.is_some(), "--mark"),
         (args.picture.is_some(), "--picture"),
     ];
-    let mut others = others.into_iter().filter_map(|(given, option)| given.then(|| option.to_owned()));
+    let mut others = others.into_iter().filter(|other| other.0).map(|other| other.1.to_owned());
     match within.or(asked).or_else(|| others.next()) {
         None => Ok(()),
         Some(option) => Err(Failure::new(

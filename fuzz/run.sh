@@ -13,7 +13,7 @@ export PATH="$PWD/target/cargo-fuzz/bin:$PATH" # where smoke.sh installs it
 largest=512 allocation=64 process=1024
 case $target in
     # A glTF may claim 2²² elements without data, which is 50 MB as positions.
-    read_gltf) largest=16384 allocation=128 ;;
+    read_gltf | read_meshopt) largest=16384 allocation=128 ;;
     read_*) largest=16384 ;;
 esac
 # Short inputs say little where the bytes are decisions.

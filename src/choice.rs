@@ -123,8 +123,12 @@ impl fmt::Display for Reason {
             }
             Self::ZPassAsked => "z-pass was asked for; nothing is proven",
             Self::ZFailAsked => "z-fail was asked for",
-            Self::NothingBetween => "nothing of it can lie between the light and the near rectangle",
-            Self::MayLieBetween => "a face may lie between the light and the near rectangle",
+            Self::NothingBetween => {
+                "no face of the shell can lie between the light and the near rectangle of the camera"
+            }
+            Self::MayLieBetween => {
+                "a face of the shell may lie between the light and the near rectangle of the camera"
+            }
             Self::FewFaces { faces } => {
                 return write!(f, "{faces} faces: a scan is done before a search has begun");
             }

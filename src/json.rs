@@ -101,7 +101,9 @@ fn numbers<M: SerializeMap>(
         misoriented_edges, non_manifold_vertices, collapsed_faces, zero_area_faces, duplicate_faces, near_miss_edges,
         t_junctions: t_junctions_complete.then_some(counts.t_junctions),
         inside_out_shells: (counts.undecided_shells == 0).then_some(counts.inside_out_shells),
-        self_intersections, signed_volume, watertight, balanced, even,
+        self_intersections: counts.self_intersections.filter(|_| counts.self_intersections_complete),
+        signed_volume: counts.balanced.then_some(counts.signed_volume),
+        watertight, balanced, even,
     });
     Ok(())
 }
@@ -109,7 +111,7 @@ fn numbers<M: SerializeMap>(
 impl Serialize for Counts {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut out = serializer.serialize_map(None)?;
-        numbers(&mut out, self, true)?;
+        numbers(&mut out, self, self.t_junctions_complete)?;
         out.end()
     }
 }
@@ -124,7 +126,9 @@ impl Serialize for CrackReport {
 }
 
 map!(ShellReport, shell => {
-    first_face, faces, edges, vertices, euler_characteristic, genus, signed_volume, watertight, balanced,
+    first_face, faces, edges, vertices, euler_characteristic, genus,
+    signed_volume: shell.balanced.then_some(shell.signed_volume),
+    watertight, balanced, state: shell.state(),
     inside_out: (!shell.undecided()).then_some(shell.inside_out),
     depth: shell.depth_known.then_some(shell.depth),
     parent, bounds,
@@ -154,7 +158,7 @@ impl Serialize for PixelCounts {
     }
 }
 
-map!(Mismatch, found => { pixel: [found.x, found.y], point: found.point.map(short), exact, counted });
+map!(Mismatch, found => { pixel: [found.x, found.y], point: found.point.map(short), exact, counted, cut });
 
 impl Serialize for Comparison {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

@@ -5,8 +5,9 @@
 # card nor a software Vulkan driver, Mesa's is installed (Debian and Ubuntu, as root or with sudo). Without an adapter
 # the tests fail; UMBRAGE_REQUIRE_GPU=0 lets them say aloud what they skip instead.
 #
-# The real meshes are looked for in $UMBRAGE_MESHES, or in ../shared/meshes; without them their tests say aloud that
-# they are skipped. Arguments go to the test binaries (for example a part of a test's name).
+# The real meshes are looked for in $UMBRAGE_MESHES, or in ../shared/meshes, and inputs of public reports in
+# $UMBRAGE_REPORTS, or in ../shared/reports. Without them their tests are skipped, which the last lines list;
+# UMBRAGE_REQUIRE_MESHES=1 makes that a failure. Arguments go to the test binaries (for example a part of a test's name).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -34,12 +35,24 @@ if [ "$UMBRAGE_REQUIRE_GPU" = 1 ] && ! has_adapter; then
     fi
 fi
 
-# Mesa looks for a display server and complains on standard error where there is none.
+scratch="$(mktemp -d)"
+# What was skipped, whether or not the tests pass: cargo shows nothing that a passing test says.
+say_skipped() {
+    if [ -s "$UMBRAGE_SKIPPED" ]; then
+        printf '\nskipped, %s in all:\n' "$(sort -u "$UMBRAGE_SKIPPED" | wc -l)"
+        sort -u "$UMBRAGE_SKIPPED" | sed 's/^/  /'
+    else
+        printf '\nno test was skipped\n'
+    fi
+    rm -rf "$scratch"
+}
+export UMBRAGE_SKIPPED="$scratch/skipped"
+trap say_skipped EXIT
+
+# Mesa looks for a display server, and complains on standard error where there is no folder for one.
 export NODEVICE_SELECT=1
-if [ -z "${XDG_RUNTIME_DIR:-}" ]; then
-    XDG_RUNTIME_DIR="$(mktemp -d)"
-    export XDG_RUNTIME_DIR
-    trap 'rm -rf "$XDG_RUNTIME_DIR"' EXIT
+if [ ! -d "${XDG_RUNTIME_DIR:-}" ]; then
+    export XDG_RUNTIME_DIR="$scratch"
 fi
 
 cargo test --locked --lib --bins --tests -- "$@"

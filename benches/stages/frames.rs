@@ -207,7 +207,16 @@ impl<'a> Stage<'a> {
     fn accuracy(&self, light: &Light, mask: &ShadowMask) -> String {
         let signs = CasterFaces::All.signs(&self.caster.facing(light));
         let (caster, projection) = (&self.caster, &self.view.projection);
-        let rendered = Rendered { caster, signs: &signs, light, projection, mask, unsure: &[] };
+        let rendered = Rendered {
+            caster,
+            seen: None,
+            signs: &signs,
+            light,
+            projection,
+            seen_from: 0.0,
+            mask,
+            unsure: &[],
+        };
         let found = compare(&rendered, 0, &|_| {});
         let [shadowed, grazing, overflow, real] =
             [PixelVerdict::Shadowed, PixelVerdict::Grazing, PixelVerdict::Overflow, PixelVerdict::Real]

@@ -108,7 +108,7 @@ impl ShadowAccuracy {
     /// let casters = CasterGroup::new(vec![&caster]);
     /// let size = Size::new(32, 24)?;
     /// let camera = Camera::fit(&casters.bounds(), Up::Y, size.aspect());
-    /// let projection = camera.projection(size, camera.near(&casters.bounds(), size));
+    /// let projection = camera.projection(size, camera.near([caster.mesh()], size));
     /// let view = |casters: &CasterGroup<'_>| Samples::of_view(casters, &projection, size, 1);
     /// let (_, found) = ShadowAccuracy::measure(&casters, &["point:3,9,5".parse()?], view, 1, &|_| {})?;
     /// assert!(found[0].rows.iter().all(|row| row.holds));

@@ -34,7 +34,7 @@ impl ShadowAccuracy {
         let request = Request { casters, light: &self.light, samples };
         let truth = Truth::of(&request);
         let pass = StencilPass::new(gpu, Depth::Plane)?;
-        let (on_device, upload_ms) = timed(|| GpuCaster::upload(gpu, caster));
+        let (on_device, upload_ms) = timed(|| GpuCaster::upload(gpu, casters.seen_mesh().unwrap_or(caster)));
         let on_device = on_device?;
         let (projection, size) = (samples.projection(), samples.size());
         let drawn = on_device.samples(projection, size, Depth::Plane)?;
@@ -63,9 +63,12 @@ impl ShadowAccuracy {
             let mask = pass.mask(projection, size, &on_device, &draws, counting)?;
             let rendered = Rendered {
                 caster,
+                seen: casters.seen_mesh(),
                 signs: &volumes.signs,
                 light: &self.light,
                 projection,
+                // Samples are cut at the near plane, too.
+                seen_from: projection.near,
                 mask: &mask,
                 unsure: &[],
             };

@@ -81,6 +81,12 @@ impl<'a> CasterGroup<'a> {
         self.seen.map_or_else(|| self.oracle(), Caster::oracle)
     }
 
+    /// All that is seen, if that is more than the casters.
+    #[must_use]
+    pub fn seen_mesh(&self) -> Option<&'a Caster> {
+        self.seen
+    }
+
     /// Bounding box of all that is seen.
     #[must_use]
     pub fn bounds(&self) -> Aabb {

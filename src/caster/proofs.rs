@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::built::{self, Part};
-use crate::check::{CrackReport, for_each_intersection_among};
+use crate::check::{CrackReport, for_each_intersection_among, is_star};
 use crate::geom::predicate::Sign;
 use crate::mesh::{FaceId, Mesh};
 use crate::topology::{Shells, Topology};
@@ -91,7 +91,7 @@ impl ShellProof {
         // winding number.
         for faces in shells.faces_by_shell().iter() {
             let Some(shell) = faces.first().and_then(|&face| of_face(face)) else { continue };
-            if proofs[shell].is_sound() {
+            if proofs[shell].is_sound() && !is_star(mesh, faces) {
                 let own = 256 * faces.len() as u64;
                 let mut tests = spare + own;
                 let (mut meets, stop) = (false, ControlFlow::Break(()));

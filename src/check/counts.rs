@@ -1,5 +1,9 @@
 //! The numbers of a crack report, and the verdict that they give.
 
+use super::{CrackReport, DefectKind};
+use crate::mesh::Mesh;
+use crate::topology::Topology;
+
 /// The numbers of a crack report. [`Counts::total`] adds up several.
 ///
 /// ```
@@ -59,7 +63,13 @@ pub struct Counts {
     /// [`ShellReport::undecided`](super::ShellReport::undecided).
     pub undecided_shells: usize,
     /// Pairs of faces that meet where they should not; `None` if they were not searched for.
+    /// Where the search did not finish, those found before.
     pub self_intersections: Option<usize>,
+    /// Whether [`Counts::self_intersections`] are all that there are; `false` if the search stopped at a
+    /// limit.
+    pub self_intersections_complete: bool,
+    /// Whether [`Counts::t_junctions`] are all that there are; `false` if the search stopped at a limit.
+    pub t_junctions_complete: bool,
     /// Volume in cubic mesh units, positive with faces outwards: the sum over the shells.
     pub signed_volume: f64,
     /// Every edge has exactly two faces, in opposite directions.
@@ -70,11 +80,21 @@ pub struct Counts {
     pub even: bool,
 }
 
+impl Default for Counts {
+    /// The counts of a mesh without faces.
+    fn default() -> Self {
+        let mesh = Mesh::default();
+        CrackReport::of(&mesh, &Topology::of(&mesh)).counts
+    }
+}
+
 impl Counts {
-    /// The verdict: [`Counts::sound`], [`Counts::may_be_sound`] or neither.
+    /// The verdict: [`Counts::is_empty`], [`Counts::sound`], [`Counts::may_be_sound`] or none of them.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
-        if self.sound() {
+        if self.is_empty() {
+            Verdict::Empty
+        } else if self.sound() {
             Verdict::Sound
         } else if self.may_be_sound() {
             Verdict::NotProven
@@ -83,8 +103,26 @@ impl Counts {
         }
     }
 
-    /// Whether the mesh is watertight and no shell is inside out; `false` too if that is undecided for some
-    /// shell.
+    /// Whether there is no face at all, or none that does not collapse.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.faces == self.collapsed_faces
+    }
+
+    /// Whether the number of defects of a kind is final, rather than the number found before a search
+    /// stopped.
+    #[must_use]
+    pub fn is_complete(&self, kind: DefectKind) -> bool {
+        match kind {
+            DefectKind::SelfIntersection => self.self_intersections_complete,
+            DefectKind::TJunction => self.t_junctions_complete,
+            DefectKind::InsideOutShell => self.undecided_shells == 0,
+            _ => true,
+        }
+    }
+
+    /// Whether the mesh is watertight and no shell is inside out, as it is without faces; `false` too if that
+    /// is undecided for some shell.
     #[must_use]
     pub fn sound(&self) -> bool {
         self.may_be_sound() && self.undecided_shells == 0
@@ -123,6 +161,8 @@ impl Counts {
             inside_out_shells: a.inside_out_shells + b.inside_out_shells,
             undecided_shells: a.undecided_shells + b.undecided_shells,
             self_intersections: a.self_intersections.zip(b.self_intersections).map(|(a, b)| a + b),
+            self_intersections_complete: a.self_intersections_complete && b.self_intersections_complete,
+            t_junctions_complete: a.t_junctions_complete && b.t_junctions_complete,
             signed_volume: a.signed_volume + b.signed_volume,
             watertight: a.watertight && b.watertight,
             balanced: a.balanced && b.balanced,
@@ -139,6 +179,8 @@ pub enum Verdict {
     Sound,
     /// Nothing is wrong, but the nesting search gave up before it was decided which shell lies in which.
     NotProven,
+    /// There are no faces, or they all collapse: nothing was checked.
+    Empty,
     /// Not watertight, or a shell is inside out.
     Cracked,
 }
@@ -150,6 +192,7 @@ impl Verdict {
         match self {
             Self::Sound => "sound",
             Self::NotProven => "not proven sound",
+            Self::Empty => "empty",
             Self::Cracked => "cracked",
         }
     }

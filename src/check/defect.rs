@@ -87,7 +87,7 @@ impl DefectKind {
             Self::NonManifoldVertex => {
                 "none on a volume, which is closed edge by edge; walks around the vertex miss a fan"
             }
-            Self::CollapsedFace => "none: the face has no area and no edges left; it is skipped",
+            Self::CollapsedFace => "none, since the face has no area and no edges left; it is skipped",
             Self::ZeroAreaFace => {
                 "none by itself: it is edge-on to every light and only passes its edges on; \
                  dropping it would open a crack between its neighbors"

@@ -140,6 +140,8 @@ impl CrackReport {
             inside_out_shells: shell_list.iter().filter(|shell| shell.inside_out).count(),
             undecided_shells: shell_list.iter().filter(|shell| shell.undecided()).count(),
             self_intersections: None,
+            self_intersections_complete: true,
+            t_junctions_complete,
             signed_volume: shell_list.iter().map(|shell| shell.signed_volume).sum(),
             watertight: uses.watertight(),
             balanced: uses.balanced,

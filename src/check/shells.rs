@@ -43,6 +43,10 @@ pub struct ShellReport {
     pub watertight: bool,
     /// At every edge the two directions are used equally often.
     pub balanced: bool,
+    /// Edges with exactly one face.
+    pub boundary_edges: usize,
+    /// Edges with exactly two faces that run along it in the same direction.
+    pub misoriented_edges: usize,
     /// Watertight, and the sign of the volume contradicts the depth: negative at an even one, positive at an
     /// odd one. (A cavity inside a solid is sound.) `false` if the depth is unknown.
     pub inside_out: bool,
@@ -59,6 +63,21 @@ pub struct ShellReport {
 }
 
 impl ShellReport {
+    /// The state in a word: "watertight", "inside out", "not decided", or what keeps it from being
+    /// watertight.
+    #[must_use]
+    pub fn state(&self) -> &'static str {
+        match self {
+            _ if self.undecided() => "not decided",
+            Self { inside_out: true, .. } => "inside out",
+            Self { watertight: true, .. } => "watertight",
+            Self { boundary_edges: 1.., .. } => "open",
+            Self { misoriented_edges: 1.., .. } => "misoriented",
+            Self { balanced: true, .. } => "balanced",
+            _ => "non-manifold",
+        }
+    }
+
     /// Whether the orientation of this shell is undecided: it encloses volume, but the nesting search gave up
     /// before its depth was known.
     #[must_use]
@@ -80,6 +99,8 @@ impl ShellReport {
         volume_sign: Sign::Zero,
         watertight: true,
         balanced: true,
+        boundary_edges: 0,
+        misoriented_edges: 0,
         inside_out: false,
         depth: 0,
         depth_known: true,
@@ -111,6 +132,8 @@ pub(super) fn shells(
             only.vertices = vertices;
             only.watertight = uses.watertight();
             only.balanced = uses.balanced;
+            only.boundary_edges = uses.boundary;
+            only.misoriented_edges = uses.misoriented;
         }
         several => count(topology, shells, fans, several),
     }
@@ -140,6 +163,8 @@ fn count(topology: &Topology, shells: &Shells, fans: &[(VertexId, FaceId)], list
         shell.edges += 1;
         shell.balanced &= sum == 0;
         shell.watertight &= sum == 0 && topology.valence(edge) == 2;
+        shell.boundary_edges += usize::from(topology.valence(edge) == 1);
+        shell.misoriented_edges += usize::from(topology.is_misoriented(edge));
     }
 
     // A vertex with one fan belongs to one shell, that of any of its faces; a vertex with several belongs to

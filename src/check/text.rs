@@ -14,7 +14,8 @@ impl fmt::Display for CrackReport {
         writeln!(f, "  {}", self.counts.summary())?;
         for kind in DefectKind::ALL {
             if let Some(count @ 1..) = self.count(kind) {
-                writeln!(f, "\n  {kind}: {count}\n    {}", kind.effect())?;
+                let least = if self.counts.is_complete(kind) { "" } else { "at least " };
+                writeln!(f, "\n  {kind}: {least}{count}\n    effect on the shadow: {}", kind.effect())?;
             }
         }
         for near in NearMiss::steps(&self.near_miss) {
@@ -38,13 +39,13 @@ impl Counts {
     #[must_use]
     pub fn summary(&self) -> String {
         match self.verdict() {
-            Verdict::Sound if self.faces == self.collapsed_faces => {
+            Verdict::Empty => {
                 let why = match self.faces {
                     0 => String::new(),
                     1 => ": the only face collapses when welded".to_owned(),
                     faces => format!(": all {faces} faces collapse when welded"),
                 };
-                format!("sound, but there are no faces to check{why}")
+                format!("empty: there are no faces to check{why}")
             }
             Verdict::Sound => "sound: the mesh is watertight, and no shell is inside out".to_owned(),
             Verdict::NotProven => {
@@ -77,8 +78,7 @@ impl Counts {
                 "shells whose nesting was not decided within the limit",
             ),
         ];
-        let found = reasons.into_iter().filter(|reason| reason.0 > 0);
-        found.map(|(count, one, many)| counted(count, one, many)).collect::<Vec<_>>().join(", ")
+        list(&reasons)
     }
 
     /// Facts to print next to the verdict, one per line.
@@ -88,8 +88,21 @@ impl Counts {
         if self.max_faces_per_edge > 2 {
             remarks.push(format!("up to {} faces meet at an edge", self.max_faces_per_edge));
         }
-        if self.self_intersections == Some(0) {
-            remarks.push("no faces meet where they should not".to_owned());
+        match self.self_intersections {
+            Some(0) if self.self_intersections_complete => {
+                remarks.push("no faces meet where they should not".to_owned());
+            }
+            Some(found) if !self.self_intersections_complete => {
+                let found = if found == 0 { "none".to_owned() } else { format!("at least {found}") };
+                remarks.push(format!(
+                    "the search for self-intersections was not finished: {found} found so far"
+                ));
+            }
+            _ => {}
+        }
+        if !self.t_junctions_complete {
+            let found = self.t_junctions;
+            remarks.push(format!("the search for T-junctions was not finished: {found} found so far"));
         }
         remarks
     }
@@ -149,6 +162,12 @@ impl CrackReport {
     }
 }
 
+/// "4 boundary edges, 1 shell inside out": what there is any of.
+pub(super) fn list(reasons: &[(usize, &str, &str)]) -> String {
+    let found = reasons.iter().filter(|reason| reason.0 > 0);
+    found.map(|&(count, one, many)| counted(count, one, many)).collect::<Vec<_>>().join(", ")
+}
+
 /// "1 shell", "2 shells".
 fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
@@ -200,7 +219,8 @@ mod tests {
         let report = CrackReport::of(&open, &Topology::of(&open));
         let effect = DefectKind::BoundaryLoop.effect();
         let expected = format!(
-            "  cracked: the mesh is not sound: 4 boundary edges\n\n  boundary_loop: 1\n    {effect}\n"
+            "  cracked: the mesh is not sound: 4 boundary edges\n\n  boundary_loop: 1\n    effect on the \
+             shadow: {effect}\n"
         );
         assert_eq!(report.to_string(), expected);
         // Fault injected: a defect that is not there.

@@ -19,8 +19,6 @@ use umbrage::verify::points::{Options, Verification, Verifier};
 use umbrage::view::{Camera, Size, Up};
 use umbrage::write::{self, Layer, Model, write_atomic};
 
-#[cfg(feature = "gpu")]
-use super::load;
 use super::load::MeshArgs;
 use super::output::Output;
 use super::progress::Progress;
@@ -200,9 +198,8 @@ fn pictures(
     folder: &Path,
     out: &mut Output,
 ) -> Result<(&'static str, bool), Failure> {
-    let bounds = load::bounds(caster.mesh());
     let judged = found.and_then(|gpu| {
-        with_view(caster.mesh(), lights, HALF, |view| pixels::judge(&gpu, caster, &bounds, view, lights))
+        with_view(caster.mesh(), lights, HALF, |view| pixels::judge(&gpu, caster, view, lights))
     });
     match judged {
         Ok(judged) => {

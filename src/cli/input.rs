@@ -6,11 +6,12 @@ use umbrage::caster::{Caster, CasterGroup};
 use umbrage::geom::Aabb;
 use umbrage::mesh::{Mesh, MeshError};
 use umbrage::render::Ground;
-use umbrage::scene::{Lamp, Material, NamedCamera, Pattern};
+use umbrage::scene::{Lamp, Material, Pattern};
 use umbrage::view::Up;
 
 use super::lights::LightArgs;
 use super::load::{MeshArgs, parse_pattern};
+use super::view::Cameras;
 use super::{Failure, load};
 
 /// The file, how it is welded, and its lights.
@@ -53,7 +54,7 @@ pub(crate) struct Source {
     /// Of all that is seen.
     pub(crate) bounds: Aabb,
     pub(crate) lights: Vec<Lamp>,
-    pub(crate) cameras: Vec<NamedCamera>,
+    pub(crate) cameras: Cameras,
     pub(crate) materials: Vec<Material>,
 }
 

@@ -55,11 +55,22 @@ impl LightArgs {
     }
 }
 
+/// A lamp for a person: its light, as [`label`] gives it, but a spot light is called one.
+pub(crate) fn lamp_label(lamp: &Lamp) -> String {
+    spot_label(lamp.light(), lamp.cone.is_some(), &lamp.name)
+}
+
 /// A light for a person: coordinates far from 1 with an exponent, then its name, if it has one. Without the
 /// name it can be given back as `--light`.
 pub(crate) fn label(light: &Light, name: &str) -> String {
+    spot_label(light, false, name)
+}
+
+/// As [`label`], for a light that may have a cone. The cone is left out: it casts no shadow.
+pub(crate) fn spot_label(light: &Light, spot: bool, name: &str) -> String {
     let exact = light.to_string();
     let (kind, coordinates) = exact.split_once(':').unwrap_or(("", &exact));
+    let kind = if spot { "spot" } else { kind };
     let brief = |text: &str| match text.parse::<f32>() {
         Ok(x) if x != 0.0 && !(1e-5..1e7).contains(&x.abs()) => format!("{x:e}"),
         _ => text.to_owned(),
@@ -120,6 +131,9 @@ mod tests {
             assert_eq!(wanted.parse(), Ok(light));
         }
         assert_eq!(label(&"point:1,2,3".parse().unwrap(), "Sun\n"), "point:1,2,3 (Sun\u{fffd})");
+        let lamp = |text: &str| lamp_label(&text.parse().unwrap());
+        assert_eq!(lamp("spot:1,2e8,3:0,-1,0:30"), "spot:1,2e8,3");
+        assert_eq!(lamp("point:1,2,3,range=9"), "point:1,2,3");
     }
 
     #[test]

@@ -5,15 +5,16 @@ use std::path::Path;
 
 use umbrage::check::Screen;
 use umbrage::geom::Aabb;
-use umbrage::mesh::{Mesh, Weld, weld_in_place};
+use umbrage::mesh::{Mesh, MeshError, Weld, weld_in_place};
 use umbrage::read::Format;
-use umbrage::scene::{Lamp, Material, NamedCamera, Pattern, PlacedPart, Scene, Scope};
+use umbrage::scene::{Lamp, Material, OwnSpace, Pattern, PlacedPart, Scene, Scope};
 use umbrage::view::Up;
 
 use super::error::Failure;
 use super::files;
 use super::output;
 use super::progress::Progress;
+use super::view::Cameras;
 
 /// How vertices are merged and what counts as one mesh.
 #[derive(Clone, Debug, clap::Args)]
@@ -21,7 +22,8 @@ pub(crate) struct MeshArgs {
     /// Which vertices are the same: `exact` (equal positions, bit for bit), `none` (the file's own indices),
     /// or a distance in mesh units
     ///
-    /// Raise the distance when a report speaks of near-miss seams: nothing moves farther than that.
+    /// Raise the distance when a report speaks of near-miss seams: nothing moves farther than that. Where a
+    /// file has frames (md2), vertices are one only if they coincide in all frames.
     #[arg(long, value_name = "exact|none|DIST", default_value = "exact", value_parser = parse_weld, allow_negative_numbers = true)]
     weld: Weld,
 
@@ -79,7 +81,7 @@ pub(crate) struct Baked {
     /// One for each scope.
     pub(crate) meshes: Vec<Mesh>,
     pub(crate) lights: Vec<Lamp>,
-    pub(crate) cameras: Vec<NamedCamera>,
+    pub(crate) cameras: Cameras,
     pub(crate) materials: Vec<Material>,
 }
 
@@ -126,7 +128,7 @@ impl MeshArgs {
         Ok((self.baked(scene, file)?, self.bake(receivers, file)?))
     }
 
-    fn scene(&self, file: &Path) -> Result<Scene, Failure> {
+    pub(crate) fn scene(&self, file: &Path) -> Result<Scene, Failure> {
         let progress = Progress::spinner(format!("reading {}", file.display()));
         let scene = files::read(file);
         drop(progress);
@@ -135,21 +137,41 @@ impl MeshArgs {
             output::say(format_args!("note: {}: {}", file.display(), output::plain(note)));
         }
         retain_only(&mut scene, &self.only).map_err(|failure| failure.in_file(file))?;
+        let moves = scene.placing_moves();
+        if moves > 0.0 {
+            output::say(format_args!(
+                "note: {}: 32-bit coordinates are too coarse so far from the origin: placing moves a vertex by {}",
+                file.display(),
+                output::significant(moves)
+            ));
+        }
+        if let Some(frames) =
+            scene.meshes.iter().map(|mesh| mesh.frames().len()).max().filter(|&count| count > 0)
+        {
+            // The mesh itself is the first frame.
+            let what = match self.weld {
+                Weld::None => return Ok(scene),
+                _ => "vertices are one only where they coincide in all of them",
+            };
+            output::say(format_args!("note: {}: {} frames; {what}", file.display(), frames + 1));
+        }
         Ok(scene)
+    }
+
+    /// The meshes of a scene as the file stores them; with `--scope scene`, as the scene places them.
+    pub(crate) fn own_spaces(&self, scene: Scene, file: &Path) -> Result<Vec<OwnSpace>, Failure> {
+        scene.in_own_space(self.scope.into()).map_err(|error| too_far(&error, file))
     }
 
     fn baked(&self, mut scene: Scene, file: &Path) -> Result<Baked, Failure> {
         let (format, up) = (scene.format, scene.up);
-        let (lights, cameras) = (std::mem::take(&mut scene.lamps), std::mem::take(&mut scene.cameras));
+        let (lights, cameras) = (std::mem::take(&mut scene.lamps), Cameras::take(&mut scene));
         let materials = std::mem::take(&mut scene.materials);
         Ok(Baked { format, up, meshes: self.bake(scene, file)?, lights, cameras, materials })
     }
 
     fn bake(&self, scene: Scene, file: &Path) -> Result<Vec<Mesh>, Failure> {
-        scene.bake(self.scope.into()).map_err(|error| {
-            let remedy = "scale the model, or choose a smaller --scope";
-            Failure::new(error, remedy).in_file(file)
-        })
+        scene.bake(self.scope.into()).map_err(|error| too_far(&error, file))
     }
 
     /// Whether a file may be split into several meshes.
@@ -188,6 +210,11 @@ impl MeshArgs {
         }
         Mesh::concat(&welded).map_err(|error| Failure::new(error, "split the file").in_file(file))
     }
+}
+
+/// The failure of a scene that cannot be placed.
+pub(crate) fn too_far(error: &MeshError, file: &Path) -> Failure {
+    Failure::new(error, "scale the model, or choose a smaller --scope").in_file(file)
 }
 
 /// Leaves out what none of the patterns matches, if there are any.

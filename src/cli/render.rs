@@ -4,14 +4,18 @@ use std::path::PathBuf;
 
 use umbrage::caster::Caster;
 #[cfg(feature = "gpu")]
+use umbrage::geom::Light;
+#[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::{FaceId, Mesh, Part};
 use umbrage::render;
 use umbrage::render::{CLAY, Picture, ShadedLight, View};
 use umbrage::scene::Material;
 #[cfg(feature = "gpu")]
-use umbrage::shadow::stencil::StencilMethod;
+use umbrage::shadow::stencil::{StencilMethod, ZPassVerdict, zpass_verdict};
 use umbrage::shadow::{Request, Samples, Technique, Visibility};
+#[cfg(feature = "gpu")]
+use umbrage::view::Projection;
 use umbrage::view::Size;
 
 use super::input::{Source, SourceArgs};
@@ -228,6 +232,9 @@ fn shine(args: &Args, source: &Source, techniques: &[Option<Technique>]) -> Vec<
         true => ShadedLight::equal(&source.lights),
         false => ShadedLight::balanced(&source.lights, &source.bounds),
     };
+    if args.falloff == FalloffArg::Plain && source.lights.iter().any(|lamp| lamp.range.is_some()) {
+        output::say("note: a light's range is not applied: --falloff physical ends the light there");
+    }
     for ((shaded, lamp), &technique) in lamps.iter_mut().zip(&source.lights).zip(techniques) {
         if args.falloff == FalloffArg::Physical {
             *shaded = shaded.with_physical_falloff(lamp.range, &source.bounds);
@@ -271,7 +278,7 @@ fn by_samples(
 ) -> Result<Picture, Failure> {
     let progress = Progress::spinner("rendering");
     let casters = source.group();
-    let projection = view.camera.projection(view.size, view.camera.near(&source.bounds, view.size));
+    let projection = view.camera.projection(view.size, view.camera.near([source.seen().mesh()], view.size));
     let samples = Samples::of_view(&casters, &projection, view.size, view.edge_samples)
         .map_err(|error| Failure::new(error, "choose a smaller --size"))?;
     let shade = |(lamp, technique): (&ShadedLight, &Option<Technique>)| {
@@ -304,13 +311,30 @@ fn by_stencil(
         _ => Shadowing::Counted(None),
     };
     let shadows: Vec<Shadowing> = techniques.iter().map(shadowing).collect();
-    let stage = Stage::new(gpu, [&source.caster, source.seen()], &source.bounds, view, &shadows)?;
+    let stage = Stage::new(gpu, [&source.caster, source.seen()], view, &shadows)?;
     let picture = stage.picture()?;
     drop(progress);
     output::say(format_args!("note: stencil pass on {}", output::plain(&gpu.name())));
-    for (lamp, casting) in view.lamps.iter().zip(&stage.castings) {
+    for ((lamp, casting), shadowing) in view.lamps.iter().zip(&stage.castings).zip(&shadows) {
         let how = casting.as_ref().map_or("no shadow".to_owned(), |casting| casting.methods.summary());
-        output::say(format_args!("note: {}: {how}", lights::label(&lamp.light, "")));
+        let label = lights::spot_label(&lamp.light, lamp.cone.is_some(), "");
+        output::say(format_args!("note: {label}: {how}"));
+        if matches!(shadowing, Shadowing::Counted(Some(StencilMethod::ZPass))) {
+            say_of_zpass(&source.caster, &stage.projection, &lamp.light, &label);
+        }
     }
     Ok(picture)
+}
+
+/// Says whether the z-pass that was asked for is right.
+#[cfg(feature = "gpu")]
+fn say_of_zpass(caster: &Caster, projection: &Projection, light: &Light, label: &str) {
+    match zpass_verdict(caster, projection, light) {
+        ZPassVerdict::Wrong => output::say(format_args!(
+            "warning: {label}: the near rectangle of the camera is in this light's shadow, so z-pass counts \
+             wrongly and the picture is wrong; use --shadow zfail or stencil"
+        )),
+        ZPassVerdict::Right => output::say(format_args!("note: {label}: z-pass is proven to be right")),
+        _ => {}
+    }
 }

@@ -129,6 +129,8 @@ struct Looked {
 struct Found {
     name: String,
     light: Light,
+    /// Whether the light is a spot light.
+    spot: bool,
     front_faces: usize,
     edge_on_faces: usize,
     outline_edges: usize,
@@ -224,12 +226,13 @@ pub(super) fn of_lights(file: &Path, caster: &Caster, lights: &[Lamp]) -> (Strin
 }
 
 fn found(topology: &Topology, lamp: Lamp, looked: Looked) -> Found {
-    let (light, name) = (*lamp.light(), lamp.name);
+    let (light, spot, name) = (*lamp.light(), lamp.cone.is_some(), lamp.name);
     let Looked { facing, all, front, unsure_faces } = looked;
     let count = |wanted| facing.iter().filter(|&&facing| facing == wanted).count();
     Found {
         name,
         light,
+        spot,
         front_faces: count(Facing::Front),
         edge_on_faces: count(Facing::EdgeOn),
         outline_edges: front.edges.len(),
@@ -270,7 +273,7 @@ fn table(file: &Path, topology: &Topology, found: &[Found]) -> String {
         "multiplicity",
     ]);
     for found in found {
-        let light = lights::label(&found.light, &found.name);
+        let light = lights::spot_label(&found.light, found.spot, &found.name);
         let counts = [
             topology.face_count(),
             found.front_faces,
@@ -295,7 +298,7 @@ fn lines(mesh: &Mesh, topology: &Topology, index: usize, found: &Found) -> Layer
     used.dedup();
     let place = |vertex| used.binary_search(&vertex).expect("the ends are all there") as u32;
     Layer {
-        name: format!("silhouette {index} {}", lights::label(&found.light, &found.name)),
+        name: format!("silhouette {index} {}", lights::spot_label(&found.light, found.spot, &found.name)),
         color: Some([1.0, 0.5, 0.0, 1.0]),
         positions: used.iter().map(|vertex| mesh.positions()[vertex.index()]).collect(),
         elements: Elements::Lines(ends.iter().map(|ends| ends.map(place)).collect()),

@@ -2,7 +2,6 @@
 
 use umbrage::caster::{Caster, GpuCaster};
 use umbrage::facing::CasterFaces;
-use umbrage::geom::Aabb;
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::render::{Picture, ShadedLight, View, render_visibility};
 use umbrage::shadow::stencil::{
@@ -33,17 +32,15 @@ pub(crate) struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    /// `seen` has the faces of `caster` and those that only receive; `bounds` are those of `seen` without a
-    /// ground; `shadows` has one entry per lamp. All faces cast: proving that half of them are enough takes
-    /// longer than drawing the other half once.
+    /// `seen` has the faces of `caster` and those that only receive; `shadows` has one entry per lamp. All
+    /// faces cast: proving that half of them are enough takes longer than drawing the other half once.
     pub(crate) fn new(
         gpu: &Gpu,
         [caster, seen]: [&'a Caster; 2],
-        bounds: &Aabb,
         view: View<'a>,
         shadows: &[Shadowing],
     ) -> Result<Self, GpuError> {
-        let projection = view.camera.projection(view.size, view.camera.near(bounds, view.size));
+        let projection = view.camera.projection(view.size, view.camera.near([seen.mesh()], view.size));
         if projection.is_orthographic() {
             return Err(GpuError::NotBuilt("an orthographic camera"));
         }

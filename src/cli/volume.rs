@@ -1,13 +1,13 @@
 //! `umbrage volume`: the capped shadow volume of each light.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use umbrage::Choice;
 use umbrage::caster::Caster;
 use umbrage::facing::CasterFaces;
-use umbrage::geom::Light;
-use umbrage::mesh::Mesh;
+use umbrage::geom::{Aabb, Light};
 use umbrage::scene::Lamp;
 use umbrage::shadow::volume;
 use umbrage::shadow::volume::{ShadowVolume, ShellFaces};
@@ -39,16 +39,20 @@ pub(crate) struct Args {
 
     /// Write the volume in layers: light_cap, sides and dark_cap, each with the vertices that it uses
     ///
+    /// Together they are closed: check them with --scope scene.
+    ///
     /// [default: nothing is written]
     #[arg(short, long, value_name = "OUT.{glb,obj,ply}")]
     output: Option<PathBuf>,
 
-    /// How far vertices at infinity are moved when written, in mesh units, since no format holds infinity
+    /// How far from the mesh the written volume holds the whole shadow, in mesh units; it ends a little
+    /// beyond
     ///
-    /// [default: 10 diagonals of the bounding box]. GLB and PLY also carry the homogeneous w, 0 for such a
-    /// vertex.
-    #[arg(long, value_name = "DIST", value_parser = distance, allow_negative_numbers = true)]
-    far: Option<f32>,
+    /// [default: 10 diagonals of the bounding box]. With `infinity`, GLB and PLY hold homogeneous vertices x,
+    /// y, z, w: those of the mesh with w 1, and those at infinity with w 0 (in GLB the attribute _W): v - L
+    /// of a vertex v and a point light L, or the direction in which a directional light travels. OBJ cannot.
+    #[arg(long, value_name = "DIST|infinity", value_parser = parse_far, allow_negative_numbers = true)]
+    far: Option<Far>,
 
     /// Print one JSON document instead of a table: `file`, `format`, and `lights` with one object per light
     ///
@@ -58,6 +62,24 @@ pub(crate) struct Args {
 
     #[command(flatten)]
     threads: ThreadArgs,
+}
+
+/// Where a written volume ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Far {
+    /// It holds the shadow up to this distance from the mesh.
+    At(f32),
+    /// Nowhere.
+    Infinity,
+}
+
+fn parse_far(text: &str) -> Result<Far, String> {
+    match text {
+        "infinity" | "inf" => Ok(Far::Infinity),
+        _ => distance(text)
+            .map(Far::At)
+            .map_err(|_| "write a distance above 0 in mesh units, or infinity".to_owned()),
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -106,15 +128,22 @@ const SHELLS_LISTED: usize = 1000;
 struct Built {
     name: String,
     light: Light,
+    /// Whether the light is a spot light.
+    spot: bool,
     faces: ShellFaces,
     volume: ShadowVolume,
     closed: bool,
+    /// How far from the mesh the written volume holds the whole shadow; infinite for a volume without end.
+    covers: Option<f64>,
 }
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     args.threads.apply()?;
     if let Some(path) = &args.output {
-        Target::from_path(path)?;
+        if Target::from_path(path)? == Target::Obj && args.far == Some(Far::Infinity) {
+            let problem = "--far infinity: OBJ has no vertex at infinity";
+            return Err(Failure::new(problem, "name a .glb or .ply file, or a distance").in_file(path));
+        }
     } else if args.far.is_some() {
         output::say("note: --far has no effect without --output");
     }
@@ -122,32 +151,35 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let Source { format, caster, lights, .. } = args.source.load()?;
 
     let progress = Progress::spinner("building shadow volumes");
-    let built: Vec<Built> =
+    let mut built: Vec<Built> =
         lights.into_iter().map(|light| build(&caster, light, args.faces.into(), args.caps.into())).collect();
     drop(progress);
 
     if let Some(path) = &args.output {
-        let far = args.far.unwrap_or_else(|| default_far(caster.mesh()));
-        let layers = built.iter().enumerate().flat_map(|(index, built)| {
+        let bounds = load::bounds(caster.mesh());
+        let far = args.far.unwrap_or_else(|| Far::At(default_far(&bounds)));
+        let layers = built.iter_mut().enumerate().flat_map(|(index, built)| {
             let mut suffix = if index == 0 { String::new() } else { format!(" {index}") };
             if !built.name.is_empty() {
                 suffix += &format!(" ({})", short(&built.name));
             }
-            layers(&built.volume, far, &suffix)
+            let (layers, covers) = written(&built.volume, far, &bounds, &suffix);
+            built.covers = Some(covers);
+            layers
         });
         write::write(&Model { layers: layers.collect() }, path)?;
         output::wrote(path);
-        output::say(format_args!(
-            "note: {}: vertices at infinity are written {} mesh units away; --far sets that",
-            plain(&path.to_string_lossy()),
-            significant(f64::from(far))
-        ));
-        let diagonal = load::bounds(caster.mesh()).diagonal();
-        if f64::from(far) < diagonal {
-            output::say(format_args!(
-                "note: --far is less than the diagonal of the mesh, {}: the written volume may end inside of it",
-                significant(diagonal)
-            ));
+        for (index, covers) in built.iter().map(|built| built.covers).enumerate() {
+            if let (Far::At(far), Some(covers)) = (far, covers)
+                && covers < f64::from(far)
+            {
+                output::say(format_args!(
+                    "note: light {index}: the written volume holds the shadow up to {} mesh units from the mesh, \
+                     not {}: farther vertices would leave the range of f32",
+                    significant(covers),
+                    significant(f64::from(far))
+                ));
+            }
         }
     }
     let mut out = Output::new();
@@ -168,39 +200,62 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
 pub(super) fn of_lights(file: &Path, caster: &Caster, lights: &[Lamp]) -> (String, Vec<Model>, bool) {
     let build = |light: &Lamp| build(caster, light.clone(), None, volume::Caps::Both);
     let built: Vec<Built> = lights.iter().map(build).collect();
-    let far = default_far(caster.mesh());
-    let models = built.iter().map(|built| Model { layers: layers(&built.volume, far, "") }).collect();
+    let bounds = load::bounds(caster.mesh());
+    let far = Far::At(default_far(&bounds));
+    let models =
+        built.iter().map(|built| Model { layers: written(&built.volume, far, &bounds, "").0 }).collect();
     (text(file, &built), models, built.iter().all(|built| built.closed))
 }
 
 fn build(caster: &Caster, lamp: Lamp, faces: Option<CasterFaces>, caps: volume::Caps) -> Built {
-    let (name, light) = (lamp.name.clone(), *lamp.light());
+    let (name, light, spot) = (lamp.name.clone(), *lamp.light(), lamp.cone.is_some());
     let faces = caster.shell_faces(&light, faces);
     let volume = caster.volume_of(&light, &faces, caps);
     let closed = volume.boundary_sum().is_closed();
-    Built { name, light, faces, volume, closed }
+    Built { name, light, spot, faces, volume, closed, covers: None }
 }
 
-/// Ten diagonals, so that the clamped end is far outside any picture of the mesh.
-fn default_far(mesh: &Mesh) -> f32 {
-    let diagonal = load::bounds(mesh).diagonal();
+/// Ten diagonals, far outside any picture of the mesh.
+fn default_far(bounds: &Aabb) -> f32 {
+    let diagonal = bounds.diagonal();
     if diagonal > 0.0 { (10.0 * diagonal).min(f64::from(f32::MAX)) as f32 } else { 1.0 }
+}
+
+/// The layers of a volume as it is written, and how far from the mesh they hold the whole shadow.
+fn written(volume: &ShadowVolume, far: Far, bounds: &Aabb, suffix: &str) -> (Vec<Layer>, f64) {
+    match far {
+        Far::At(far) => {
+            let finite = volume.finite(far, bounds);
+            let runs = [finite.light_cap, finite.sides, finite.dark_cap];
+            (layers(&finite.positions, None, &finite.triangles, runs, suffix), finite.covers)
+        }
+        Far::Infinity => {
+            let (positions, w): (Vec<_>, Vec<_>) =
+                volume.to_f32().into_iter().map(|[x, y, z, w]| ([x, y, z], w)).unzip();
+            let runs = [volume.light_cap(), volume.sides(), volume.dark_cap()];
+            (layers(&positions, Some(&w), volume.triangles(), runs, suffix), f64::INFINITY)
+        }
+    }
 }
 
 /// Light cap, sides and dark cap, each with the vertices that it uses; empty ones are left out. A vertex on
 /// the border of two of them is in both, bit for bit.
-fn layers(volume: &ShadowVolume, far: f32, suffix: &str) -> Vec<Layer> {
-    let positions = volume.clamped(far);
-    let finite = volume.positions().len();
+fn layers(
+    positions: &[[f32; 3]],
+    w: Option<&[f32]>,
+    triangles: &[[u32; 3]],
+    [light_cap, sides, dark_cap]: [Range<usize>; 3],
+    suffix: &str,
+) -> Vec<Layer> {
     let runs = [
-        ("light_cap", volume.light_cap(), [1.0, 0.9, 0.3, 1.0]),
-        ("sides", volume.sides(), [0.2, 0.3, 0.8, 0.4]),
-        ("dark_cap", volume.dark_cap(), [0.1, 0.1, 0.2, 1.0]),
+        ("light_cap", light_cap, [1.0, 0.9, 0.3, 1.0]),
+        ("sides", sides, [0.2, 0.3, 0.8, 0.4]),
+        ("dark_cap", dark_cap, [0.1, 0.1, 0.2, 1.0]),
     ];
     runs.into_iter()
         .filter(|(_, run, _)| !run.is_empty())
         .map(|(name, run, color)| {
-            let triangles = &volume.triangles()[run];
+            let triangles = &triangles[run];
             let mut used: Vec<u32> = triangles.as_flattened().to_vec();
             used.sort_unstable();
             used.dedup();
@@ -209,7 +264,7 @@ fn layers(volume: &ShadowVolume, far: f32, suffix: &str) -> Vec<Layer> {
                 name: format!("{name}{suffix}"),
                 color: Some(color),
                 positions: used.iter().map(|&vertex| positions[vertex as usize]).collect(),
-                w: Some(used.iter().map(|&v| if (v as usize) < finite { 1.0 } else { 0.0 }).collect()),
+                w: w.map(|w| used.iter().map(|&vertex| w[vertex as usize]).collect()),
                 elements: Elements::Triangles(triangles.iter().map(|corners| corners.map(place)).collect()),
                 ..Layer::default()
             }
@@ -230,6 +285,9 @@ fn document(built: &Built) -> Value {
         "sides": volume.sides().len(),
         "dark_cap": volume.dark_cap().len(),
         "closed": built.closed,
+        // Null where nothing is written, and where the volume has no end.
+        "covers": built.covers.filter(|covers| covers.is_finite()),
+        "infinite": built.covers.map(f64::is_infinite),
     })
 }
 
@@ -238,7 +296,7 @@ fn text(file: &Path, built: &[Built]) -> String {
         Table::new(&["light", "vertices", "triangles", "light cap", "sides", "dark cap", "closed"]);
     let mut reasons = String::new();
     for (index, built) in built.iter().enumerate() {
-        let light = format!("{index} {}", lights::label(&built.light, &built.name));
+        let light = format!("{index} {}", lights::spot_label(&built.light, built.spot, &built.name));
         let volume = &built.volume;
         let counts = [
             volume.vertex_count(),
@@ -254,6 +312,16 @@ fn text(file: &Path, built: &[Built]) -> String {
             let shells = counted(count, "shell", "shells");
             reasons += &format!("  light {index}, {shells} {}: {choice}\n", choice.what.name());
         }
+        reasons += &match built.covers {
+            None => String::new(),
+            Some(covers) if covers.is_infinite() => {
+                format!("  light {index}, written with vertices at infinity, w 0\n")
+            }
+            Some(covers) => format!(
+                "  light {index}, written: holds every shadowed point within {} mesh units of the mesh\n",
+                significant(covers)
+            ),
+        };
     }
     format!("{}\n{table}\n{reasons}", plain(&file.to_string_lossy()))
 }
@@ -278,6 +346,7 @@ fn grouped(choices: &[Choice<CasterFaces>]) -> Vec<(Choice<CasterFaces>, usize)>
 mod tests {
     use super::*;
     use umbrage::check::CrackReport;
+    use umbrage::mesh::Mesh;
     use umbrage::testing::shapes;
     use umbrage::topology::Topology;
 
@@ -289,7 +358,9 @@ mod tests {
     #[test]
     fn volume_layers_have_the_vertices_they_use_and_close_together() {
         let built = built(shapes::cube(), "point:2,3,5", None);
-        let layers = layers(&built.volume, 100.0, "");
+        let bounds = Aabb { low: [-1.0; 3], high: [1.0; 3] };
+        let (layers, covers) = written(&built.volume, Far::At(100.0), &bounds, "");
+        assert_eq!(covers, 100.0);
         assert_eq!(
             layers.iter().map(|layer| layer.name.as_str()).collect::<Vec<_>>(),
             ["light_cap", "sides", "dark_cap"]
@@ -307,9 +378,17 @@ mod tests {
     }
 
     #[test]
-    fn volume_towards_a_directional_light_has_no_dark_cap_layer() {
+    fn volume_of_a_directional_light_has_a_dark_cap_when_it_ends_and_one_point_at_infinity_when_not() {
         let built = built(shapes::cube(), "directional:-1,-2,-3", Some(CasterFaces::All));
-        assert_eq!(layers(&built.volume, 10.0, " 1").len(), 2);
+        let bounds = Aabb { low: [-1.0; 3], high: [1.0; 3] };
+        let (finite, _) = written(&built.volume, Far::At(10.0), &bounds, " 1");
+        assert_eq!(finite.len(), 3);
+        assert!(finite.iter().all(|layer| layer.w.is_none()));
+        let (infinite, covers) = written(&built.volume, Far::Infinity, &bounds, " 1");
+        assert_eq!((infinite.len(), covers), (2, f64::INFINITY));
+        let w = infinite[1].w.as_ref().unwrap();
+        let at_infinity = w.iter().position(|&w| w == 0.0).unwrap();
+        assert_eq!(infinite[1].positions[at_infinity], [-1.0, -2.0, -3.0]);
         assert!(built.closed);
     }
 

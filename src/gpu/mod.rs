@@ -319,18 +319,22 @@ pub(crate) mod tests {
 
     /// The adapter for a test. Without one, prints that the test is skipped, or fails where one is demanded.
     pub(crate) fn gpu() -> Option<Gpu> {
-        static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
-        GPU.get_or_init(|| match Gpu::new(None) {
-            Ok(gpu) => Some(gpu),
-            Err(error) if std::env::var("UMBRAGE_REQUIRE_GPU").is_ok_and(|value| value == "1") => {
-                panic!("UMBRAGE_REQUIRE_GPU=1: {error}")
-            }
-            Err(error) => {
-                eprintln!("SKIPPED, no graphics adapter: {error}");
-                None
-            }
-        })
-        .clone()
+        static GPU: OnceLock<Result<Gpu, String>> = OnceLock::new();
+        let error = match GPU.get_or_init(|| Gpu::new(None).map_err(|error| error.to_string())) {
+            Ok(gpu) => return Some(gpu.clone()),
+            Err(error) => error,
+        };
+        let required = std::env::var("UMBRAGE_REQUIRE_GPU").is_ok_and(|value| value == "1");
+        assert!(!required, "UMBRAGE_REQUIRE_GPU=1: {error}");
+        // As the integration tests list what they skip.
+        let thread = std::thread::current();
+        let line = format!("SKIPPED {}: no graphics adapter: {error}\n", thread.name().unwrap_or("a test"));
+        eprint!("{line}");
+        if let Some(path) = std::env::var_os("UMBRAGE_SKIPPED") {
+            let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
+            file.and_then(|mut file| std::io::Write::write_all(&mut file, line.as_bytes())).expect("written");
+        }
+        None
     }
 
     /// The same adapter with lower limits, so that small meshes reach them.

@@ -277,6 +277,22 @@ impl Oracle {
         });
     }
 
+    /// Calls `visit` with every face that a segment to `light` may meet which begins within `slack` of `p` in
+    /// each coordinate: by its box, which nothing decides exactly. `slack` is at least two units in the last
+    /// place of `p`'s largest coordinate.
+    pub(crate) fn for_each_candidate(
+        &self,
+        p: [f32; 3],
+        slack: f32,
+        light: &Light,
+        mut visit: impl FnMut(FaceId, [[f32; 3]; 3]),
+    ) {
+        self.tree.walk_loosely(p, slack, light, |slot| {
+            visit(FaceId(self.order[slot]), self.triangles[slot]);
+            Step::On
+        });
+    }
+
     /// Bounding box of all faces.
     #[must_use]
     pub fn bounds(&self) -> Aabb {

@@ -82,6 +82,30 @@ impl Oracle {
     }
 }
 
+impl Oracle {
+    /// Calls `visit` with every face that the ray passes through at a distance from `from` to `to`, by its
+    /// rounded distance.
+    pub(crate) fn for_each_hit(
+        &self,
+        origin: [f32; 3],
+        direction: [f32; 3],
+        [from, to]: [f64; 2],
+        mut visit: impl FnMut(FaceId),
+    ) {
+        let Ok(towards) = Light::directional(direction.map(|x| -x)) else { return };
+        self.meetings::<true>(origin, &towards, &self.way(origin, &towards), |slot, meeting| {
+            let triangle = self.triangles[slot];
+            if meeting != Intersection::Touching || !side_of_point(triangle, origin).is_zero() {
+                let t = distance(origin, &towards, triangle);
+                if from <= t && t <= to {
+                    visit(FaceId(self.order[slot]));
+                }
+            }
+            Step::NoFarther(to * NEARLY)
+        });
+    }
+}
+
 /// Slot in `triangles` of the first face, and the distance of the face. The traversal uses AVX2 instructions
 /// where the processor has them.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]

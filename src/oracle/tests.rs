@@ -99,3 +99,36 @@ fn oracle_verdicts_are_those_of_a_loop_over_all_faces_and_boxes_rounded_inwards_
     assert!(wrong_ones == 0 && kinds.iter().all(|&count| count > 1000), "{wrong_ones} wrong, {kinds:?}");
     assert!(wrong(WideBvh::round_inwards).0 > 0);
 }
+
+/// Faces that are missed although a segment through their corner begins within `slack` of the point asked,
+/// far from the origin.
+fn missed_candidates(slack: impl Fn(f32) -> f32) -> usize {
+    let far = [5000.25_f32, 0.125, -3000.5];
+    let mesh = shapes::translated(&shapes::sheet(6), far);
+    let oracle = Oracle::build(&mesh);
+    let mut random = SplitMix64(9);
+    let mut missed = 0;
+    for face in (0..mesh.face_count()).cycle().take(4000).map(FaceId::new) {
+        let corner = mesh.corners(face)[random.below(3)];
+        let mut next = || random.below(4001) as f32 / 1000.0 - 2.0;
+        let at = [0, 1, 2].map(|i| corner[i] + next());
+        // On the line through light and corner, on the other side of the corner; in `f64`.
+        let past = f64::from(0.1 + next().abs());
+        let p = [0, 1, 2].map(|i| {
+            let (corner, at) = (f64::from(corner[i]), f64::from(at[i]));
+            (corner + past * (corner - at)) as f32
+        });
+        let largest = p.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+        let mut found = false;
+        oracle
+            .for_each_candidate(p, slack(largest), &Light::point(at).unwrap(), |met, _| found |= met == face);
+        missed += usize::from(!found);
+    }
+    missed
+}
+
+#[test]
+fn candidates_of_a_point_that_is_rounded_are_all_found_and_without_slack_some_are_not() {
+    assert_eq!(missed_candidates(|largest| largest * (2.0 * f32::EPSILON)), 0);
+    assert!(missed_candidates(|_| 0.0) > 0);
+}

@@ -46,7 +46,7 @@ pub(crate) struct Source<R> {
 ///
 /// Memory: no count of a file is believed beyond what its bytes can hold. At its peak reading takes less than
 /// 4 times the file for an ordinary one and less than 40 times for any, and 1 MB; for glTF, whose JSON is a
-/// tree in memory, 250 times and 256 MB, since accessors may be shared.
+/// tree in memory and whose data may be compressed, 250 times and 256 MB, since accessors may be shared.
 ///
 /// # Errors
 ///
@@ -153,6 +153,9 @@ fn plain_with<R: BufRead + Seek>(
         }
     }?;
     (scene.format, scene.up) = (Some(format), format.up());
+    if let Some(note) = scene.rounding_note() {
+        scene.notes.push(note);
+    }
     Ok(scene)
 }
 

@@ -42,7 +42,8 @@ pub(super) fn read<R: BufRead + Seek>(source: Source<R>, folder: Option<&Path>) 
             }
         }
     }
-    obj.finish()
+    let rounding = lines.rounding();
+    Ok(Scene { rounding, ..obj.finish()? })
 }
 
 #[derive(Default)]

@@ -46,6 +46,8 @@ pub(super) fn read<R: BufRead + Seek>(source: Source<R>) -> Result<Scene, ReadEr
 #[derive(Default)]
 struct Ply {
     positions: Vec<[f32; 3]>,
+    /// How far a coordinate moved at most when it was rounded.
+    rounding: f64,
     triangles: Vec<[u32; 3]>,
     lost: Lost,
     vertex_count: u64,
@@ -88,7 +90,7 @@ impl Ply {
         notes.extend(values.slips().notes());
         notes.extend(ply.lost.settle(Format::Ply, &mut ply.positions, &ply.triangles)?);
         let mesh = Mesh::new(ply.positions, ply.triangles).map_err(|error| refused(Format::Ply, &error))?;
-        Ok(Scene { notes, ..Scene::of(mesh) })
+        Ok(Scene { notes, rounding: ply.rounding, ..Scene::of(mesh) })
     }
 
     fn vertices(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
@@ -120,7 +122,13 @@ impl Ply {
                 }
             }
             values.end();
-            self.positions.push(self.lost.position(index, position, values.line()));
+            let rounded = self.lost.position(index, position, values.line());
+            for (value, rounded) in position.into_iter().zip(rounded) {
+                if (value as f32).is_finite() {
+                    self.rounding = self.rounding.max((value - f64::from(rounded)).abs());
+                }
+            }
+            self.positions.push(rounded);
         }
     }
 

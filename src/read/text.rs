@@ -1,5 +1,6 @@
 //! Lines and words of a text file, as bytes: no allocation per line, and every error names its line.
 
+use std::cell::Cell;
 use std::io::{self, BufRead, Read};
 
 use super::{Format, Place, ReadError};
@@ -22,6 +23,7 @@ pub(super) struct Lines<R> {
     number: u64,
     breaks: u64,
     position: u64,
+    rounding: Cell<f64>,
 }
 
 impl<R: BufRead> Lines<R> {
@@ -34,7 +36,17 @@ impl<R: BufRead> Lines<R> {
             Some((b'\r', Some(&next))) if next != b'\n' => b'\r',
             _ => b'\n',
         };
-        Ok(Self { reader, format, end, joins, line: Vec::new(), number: 0, breaks: 0, position: 0 })
+        Ok(Self {
+            reader,
+            format,
+            end,
+            joins,
+            line: Vec::new(),
+            number: 0,
+            breaks: 0,
+            position: 0,
+            rounding: Cell::new(0.0),
+        })
     }
 
     /// The next line, without its end and without a byte order mark; `None` at the end of the file.
@@ -72,7 +84,7 @@ impl<R: BufRead> Lines<R> {
 
     /// The line that [`Lines::next_line`] gave last, from its beginning.
     pub(super) fn current(&self) -> Line<'_> {
-        Line { rest: &self.line, number: self.number, format: self.format }
+        Line { rest: &self.line, number: self.number, format: self.format, rounding: &self.rounding }
     }
 
     /// An error at the end of the file.
@@ -83,6 +95,11 @@ impl<R: BufRead> Lines<R> {
     /// How many bytes the lines so far took.
     pub(super) fn position(&self) -> u64 {
         self.position
+    }
+
+    /// How far the coordinates so far moved at most when they were rounded to `f32`.
+    pub(super) fn rounding(&self) -> f64 {
+        self.rounding.get()
     }
 
     /// The reader, positioned after the last line.
@@ -97,6 +114,7 @@ pub(super) struct Line<'a> {
     pub(super) rest: &'a [u8],
     pub(super) number: u64,
     format: Format,
+    rounding: &'a Cell<f64>,
 }
 
 impl<'a> Line<'a> {
@@ -120,8 +138,11 @@ impl<'a> Line<'a> {
     #[inline]
     pub(super) fn coordinate(&mut self) -> Result<f32, ReadError> {
         let Some(word) = self.word() else { return Err(self.error("a position needs three numbers")) };
-        match parse::<f32>(word) {
-            Some(value) if value.is_finite() => Ok(value),
+        match decimal(word) {
+            Some((wide, value)) if value.is_finite() => {
+                self.rounding.set(self.rounding.get().max((wide - f64::from(value)).abs()));
+                Ok(value)
+            }
             Some(_) => Err(self.error(format!("the coordinate {} is not a finite number", quote(word)))),
             None => Err(self.error(format!("{} is not a number", quote(word)))),
         }
@@ -150,6 +171,21 @@ impl<'a> Line<'a> {
 #[inline]
 pub(super) fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
     str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// `word` as the nearest `f64`, and as the nearest `f32`.
+///
+/// Rounding twice nearly always gives that, too: between rounding to `f64` and to `f32`, a decimal can only
+/// change sides of a value halfway between two `f32` by falling on it. Below the normal range of `f32` such
+/// values have other low bits.
+#[inline]
+pub(super) fn decimal(word: &[u8]) -> Option<(f64, f32)> {
+    const LOW: u64 = (1 << 29) - 1;
+    const HALFWAY: u64 = 1 << 28;
+    let wide = parse::<f64>(word)?;
+    let plain = wide.to_bits() & LOW != HALFWAY && wide.abs() >= f64::from(f32::MIN_POSITIVE);
+    let near = if plain || wide == 0.0 { wide as f32 } else { parse::<f32>(word)? };
+    Some((wide, near))
 }
 
 /// `word` as a number for which NaN and infinity are allowed, also as the C libraries of Windows and Linux
@@ -255,6 +291,38 @@ mod tests {
             Ok(&[b' '; 4096])
         }
         fn consume(&mut self, _: usize) {}
+    }
+
+    #[test]
+    fn decimals_round_once_and_their_rounding_is_known() {
+        // On, above and below halfway between 1 and the next f32; half of the smallest f32; all digits.
+        let words = [
+            "1.000000059604644775390625",
+            "1.00000005960464477539062500000001",
+            "1.0000000596046447753906249999999",
+            "16777217",
+            "16777217.0000000001",
+            "0.1",
+            "-412345.670",
+            "3.4028235677973366e38",
+            "7.006492321624085e-46",
+            "7.0064923216240853e-46",
+            "1e-39",
+            "0",
+            "-0.0",
+            "1e-400",
+            "9007199254740993",
+        ];
+        for word in words {
+            let once = word.parse::<f32>().unwrap();
+            assert_eq!(decimal(word.as_bytes()).unwrap().1.to_bits(), once.to_bits(), "{word}");
+        }
+        // Fault injected: rounded twice.
+        assert!(words.iter().any(|word| word.parse::<f64>().unwrap() as f32 != word.parse::<f32>().unwrap()));
+        let mut lines = Lines::new(&b"412345.670 0.5 16777217"[..], Format::Obj, false).unwrap();
+        let mut line = lines.next_line().unwrap().unwrap();
+        assert_eq!(line.point().unwrap(), [412_345.66, 0.5, 16_777_216.0]);
+        assert_eq!(lines.rounding(), 1.0);
     }
 
     #[test]

@@ -133,10 +133,11 @@ mod tests {
 
     #[test]
     fn verdicts_stand_out_of_what_agrees_and_the_gravest_is_on_top() {
-        let oracle = Oracle::build(&shapes::icosphere(2));
+        let mesh = shapes::icosphere(2);
+        let oracle = Oracle::build(&mesh);
         let size = Size::new(96, 80).unwrap();
         let camera = Camera::fit(&oracle.bounds(), Up::Y, size.aspect());
-        let projection = camera.projection(size, camera.near(&oracle.bounds(), size));
+        let projection = camera.projection(size, camera.near([&mesh], size));
         let mut comparison =
             Comparison { size, verdicts: vec![PixelVerdict::Lit; size.pixels()], mismatches: Vec::new() };
         let at = |x: usize, y: usize| y * 96 + x;

@@ -3,6 +3,7 @@
 mod format;
 mod lamp;
 mod material;
+mod own_space;
 mod pattern;
 mod visible;
 
@@ -11,6 +12,7 @@ use glam::Mat4;
 pub use format::Format;
 pub use lamp::{Lamp, LampError, LampShape, Rectangle, SpotCone};
 pub use material::{AlphaMode, Material};
+pub use own_space::OwnSpace;
 pub use pattern::Pattern;
 pub use visible::PlacedPart;
 
@@ -34,8 +36,13 @@ pub struct Scene {
     pub lamps: Vec<Lamp>,
     /// The file's own cameras, in world space.
     pub cameras: Vec<NamedCamera>,
+    /// Cameras of the file that cannot be used.
+    pub left_out_cameras: Vec<LeftOutCamera>,
     /// What the reader changed or left out, for people: n-gons cut into fans, lines ignored.
     pub notes: Vec<String>,
+    /// How far a coordinate moved at most, in mesh units, when the numbers of the file were rounded to `f32`;
+    /// 0 where the file itself stores `f32`.
+    pub rounding: f64,
 }
 
 /// A camera of a file.
@@ -45,6 +52,17 @@ pub struct NamedCamera {
     pub name: String,
     /// The camera.
     pub camera: Camera,
+}
+
+/// A camera of a file that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOutCamera {
+    /// The name in the file, or else that of the node; may be empty.
+    pub name: String,
+    /// Where it stands among all cameras of the file, from 1.
+    pub number: usize,
+    /// Why it cannot be used.
+    pub problem: String,
 }
 
 /// A mesh placed in the world.

@@ -15,7 +15,7 @@
 //! let casters = CasterGroup::new(vec![&caster]);
 //! let size = Size::new(64, 48)?;
 //! let camera = Camera::fit(&casters.bounds(), Up::Y, size.aspect());
-//! let projection = camera.projection(size, camera.near(&casters.bounds(), size));
+//! let projection = camera.projection(size, camera.near([caster.mesh()], size));
 //! let samples = Samples::of_view(&casters, &projection, size, 1)?;
 //! let light = Light::point([3.0, 9.0, 5.0])?;
 //! let visibility = Technique::Rays.shade(&Request { casters: &casters, light: &light, samples: &samples });

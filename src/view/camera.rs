@@ -205,40 +205,6 @@ impl Camera {
         }
     }
 
-    /// The distance of the near plane, in mesh units: the camera's own, or else one so near that no corner of
-    /// its rectangle is farther from the eye than half the distance to `bounds`, or than 1/1024 of their
-    /// diagonal for an eye that is inside or almost. With parallel rays it is the plane that is half as far
-    /// as the nearest corner of `bounds`, with the same minimum.
-    ///
-    /// From outside it cuts nothing that is seen, however wide the view. Finite and above 0 for every box.
-    #[must_use]
-    pub fn near(&self, bounds: &Aabb, size: Size) -> f32 {
-        if let Some(near) = self.near {
-            return near;
-        }
-        let eye = self.eye.as_dvec3();
-        let fov_y_rad = match self.lens {
-            Lens::Perspective { fov_y_rad } => fov_y_rad,
-            Lens::Orthographic { .. } if bounds.is_empty() => return 1.0,
-            Lens::Orthographic { .. } => {
-                let (low, high, forward) = (wide(bounds.low), wide(bounds.high), self.forward.as_dvec3());
-                let nearest = DVec3::select(forward.cmpge(DVec3::ZERO), low, high);
-                let near = (0.5 * forward.dot(nearest - eye)).max(bounds.diagonal() / 1024.0);
-                return (near as f32).clamp(f32::MIN_POSITIVE, f32::MAX);
-            }
-        };
-        let reach = match bounds.is_empty() {
-            true => 1.0,
-            false => {
-                let distance = eye.distance(eye.clamp(wide(bounds.low), wide(bounds.high)));
-                (0.5 * distance).max(bounds.diagonal() / 1024.0)
-            }
-        };
-        let tan_y = tan_half(fov_y_rad);
-        let corner = DVec3::new(tan_y * size.aspect(), tan_y, 1.0).length();
-        ((reach / corner) as f32).clamp(f32::MIN_POSITIVE, f32::MAX)
-    }
-
     /// Unit vectors to the right and upwards in the picture.
     pub(super) fn basis(&self) -> (DVec3, DVec3) {
         let forward = self.forward.as_dvec3();
@@ -321,63 +287,6 @@ mod tests {
         }
         for bounds in [Aabb::EMPTY, Aabb { low: [f32::MIN; 3], high: [f32::MAX; 3] }] {
             assert!(Camera::fit(&bounds, Up::Y, 1.0).eye.is_finite());
-        }
-    }
-
-    #[test]
-    fn near_rectangle_reaches_half_the_way_to_the_box_and_a_part_of_the_diagonal_inside() {
-        let bounds = Aabb { low: [-1.0; 3], high: [1.0; 3] };
-        for (fov, side) in [(0.6_f32, 100), (1.0, 300), (2.9, 100)] {
-            let size = Size::new(side, 100).unwrap();
-            let reach = |eye| {
-                let camera = Camera::look_at(eye, [0.5; 3], fov, Up::Y).unwrap();
-                let projection = camera.projection(size, camera.near(&bounds, size));
-                projection.near_corners().map(|corner| corner.distance(wide(eye)))
-            };
-            let inside = 12_f64.sqrt() / 1024.0;
-            for (eye, wanted) in [
-                ([0.0, 0.0, 5.0], 2.0),
-                ([4.0, 5.0, 0.0], 2.5),
-                ([0.0; 3], inside),
-                ([0.0, 0.0, 1.001], inside),
-            ] {
-                assert!(reach(eye).iter().all(|reach| (reach / wanted - 1.0).abs() < 1e-5), "{eye:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn near_plane_of_an_orthographic_camera_cuts_nothing_and_one_asked_for_is_taken() {
-        let (bounds, size) = (Aabb { low: [-1.0; 3], high: [1.0; 3] }, Size::new(9, 9).unwrap());
-        let camera = Camera::look_at([0.0, 0.0, 5.0], [0.0; 3], 1.0, Up::Y).unwrap();
-        let parallel = camera.orthographic(2.0).unwrap();
-        assert_eq!(parallel.near(&bounds, size), 2.0);
-        let inside = Camera { eye: Vec3::ZERO, ..parallel };
-        assert_eq!(inside.near(&bounds, size), (bounds.diagonal() / 1024.0) as f32);
-        for camera in [camera, parallel] {
-            assert_eq!(camera.with_near(3.0).unwrap().near(&bounds, size), 3.0);
-        }
-        for x in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-            assert!(camera.orthographic(x).is_err() && camera.with_near(x).is_err(), "{x}");
-        }
-    }
-
-    #[test]
-    fn near_is_finite_and_above_zero_for_any_box_and_eye() {
-        let sizes = [f32::from_bits(1), 1e-30, 1.0, 3.4e38, f32::MAX];
-        let boxes = sizes.into_iter().flat_map(|x| {
-            [([-x; 3], [x; 3]), ([x; 3], [x; 3]), ([0.0; 3], [x, 0.0, 0.0])]
-                .map(|(low, high)| Aabb { low, high })
-        });
-        for bounds in boxes.chain([Aabb::EMPTY]) {
-            let places = sizes.into_iter().flat_map(|x| [[x; 3], [-x, 0.0, x]]);
-            for eye in places.chain([[0.0; 3], Camera::fit(&bounds, Up::Y, 1.0).eye.into()]) {
-                let camera = Camera { eye: eye.into(), ..Camera::fit(&bounds, Up::Y, 1.0) };
-                for camera in [camera, camera.orthographic(1.0).unwrap()] {
-                    let near = camera.near(&bounds, Size::new(16, 9).unwrap());
-                    assert!(near > 0.0 && near.is_finite(), "{bounds:?} {eye:?}: {near}");
-                }
-            }
         }
     }
 

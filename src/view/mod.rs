@@ -1,6 +1,7 @@
 //! Views of a scene: cameras, projections, the rays of pixels.
 
 mod camera;
+mod near;
 mod projection;
 mod rays;
 mod size;

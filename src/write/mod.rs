@@ -50,7 +50,8 @@ pub struct Layer {
     pub color: Option<[f32; 4]>,
     /// Positions: finite, in mesh units, right-handed.
     pub positions: Vec<[f32; 3]>,
-    /// Homogeneous w per vertex, if there is one: 0 for a vertex clamped from infinity.
+    /// Homogeneous w per vertex, if there is one: with 0 the position is a direction, and the vertex lies at
+    /// infinity.
     pub w: Option<Vec<f32>>,
     /// Triangles, lines or points between the vertices.
     pub elements: Elements,

@@ -178,6 +178,24 @@ fn hostile() -> Vec<(&'static str, Vec<u8>)> {
             ),
         ),
         (
+            "instances.gltf",
+            gltf(
+                view,
+                &format!("{{\"bufferView\":0,{float3},\"count\":3}},{{{float3},\"count\":3900000}}"),
+                r#""meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0,"extensions":
+                {"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":1}}}}]"#,
+            ),
+        ),
+        (
+            "compressed.gltf",
+            gltf(
+                r#"{"buffer":0,"byteLength":44,"extensions":{"EXT_meshopt_compression":{"buffer":0,"byteLength":44,
+                "byteStride":4,"count":1000000000,"mode":"ATTRIBUTES"}}}"#,
+                &format!("{{\"bufferView\":0,{float3},\"count\":3}}"),
+                ONE_MESH,
+            ),
+        ),
+        (
             "material.gltf",
             gltf(
                 view,

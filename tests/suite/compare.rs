@@ -50,7 +50,16 @@ impl Scene {
         let receivers = counts.iter().map(Option::is_some).collect();
         let mask = ShadowMask::new(self.size, counting, raw, receivers);
         let Self { caster, signs, light, projection, .. } = self;
-        let rendered = Rendered { caster, signs, light, projection, mask: &mask, unsure };
+        let rendered = Rendered {
+            caster,
+            seen: None,
+            signs,
+            light,
+            projection,
+            seen_from: projection.near,
+            mask: &mask,
+            unsure,
+        };
         compare(&rendered, 10, &|_| {})
     }
 }

@@ -2,14 +2,14 @@
 //! must report.
 
 #[path = "../../fuzz/src/body/mod.rs"]
-mod body;
+pub(crate) mod body;
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use assert_cmd::cargo::cargo_bin_cmd;
-use body::{TARGETS, command, oracle, read, shadow, topology};
+use body::{TARGETS, command, meshopt, oracle, read, shadow, topology};
 use umbrage::check::CrackReport;
 use umbrage::facing::classify;
 use umbrage::geom::{Facing, Light};
@@ -205,6 +205,21 @@ fn fuzz_a_wrong_answer_fails_its_target() {
     assert!(fails(|| read::is_same(&cube, std::slice::from_ref(&turned), "cube")));
     assert!(!fails(|| read::is_one_line("a.obj, line 1: is wrong; export it again", "a.obj")));
     assert!(fails(|| read::is_one_line("a.obj, line 1: is\nwrong; export it again", "a.obj")));
+    // Fault injected: a byte of the stream, or another element.
+    let elements: Vec<u8> = (0..240).map(|i: u32| (i * i / 7) as u8).collect();
+    for (mode, stride) in [(0, 12), (1, 4), (2, 2)] {
+        let mut elements = elements.clone();
+        if mode == 1 {
+            elements.iter_mut().skip(3).step_by(4).for_each(|byte| *byte = 0);
+        }
+        let stream = meshopt::encoded(mode, stride, &elements);
+        assert!(!fails(|| meshopt::judge(mode, stride, &elements, &stream)), "{mode}");
+        let mut wrong = stream.clone();
+        wrong[stream.len() / 2] ^= 4;
+        assert!(fails(|| meshopt::judge(mode, stride, &elements, &wrong)), "{mode}");
+        elements[6] ^= 1;
+        assert!(fails(|| meshopt::judge(mode, stride, &elements, &stream)), "{mode}");
+    }
     assert!(!fails(|| command::is_one_line("unexpected argument; --help lists what is allowed")));
     assert!(fails(|| command::is_one_line("unexpected\nargument; --help lists what is allowed")));
 }

@@ -3,9 +3,15 @@
 
 mod buffer;
 mod defect;
+mod draco;
+mod extension;
 mod geometry;
+mod instancing;
+mod meshopt;
 mod real;
+mod reports;
 mod scene;
+mod slip;
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -70,10 +76,15 @@ impl Builder {
     fn gltf(&self) -> Vec<u8> {
         let mut doc = self.doc.clone();
         if doc["buffers"] == json!([]) {
-            let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&self.bin));
-            doc["buffers"] = json!([{"byteLength": self.bin.len(), "uri": uri}]);
+            doc["buffers"] = json!([self.embedded()]);
         }
         serde_json::to_vec(&doc).unwrap()
+    }
+
+    /// The buffer within its URI.
+    fn embedded(&self) -> Value {
+        let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&self.bin));
+        json!({"byteLength": self.bin.len(), "uri": uri})
     }
 
     /// The document as .gltf with the buffer in the file `uri`.
@@ -84,8 +95,13 @@ impl Builder {
     }
 
     fn glb(&self) -> Vec<u8> {
+        self.glb_with(json!([{"byteLength": self.bin.len()}]))
+    }
+
+    /// The document as GLB with these buffers, of which the first is the binary chunk.
+    fn glb_with(&self, buffers: Value) -> Vec<u8> {
         let mut doc = self.doc.clone();
-        doc["buffers"] = json!([{"byteLength": self.bin.len()}]);
+        doc["buffers"] = buffers;
         let mut json = serde_json::to_vec(&doc).unwrap();
         json.resize(json.len().next_multiple_of(4), b' ');
         let mut glb = b"glTF\x02\0\0\0".to_vec();

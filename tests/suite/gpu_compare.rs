@@ -28,10 +28,9 @@ struct Scene<'a> {
 impl<'a> Scene<'a> {
     fn new(mesh: &'a Mesh, light: [f32; 3], eye: [f32; 3], target: [f32; 3]) -> Self {
         let caster = Caster::new(mesh.clone());
-        let bounds = caster.oracle().bounds();
         let size = Size::new(96, 96).unwrap();
         let camera = Camera::look_at(eye, target, 0.7, Up::Y).unwrap();
-        let projection = camera.projection(size, camera.near(&bounds, size));
+        let projection = camera.projection(size, camera.near([mesh], size));
         Self { mesh, light: Light::point(light).unwrap(), caster, size, projection }
     }
 
@@ -54,9 +53,11 @@ impl<'a> Scene<'a> {
     fn compare(&self, mask: &ShadowMask, signs: &[i8], unsure: &[FaceId]) -> Comparison {
         let rendered = Rendered {
             caster: &self.caster,
+            seen: None,
             signs,
             light: &self.light,
             projection: &self.projection,
+            seen_from: 0.0,
             mask,
             unsure,
         };

@@ -302,8 +302,8 @@ fn zpass_is_decided_for_each_shell_by_itself() {
     assert_eq!(methods, ["zfail", "zpass", "zpass"]);
     assert_eq!(
         plan.summary(),
-        "zpass for 2 shells: nothing of it can lie between the light and the near rectangle; \
-         zfail for 1 shell: a face may lie between the light and the near rectangle"
+        "zpass for 2 shells: no face of the shell can lie between the light and the near rectangle of the camera; \
+         zfail for 1 shell: a face of the shell may lie between the light and the near rectangle of the camera"
     );
     let boxes = ShellBoxes::new(&mesh, &shells(&mesh));
     assert_eq!(boxes.choose(&mesh, &projection, &light), plan);

@@ -44,7 +44,7 @@ fn for_each_request(mut work: impl FnMut(&str, &Request<'_>)) {
         let bounds = casters.bounds();
         let within = Camera::look_at([0.3, -0.4, 0.2], [1.0, 0.1, 0.4], 1.2, Up::Y).unwrap();
         for camera in [Camera::fit(&bounds, Up::Y, size.aspect()), within] {
-            let projection = camera.projection(size, camera.near(&bounds, size));
+            let projection = camera.projection(size, camera.near(scene.iter().map(Caster::mesh), size));
             let samples = Samples::of_view(&casters, &projection, size, 1).unwrap();
             for light in &lights() {
                 work(name, &Request { casters: &casters, light, samples: &samples });

@@ -1,6 +1,7 @@
 //! What every target does with its bytes. No fuzzer is needed to run it: the tests of the crate replay these.
 
 pub(crate) mod command;
+pub(crate) mod meshopt;
 mod naive;
 pub(crate) mod oracle;
 pub(crate) mod read;
@@ -12,9 +13,10 @@ mod whole;
 pub(crate) type Body = fn(&[u8]);
 
 /// Every target.
-pub(crate) const TARGETS: [(&str, Body); 10] = [
+pub(crate) const TARGETS: [(&str, Body); 11] = [
     ("read_obj", |data| read::run(data, "a.obj")),
     ("read_gltf", |data| read::run(data, "a.gltf")),
+    ("read_meshopt", meshopt::run),
     ("read_stl", |data| read::run(data, "a.stl")),
     ("read_ply", |data| read::run(data, "a.ply")),
     ("read_off", |data| read::run(data, "a.off")),

@@ -81,7 +81,7 @@ fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
     }
     let size = args.size.unwrap_or(Size::new(SIZE.0, SIZE.1).expect("in range"));
     let camera = args.view.choose(cameras, file, &bounds, up, size)?;
-    let projection: Projection = camera.projection(size, camera.near(&bounds, size));
+    let projection: Projection = camera.projection(size, camera.near([source.seen().mesh()], size));
     let hard: Vec<Light> = lights.iter().map(|light| *light.light()).collect();
     let steps = ShadowAccuracy::STEPS * hard.len() as u64;
     let progress = Progress::bar(format!("measuring {}", file.display()), steps);
@@ -159,7 +159,7 @@ impl Measured {
             counted(self.samples, "sample", "samples"),
         );
         let tables = self.lights.iter().zip(&self.found).map(|(light, found)| {
-            let name = lights::label(light.light(), &light.name);
+            let name = lights::lamp_label(light);
             let judged = found.rows.first().map_or(0, |row| row.errors.judged);
             format!("\n{name}: {judged} samples judged\n{}\n", Self::table(found))
         });
@@ -208,7 +208,7 @@ impl Measured {
     fn document(&self) -> Value {
         let lights = self.lights.iter().zip(&self.found).map(|(light, found)| {
             json!({
-                "name": lights::label(light.light(), &light.name),
+                "name": lights::lamp_label(light),
                 "truth": { "method": "exact ray cast", "bound": 0.0 },
                 "rows": found.rows.iter().map(row_document).collect::<Vec<_>>(),
             })
@@ -240,7 +240,7 @@ impl Measured {
     fn csv(&self) -> String {
         let file = self.file.to_string_lossy().into_owned();
         let rows = self.lights.iter().zip(&self.found).flat_map(|(light, found)| {
-            let name = lights::label(light.light(), &light.name);
+            let name = lights::lamp_label(light);
             let file = file.clone();
             found.rows.iter().map(move |row| {
                 let errors = &row.errors;

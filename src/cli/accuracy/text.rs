@@ -18,8 +18,7 @@ const LEGEND: &str = "ns: nanoseconds per query, the median of the rounds; of pl
 /// The methods, their times and wrong answers by stratum, the cost of exactness, the verdict, and a legend.
 pub(super) fn report(file: &Path, measured: &Measured, asked: &Asked) -> String {
     let methods = &measured.found.methods;
-    let lit: Vec<String> =
-        measured.lights.iter().map(|light| lights::label(light.light(), &light.name)).collect();
+    let lit: Vec<String> = measured.lights.iter().map(lights::lamp_label).collect();
     let rounds = counted(asked.options.rounds as usize, "round", "rounds");
     let truth = match measured.found.judged_by_all_faces {
         Some(all) => format!(

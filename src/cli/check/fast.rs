@@ -3,10 +3,10 @@
 use std::fmt::{self, Display};
 use std::path::{Path, PathBuf};
 
-use umbrage::check::Screen;
+use umbrage::check::{Requirement, Screen, Verdict};
 use umbrage::read::Format;
 
-use super::{Args, Require, json};
+use super::{Args, json};
 use crate::cli::output::{self, Output, counted, plain, short};
 use crate::cli::progress::Progress;
 use crate::cli::{Failure, Outcome, load};
@@ -16,6 +16,7 @@ pub(super) struct Screened {
     file: PathBuf,
     pub(super) format: Option<Format>,
     pub(super) meshes: Vec<Mesh>,
+    allow_empty: bool,
 }
 
 /// The report of one mesh.
@@ -30,22 +31,32 @@ impl Screened {
     pub(super) fn balanced(&self) -> bool {
         self.meshes.iter().all(|mesh| mesh.balanced)
     }
+
+    /// Whether there is a file without meshes, or a mesh without faces.
+    fn is_empty(&self) -> bool {
+        self.meshes.is_empty() || self.meshes.iter().any(|mesh| mesh.faces == 0)
+    }
+
+    pub(super) fn verdict(&self) -> Verdict {
+        match (self.balanced(), self.is_empty() && !self.allow_empty) {
+            (false, _) => Verdict::Cracked,
+            (true, true) => Verdict::Empty,
+            (true, false) => Verdict::Sound,
+        }
+    }
 }
 
 /// Refuses options that need more than the balance.
 pub(super) fn refuse(args: &Args) -> Result<(), Failure> {
-    let asked = match args.require {
-        Some(Require::Watertight) => Some("--require watertight"),
-        Some(Require::Even) => Some("--require even"),
-        Some(Require::Balanced) | None => None,
-    };
-    let within = args.mesh.welds_within().then_some("--weld DIST");
+    let more = |&&asked: &&Requirement| ![Requirement::Balanced, Requirement::NotEmpty].contains(&asked);
+    let asked = args.require.iter().find(more).map(|asked| format!("--require {asked}"));
+    let within = args.mesh.welds_within().then(|| "--weld DIST".to_owned());
     let others = [
         (args.self_intersections, "--self-intersections"),
         (args.mark.is_some(), "--mark"),
         (args.picture.is_some(), "--picture"),
     ];
-    let mut others = others.into_iter().filter_map(|(given, option)| given.then_some(option));
+    let mut others = others.into_iter().filter_map(|(given, option)| given.then(|| option.to_owned()));
     match within.or(asked).or_else(|| others.next()) {
         None => Ok(()),
         Some(option) => Err(Failure::new(
@@ -62,7 +73,7 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     for file in &args.files {
         let report = examine(file, args);
         outcome = outcome.max(match &report {
-            Ok(report) if report.balanced() => Outcome::Sound,
+            Ok(report) if report.verdict() == Verdict::Sound => Outcome::Sound,
             Ok(_) => Outcome::Unsound,
             Err(failure) => {
                 output::say(failure);
@@ -95,7 +106,7 @@ fn examine(file: &Path, args: &Args) -> Result<Screened, Failure> {
     });
     let meshes: Vec<Mesh> = meshes.collect();
     load::note_none_left(file, meshes.iter().map(|mesh| mesh.faces).sum(), usize::MAX);
-    Ok(Screened { file: file.to_owned(), format: baked.format, meshes })
+    Ok(Screened { file: file.to_owned(), format: baked.format, meshes, allow_empty: args.allow_empty })
 }
 
 /// One file's report, for printing.
@@ -106,12 +117,13 @@ struct Report<'a> {
 
 impl Display for Report<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Screened { file, format, meshes } = self.report;
+        let Screened { file, format, meshes, .. } = self.report;
         let format = format.map_or("generated", |format| format.name());
         write!(f, "{} ({format}): ", plain(&file.to_string_lossy()))?;
         let open: Vec<&Mesh> = meshes.iter().filter(|mesh| !mesh.balanced).collect();
         let faces = counted(meshes.iter().map(|mesh| mesh.faces).sum(), "face", "faces");
         match (open.len(), meshes.len()) {
+            (0, _) if self.report.verdict() == Verdict::Empty => writeln!(f, "empty: a mesh without faces"),
             (0, 0 | 1) => writeln!(f, "balanced, {faces}"),
             (0, all) => writeln!(f, "balanced, all {all} meshes, {faces}"),
             (_, 1) => writeln!(f, "not balanced, {faces}"),
@@ -131,7 +143,9 @@ fn verdict(reports: &[Result<Screened, Failure>]) -> String {
     let open = reports.iter().flatten().filter(|report| !report.balanced()).count();
     let error =
         format!("a mesh that is not balanced would pass with a probability below {:e}", Screen::ERROR);
+    let empty = reports.iter().flatten().filter(|report| report.verdict() == Verdict::Empty).count();
     match (open, unread) {
+        (0, 0) if empty > 0 => format!("verdict: {empty} of {files} without faces to check"),
         (0, 0) => format!("verdict: balanced; {error}"),
         (0, _) => format!("verdict: none; {unread} of {files} could not be read"),
         (_, 0) => format!("verdict: {open} of {files} not balanced; {error}"),

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use serde_json::{Map, Value, json};
-use umbrage::check::{Counts, CrackReport, DefectKind};
+use umbrage::check::{Counts, CrackReport, DefectKind, Requirement, Standing, Verdict};
 use umbrage::read::Format;
 use umbrage::topology::Topology;
 
 use super::fast::Screened;
-use super::{FileReport, Found, MeshReport, Place, Verdict};
+use super::{FileReport, Found, MeshReport, Place};
 use crate::cli::error::Failure;
 use crate::cli::json::{append, insert_after, to_value};
 use crate::cli::output::number32;
@@ -20,6 +20,8 @@ pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>
     let entry = |report: &FileReport| Entry {
         format: report.format,
         verdict: report.verdict(),
+        requirements: report.requirements.iter().map(|&asked| requirement(report, asked)).collect(),
+        rounding: report.rounding,
         meshes: report.meshes.iter().map(mesh).collect(),
         total: total(report, limit),
     };
@@ -30,7 +32,9 @@ pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>
 pub(super) fn screened(files: &[PathBuf], reports: &[Result<Screened, Failure>]) -> Value {
     let entry = |report: &Screened| Entry {
         format: report.format,
-        verdict: if report.balanced() { Verdict::Sound } else { Verdict::Cracked },
+        verdict: report.verdict(),
+        requirements: Value::Null,
+        rounding: None,
         meshes: report
             .meshes
             .iter()
@@ -50,38 +54,57 @@ pub(super) fn screened(files: &[PathBuf], reports: &[Result<Screened, Failure>])
 struct Entry {
     format: Option<Format>,
     verdict: Verdict,
+    requirements: Value,
+    rounding: Option<f64>,
     meshes: Vec<Value>,
     total: Value,
 }
 
 fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry, &'a Failure>>) -> Value {
-    let (mut cracked, mut unknown) = (false, false);
+    let (mut cracked, mut empty, mut unknown) = (false, false, false);
     let entries: Vec<Value> = files
         .iter()
         .zip(reports)
         .map(|(file, report)| {
             cracked |= report.as_ref().is_ok_and(|entry| entry.verdict == Verdict::Cracked);
+            empty |= report.as_ref().is_ok_and(|entry| entry.verdict == Verdict::Empty);
             unknown |= report.as_ref().map_or(true, |entry| entry.verdict == Verdict::NotProven);
             let (format, error) = match &report {
                 Ok(entry) => (entry.format, None),
                 Err(failure) => (failure.format, Some(failure.to_string())),
             };
-            let (meshes, total) = report.map_or((vec![], Value::Null), |entry| (entry.meshes, entry.total));
+            let rounding = report.as_ref().ok().and_then(|entry| entry.rounding);
+            let (meshes, total, requirements) = report.map_or((vec![], Value::Null, Value::Null), |entry| {
+                (entry.meshes, entry.total, entry.requirements)
+            });
             json!({
                 "file": file.to_string_lossy(),
                 "format": format.map(|format| format.name()),
                 "error": error,
                 "meshes": meshes,
                 "total": total,
+                "requirements": requirements,
+                "rounding": rounding,
             })
         })
         .collect();
-    let verdict = match (cracked, unknown) {
-        (true, _) => Some("cracked"),
-        (false, false) => Some("sound"),
-        (false, true) => None,
+    let verdict = match (cracked, empty, unknown) {
+        (true, ..) => Some(Verdict::Cracked.name()),
+        (false, true, _) => Some(Verdict::Empty.name()),
+        (false, false, false) => Some(Verdict::Sound.name()),
+        (false, false, true) => None,
     };
     json!({ "files": entries, "verdict": verdict })
+}
+
+/// What was required, and whether every mesh has it; null if that was not decided.
+fn requirement(report: &FileReport, asked: Requirement) -> Value {
+    let holds = match report.standing(asked) {
+        Standing::Holds => Some(true),
+        Standing::Undecided => None,
+        Standing::Fails => Some(false),
+    };
+    json!({ "name": asked.name(), "holds": holds })
 }
 
 /// A mesh of which only the balance is known: the same keys, the rest null.
@@ -157,7 +180,8 @@ fn counts(
 fn defect(found: &Found) -> Value {
     json!({
         "kind": found.kind,
-        "count": found.count,
+        "count": found.complete.then_some(found.count),
+        "at_least": (!found.complete).then_some(found.count),
         "effect": found.kind.effect(),
         "at": found.at.iter().map(place).collect::<Vec<_>>(),
     })
@@ -174,10 +198,13 @@ fn defect_of_all(report: &FileReport, kind: DefectKind, limit: usize) -> Option<
         entry["mesh"] = mesh.as_str().into();
         entry
     });
+    let count: usize = with.iter().map(|(_, found)| found.count).sum();
+    let complete = with.iter().all(|(_, found)| found.complete);
     (!with.is_empty()).then(|| {
         json!({
             "kind": kind,
-            "count": with.iter().map(|(_, found)| found.count).sum::<usize>(),
+            "count": complete.then_some(count),
+            "at_least": (!complete).then_some(count),
             "effect": kind.effect(),
             "at": at.collect::<Vec<_>>(),
         })

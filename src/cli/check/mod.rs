@@ -4,32 +4,32 @@ mod fast;
 mod json;
 mod mark;
 mod picture;
+mod report;
 mod text;
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::Value;
-use umbrage::check::{Counts, CrackReport, Defect, DefectKind, NearMiss, ShellReport, Verdict};
-use umbrage::mesh::{FaceId, Mesh};
+use umbrage::check::Requirement;
 use umbrage::read::Format;
-use umbrage::topology::Topology;
 use umbrage::view::Up;
 use umbrage::write::{self, Model};
 
 use super::files;
-use super::load::{self, MeshArgs, WeldedMesh};
+use super::load::MeshArgs;
 use super::output::{self, Output};
 use super::parsers::{refuse_overwriting, whole};
-use super::progress::Progress;
 use super::resources::ThreadArgs;
 use super::{Failure, Outcome, render};
 use mark::Marks;
 use picture::Sketch;
+use report::{FileReport, Found, MeshReport, Place, examine};
 
 /// Crack report: is a mesh closed, and if not, where and with what effect
 ///
-/// A file is sound if every mesh in it is watertight (each edge has two faces, in opposite directions) and no
-/// shell is inside out.
+/// A file is sound if every mesh in it has faces, is watertight (each edge has two faces, in opposite
+/// directions), and has no shell that is inside out.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     /// Mesh files, or folders of such, or - for standard input: obj, gltf, glb, stl, ply, off, md2, 3mf; also in
@@ -40,11 +40,19 @@ pub(crate) struct Args {
     #[command(flatten)]
     mesh: MeshArgs,
 
-    /// Require this of every mesh, instead of soundness [default: watertight, and no shell inside out]
+    /// Require this of every mesh, instead of soundness; a list, or repeated [default: sound]
     ///
-    /// Name a weaker property when it is all that the next step needs.
-    #[arg(long, value_enum)]
-    require: Option<Require>,
+    /// Sound: watertight, and no shell inside out. Watertight: every edge has exactly two faces, in opposite
+    /// directions. Balanced: at every edge the two directions are used equally often; enough for stencil
+    /// counting. Even: every edge is used an even number of times; enough for parity counting. Manifold: no
+    /// edge has more than two faces, and no vertex more than one fan of them. What needs a search is searched
+    /// for, and a search that does not finish does not pass.
+    #[arg(long, value_name = "PROPERTY,...", value_delimiter = ',', value_parser = requirements())]
+    require: Vec<Requirement>,
+
+    /// Let a mesh pass that has no faces, or none left after the weld
+    #[arg(long)]
+    allow_empty: bool,
 
     /// Only decide whether each mesh is balanced, as fast as it can be read
     ///
@@ -54,7 +62,7 @@ pub(crate) struct Args {
     #[arg(long)]
     fast: bool,
 
-    /// Also look for faces that intersect; about a microsecond per face
+    /// Also look for faces that intersect, and require that there are none; about a microsecond per face
     #[arg(long)]
     self_intersections: bool,
 
@@ -64,9 +72,9 @@ pub(crate) struct Args {
 
     /// Print one JSON document instead of text
     ///
-    /// A number that was not computed is null. The verdict is null if no file is cracked, but one could not
-    /// be read or the nesting of its shells was not decided. At most 1000 shells per mesh and 64 faces per
-    /// defect are listed.
+    /// A number that was not computed, or whose search did not finish, is null. The verdict is null if no
+    /// file is cracked, but one could not be read or a search did not finish. At most 1000 shells per mesh
+    /// and 64 faces per defect are listed.
     #[arg(long)]
     json: bool,
 
@@ -90,82 +98,30 @@ pub(crate) struct Args {
     mark: Option<PathBuf>,
 }
 
-/// The property required of every mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Require {
-    /// Every edge has exactly two faces, in opposite directions
-    Watertight,
-    /// At every edge the two directions are used equally often; enough for stencil counting
-    Balanced,
-    /// Every edge is used an even number of times; enough for parity counting
-    Even,
+/// The names of the requirements, and what they stand for.
+fn requirements() -> impl TypedValueParser<Value = Requirement> {
+    PossibleValuesParser::new(Requirement::ALL.map(Requirement::name))
+        .map(|name| name.parse().expect("the name of a requirement"))
 }
 
-fn holds(require: Option<Require>, counts: &Counts) -> bool {
-    match require {
-        None => counts.sound(),
-        Some(Require::Watertight) => counts.watertight,
-        Some(Require::Balanced) => counts.balanced,
-        Some(Require::Even) => counts.even,
+impl Args {
+    /// What is required of every mesh, in the order of a report.
+    fn requirements(&self) -> Vec<Requirement> {
+        let mut all = self.require.clone();
+        if self.require.is_empty() {
+            all.push(if self.fast { Requirement::Balanced } else { Requirement::Sound });
+        }
+        all.extend(self.self_intersections.then_some(Requirement::NoSelfIntersections));
+        all.extend((!self.allow_empty).then_some(Requirement::NotEmpty));
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    fn searches_self_intersections(&self) -> bool {
+        self.requirements().contains(&Requirement::NoSelfIntersections)
     }
 }
-
-/// The report of one file.
-struct FileReport {
-    file: PathBuf,
-    format: Option<Format>,
-    meshes: Vec<MeshReport>,
-    require: Option<Require>,
-    /// Whether a larger `--scope` would join the meshes.
-    joinable: bool,
-}
-
-/// The report of one mesh; the mesh itself is not kept.
-struct MeshReport {
-    name: String,
-    vertices: usize,
-    welded_vertices: usize,
-    unreferenced_vertices: usize,
-    counts: Counts,
-    /// At most [`SHELLS_LISTED`] of them.
-    shell_list: Vec<ShellReport>,
-    near_miss: Vec<NearMiss>,
-    defects: Vec<Found>,
-    nesting_complete: bool,
-    t_junctions_complete: bool,
-    verdict: Verdict,
-}
-
-/// The verdict on a mesh of which a property is asked.
-fn verdict(require: Option<Require>, counts: &Counts) -> Verdict {
-    match require {
-        None => counts.verdict(),
-        Some(_) if holds(require, counts) => Verdict::Sound,
-        Some(_) => Verdict::Cracked,
-    }
-}
-
-/// All defects of one kind.
-struct Found {
-    kind: DefectKind,
-    count: usize,
-    at: Vec<Place>,
-}
-
-/// The location of one defect.
-struct Place {
-    position: [f32; 3],
-    length: Option<f64>,
-    /// At most [`FACES_LISTED`] of them.
-    faces: Vec<FaceId>,
-    face_count: usize,
-    /// The names of the parts that the listed faces belong to, or of the mesh.
-    name: String,
-}
-
-/// Bounds on lists: a mesh may fall apart into single faces, and a whole shell may be one defect.
-const SHELLS_LISTED: usize = 1000;
-const FACES_LISTED: usize = 64;
 
 pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     args.files = files::expand(args.files);
@@ -224,7 +180,8 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
     let args = Args {
         files: vec![file.to_owned()],
         mesh: MeshArgs::default(),
-        require: None,
+        require: Vec::new(),
+        allow_empty: false,
         fast: false,
         self_intersections: true,
         limit: 5,
@@ -260,129 +217,20 @@ fn refuse(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Reads a file and reports on it, one mesh at a time.
-fn examine(
-    file: &Path,
-    args: &Args,
-    mut marks: Option<&mut Marks>,
-    mut sketch: Option<&mut Sketch>,
-) -> Result<FileReport, Failure> {
-    let baked = args.mesh.read(file)?;
-    let _progress = Progress::spinner(format!("checking {}", file.display()));
-    let mut meshes = Vec::with_capacity(baked.meshes.len());
-    for mesh in baked.meshes {
-        let WeldedMesh { mesh, vertices, unreferenced } = args.mesh.weld(mesh);
-        let topology = Topology::of(&mesh);
-        let mut report = CrackReport::of(&mesh, &topology);
-        for (complete, note) in [
-            (report.nesting_complete, "the nesting of shells was not decided: too many overlap"),
-            (report.t_junctions_complete, "the search for T-junctions gave up: too many edges overlap"),
-        ] {
-            if !complete {
-                output::say(format_args!("note: {}: {note}", file.display()));
-            }
-        }
-        if args.self_intersections {
-            let all = marks.is_some() || sketch.is_some();
-            let keep = if all { mark::PAIRS_MARKED } else { args.limit.min(mark::PAIRS_MARKED) };
-            report.add_self_intersections(&mesh, &topology, keep);
-            if let Some(found) = report.self_intersections.as_ref().filter(|found| !found.complete) {
-                let (file, pairs) = (file.display(), found.pairs);
-                output::say(format_args!("note: {file}: counting self-intersections stopped at {pairs}"));
-            }
-        }
-        if let Some(marks) = &mut marks {
-            marks.add(&report, &mesh, &topology).map_err(|failure| failure.in_file(file))?;
-        }
-        if let Some(sketch) = &mut sketch {
-            sketch.add(&report, &mesh, &topology);
-        }
-        let defects = defects(&report, &mesh, &topology, args.limit);
-        let CrackReport { counts, mut shell_list, near_miss, nesting_complete, t_junctions_complete, .. } =
-            report;
-        shell_list.truncate(SHELLS_LISTED);
-        meshes.push(MeshReport {
-            name: mesh.name.clone(),
-            vertices,
-            welded_vertices: mesh.vertex_count(),
-            unreferenced_vertices: unreferenced,
-            counts,
-            shell_list,
-            near_miss,
-            defects,
-            nesting_complete,
-            t_junctions_complete,
-            verdict: verdict(args.require, &counts),
-        });
-    }
-    let total = |of: fn(&Counts) -> usize| meshes.iter().map(|mesh| of(&mesh.counts)).sum();
-    load::note_none_left(file, total(|counts| counts.faces), total(|counts| counts.collapsed_faces));
-    let joinable = args.mesh.is_below_scene() && meshes.len() > 1;
-    Ok(FileReport { file: file.to_owned(), format: baked.format, meshes, require: args.require, joinable })
-}
-
-/// Every kind of defect that there is one of.
-fn defects(report: &CrackReport, mesh: &Mesh, topology: &Topology, limit: usize) -> Vec<Found> {
-    let found = |kind| match report.count(kind) {
-        None | Some(0) => None,
-        Some(count) => {
-            let items = report.items(kind, mesh, topology, limit);
-            Some(Found { kind, count, at: items.into_iter().map(|item| Place::of(item, mesh)).collect() })
-        }
-    };
-    DefectKind::ALL.into_iter().filter_map(found).collect()
-}
-
-impl MeshReport {
-    fn sound(&self) -> bool {
-        self.verdict == Verdict::Sound
-    }
-}
-
-impl Place {
-    fn of(defect: Defect, mesh: &Mesh) -> Self {
-        let face_count = defect.faces.len();
-        let faces: Vec<FaceId> = defect.faces.into_iter().take(FACES_LISTED).collect();
-        let mut names: Vec<&str> = Vec::new();
-        for name in faces.iter().filter_map(|&face| mesh.part_name(face)) {
-            if !names.contains(&name) {
-                names.push(name);
-            }
-        }
-        let name = if names.is_empty() { mesh.name.clone() } else { names.join(", ") };
-        Self { position: defect.position, length: defect.length, faces, face_count, name }
-    }
-}
-
-impl FileReport {
-    fn sound(&self) -> bool {
-        self.verdict() == Verdict::Sound
-    }
-
-    /// The worst of any mesh.
-    fn verdict(&self) -> Verdict {
-        self.meshes.iter().map(|mesh| mesh.verdict).max().unwrap_or(Verdict::Sound)
-    }
-
-    /// `None` if there is no mesh.
-    fn total(&self) -> Option<Counts> {
-        Counts::total(self.meshes.iter().map(|mesh| mesh.counts))
-    }
-
-    fn sum(&self, of: impl Fn(&MeshReport) -> usize) -> usize {
-        self.meshes.iter().map(of).sum()
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use umbrage::check::{CrackReport, Verdict};
+    use umbrage::topology::Topology;
+
+    use super::report::verdict;
     use super::*;
 
     fn args(file: &Path) -> Args {
         Args {
             files: vec![file.to_owned()],
             mesh: MeshArgs::default(),
-            require: None,
+            require: Vec::new(),
+            allow_empty: false,
             fast: false,
             self_intersections: false,
             limit: 5,
@@ -434,9 +282,9 @@ mod tests {
         (cavity.depth, cavity.parent, cavity.depth_known) = (0, None, false);
         mesh.counts.undecided_shells = 1;
         (mesh.nesting_complete, mesh.t_junctions_complete) = (false, false);
-        mesh.verdict = verdict(None, &mesh.counts);
+        mesh.verdict = verdict(&[Requirement::Sound], &mesh.counts);
         assert_eq!(mesh.verdict, Verdict::NotProven);
-        assert_eq!(verdict(Some(Require::Watertight), &mesh.counts), Verdict::Sound);
+        assert_eq!(verdict(&[Requirement::Watertight], &mesh.counts), Verdict::Sound);
         let text = text::Report { report: &report, limit: 5 }.to_string();
         let line = "not proven sound: the mesh is watertight, but nesting not decided within the limit: 1 shell \
                     may be inside out";

@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use umbrage::check::{CrackReport, DefectKind};
+use umbrage::geom::bvh::Bvh;
+use umbrage::geom::{Aabb, Segment};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::Oracle;
 use umbrage::render::{Line, Marker, Overlay};
 use umbrage::topology::Topology;
-use umbrage::view::{Size, Up};
+use umbrage::view::{Camera, Size, Up};
 
 use crate::cli::error::Failure;
 use crate::cli::output;
@@ -16,12 +18,22 @@ use crate::cli::progress::Progress;
 const WIDTH: u32 = 960;
 const HEIGHT: u32 = 540;
 
+/// The most lines, and the most markers, that are drawn: a million would hide the mesh, and take minutes.
+const MOST_DRAWN: usize = 100_000;
+/// The most faces that a ray may meet on the average, so that a picture takes seconds.
+const MOST_DEEP: usize = 512;
+/// Rays along each side of the picture that are counted.
+const SAMPLES: usize = 12;
+
 /// Meshes and what is to be drawn over them.
 #[derive(Default)]
 pub(super) struct Sketch {
     meshes: Vec<Mesh>,
     faces: usize,
     overlay: Overlay,
+    /// The number of lines, and of markers, that there are.
+    lines: usize,
+    spots: usize,
     /// Kinds of defects found so far, in the order of [`DefectKind::ALL`].
     kinds: Vec<DefectKind>,
 }
@@ -58,6 +70,7 @@ impl Sketch {
                 }
             }
         }
+        (self.lines, self.spots) = (self.overlay.lines.len(), self.overlay.spots.len());
         self.faces += mesh.face_count();
         self.meshes.push(mesh.clone());
     }
@@ -73,6 +86,27 @@ impl Sketch {
         self.overlay.legend = self.kinds.iter().map(|&kind| color(kind).1).collect();
 
         let size = Size::new(WIDTH, HEIGHT).expect("both are in range");
+        for (what, drawn, all) in [
+            ("lines", cut(&mut self.overlay.lines), self.lines),
+            ("markers", cut(&mut self.overlay.spots), self.spots),
+        ] {
+            if drawn < all {
+                output::say(format_args!("note: the picture shows {drawn} of {all} {what}"));
+            }
+        }
+        let step = thinning(&mesh, up, size);
+        let mesh = if step > 1 {
+            output::say(format_args!(
+                "note: the faces lie too deep over each other to draw them all: the picture shows one of {step}"
+            ));
+            self.overlay.faces.retain(|(face, _)| face.index() % step == 0);
+            self.overlay.faces.iter_mut().for_each(|(face, _)| *face = FaceId::new(face.index() / step));
+            let triangles = mesh.triangles().iter().copied().step_by(step).collect();
+            Mesh::new(mesh.positions().to_vec(), triangles)
+                .map_err(|error| Failure::new(error, "leave out --picture"))?
+        } else {
+            mesh
+        };
         let progress = Progress::bar("drawing", 2 * u64::from(HEIGHT));
         let oracle = Oracle::build(&mesh);
         let picture = self.overlay.render(&oracle, up, size, &|steps| progress.done(steps));
@@ -89,6 +123,34 @@ impl Sketch {
         output::say(format_args!("wrote {}: {legend}", output::plain(&path.to_string_lossy())));
         Ok(())
     }
+}
+
+/// Cuts a list to what is drawn of it; how much that is.
+fn cut<T>(list: &mut Vec<T>) -> usize {
+    list.truncate(MOST_DRAWN);
+    list.len()
+}
+
+/// One of how many faces can be drawn, so that a ray meets at most [`MOST_DEEP`] of them on the average.
+fn thinning(mesh: &Mesh, up: Up, size: Size) -> usize {
+    if mesh.face_count() <= MOST_DEEP {
+        return 1;
+    }
+    let boxes: Vec<Aabb> = mesh
+        .triangles()
+        .iter()
+        .map(|corners| Aabb::around(corners.map(|corner| mesh.positions()[corner as usize])))
+        .collect();
+    let bvh = Bvh::build(&boxes);
+    drop(boxes);
+    let rays = Camera::fit(&bvh.bounds(), up, size.aspect()).rays(size);
+    let mut met = 0;
+    for i in 0..SAMPLES * SAMPLES {
+        let at = |i: usize, pixels: u32| (i as f64 + 0.5) / SAMPLES as f64 * f64::from(pixels);
+        let ray = rays.ray(at(i % SAMPLES, size.width()), at(i / SAMPLES, size.height()));
+        bvh.for_each_along(&Segment::along(ray.origin, ray.direction), |_| met += 1);
+    }
+    (met / (SAMPLES * SAMPLES)).div_ceil(MOST_DEEP).max(1)
 }
 
 /// A color's name and its sRGB bytes.

@@ -3,9 +3,9 @@
 use std::fmt::{self, Display};
 use std::path::Path;
 
-use umbrage::check::{Counts, DefectKind, NearMiss};
+use umbrage::check::{Counts, DefectKind, NearMiss, Requirement, Standing, Verdict};
 
-use super::{FileReport, MeshReport, Place, Require, Verdict};
+use super::{FileReport, MeshReport, Place};
 use crate::cli::error::Failure;
 use crate::cli::output::{Table, counted, plain, short, significant};
 
@@ -24,6 +24,7 @@ impl Display for Report<'_> {
         writeln!(f, "{} ({format})", plain(&self.report.file.to_string_lossy()))?;
         self.counts(f)?;
         self.verdict(f)?;
+        self.rounding(f)?;
         for kind in DefectKind::ALL {
             self.defects(f, kind)?;
         }
@@ -110,61 +111,96 @@ impl Report<'_> {
     }
 
     fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let meshes = self.report.meshes.len();
-        let Some(total) = self.report.total() else {
-            return writeln!(f, "  sound, but there are no faces to check");
+        let report = self.report;
+        let Some(total) = report.total() else {
+            return writeln!(f, "  {}", Counts::default().summary());
         };
-        let bad = self.report.meshes.iter().filter(|mesh| !mesh.sound()).count();
-        let nothing_to_check = bad == 0 && total.faces == total.collapsed_faces;
-        if nothing_to_check || (meshes == 1 && self.report.require.is_none()) {
-            return writeln!(f, "  {}", total.summary());
+        let (meshes, requirements) = (report.meshes.len(), &report.requirements);
+        if report.verdict() == Verdict::Empty || total.is_empty() {
+            let empty = report.meshes.iter().filter(|mesh| mesh.counts.is_empty()).count();
+            return match empty == meshes {
+                true => writeln!(f, "  {}", total.summary()),
+                false => writeln!(f, "  empty: {empty} of {meshes} meshes have no faces to check"),
+            };
         }
-        let who = match (bad, meshes) {
-            (0, 1) | (1, 1) => "the mesh".to_owned(),
-            (0, _) => "every mesh".to_owned(),
-            _ => format!("{bad} of {meshes} meshes"),
-        };
-        let (is, is_not) = if bad > 1 { ("are", "are not") } else { ("is", "is not") };
-        let property = match self.report.require {
-            None if bad == 0 => {
-                return writeln!(f, "  sound: {who} is watertight, and no shell is inside out");
+        let properties = requirements.iter().copied().filter(|&asked| asked != Requirement::NotEmpty);
+        let mut held = Vec::new();
+        for asked in properties {
+            let of = |mesh: &MeshReport| asked.standing(&mesh.counts);
+            match report.standing(asked) {
+                Standing::Holds => held.push(asked),
+                worst => {
+                    let bad = report.meshes.iter().filter(|mesh| of(mesh) == worst);
+                    let counts: Vec<Counts> = bad.map(|mesh| mesh.counts).collect();
+                    self.unmet(f, asked, worst, &counts)?;
+                }
             }
-            None if self.report.verdict() == Verdict::NotProven => {
-                let shells = counted(total.undecided_shells, "shell", "shells");
-                return writeln!(
-                    f,
-                    "  not proven sound: {who} {is} watertight, but nesting not decided within the limit: \
-                     {shells} may be inside out"
-                );
-            }
-            None => {
-                return writeln!(f, "  cracked: {who} {is_not} sound{}", self.reasons());
-            }
-            Some(Require::Watertight) => "watertight",
-            Some(Require::Balanced) => "balanced",
-            Some(Require::Even) => "even",
-        };
-        if bad == 0 {
-            writeln!(f, "  sound: {who} {is} {property}")
-        } else {
-            writeln!(f, "  cracked: {who} {is_not} {property}{}", self.reasons())
+        }
+        if report.verdict() != Verdict::Sound {
+            return Ok(());
+        }
+        let who = if meshes == 1 { "the mesh" } else { "every mesh" };
+        if let Some(at) = held.iter().position(|&asked| asked == Requirement::Sound) {
+            held.remove(at);
+            writeln!(f, "  sound: {who} is watertight, and no shell is inside out")?;
+        }
+        let properties: Vec<&str> = held.into_iter().map(Requirement::property).collect();
+        match properties.split_last() {
+            None => Ok(()),
+            Some((last, [])) => writeln!(f, "  sound: {who} is {last}"),
+            Some((last, first)) => writeln!(f, "  sound: {who} is {} and {last}", first.join(", ")),
         }
     }
 
-    /// The reasons why the cracked meshes fail.
-    fn reasons(&self) -> String {
-        let cracked = self.report.meshes.iter().filter(|mesh| !mesh.sound());
-        let Some(mut total) = Counts::total(cracked.map(|mesh| mesh.counts)) else { return String::new() };
-        // An edge used twice in one direction is used an even number of times.
-        if self.report.require == Some(Require::Even) {
-            total.misoriented_edges = 0;
+    /// A property that some meshes do not have, or are not proven to have.
+    fn unmet(
+        &self,
+        f: &mut fmt::Formatter<'_>,
+        asked: Requirement,
+        standing: Standing,
+        counts: &[Counts],
+    ) -> fmt::Result {
+        let meshes = self.report.meshes.len();
+        let who = match (counts.len(), meshes) {
+            (_, 1) => "the mesh".to_owned(),
+            (bad, _) => format!("{bad} of {meshes} meshes"),
+        };
+        let (is, is_not) = if counts.len() > 1 { ("are", "are not") } else { ("is", "is not") };
+        let Some(total) = Counts::total(counts.iter().copied()) else { return Ok(()) };
+        let property = asked.property();
+        match standing {
+            Standing::Undecided if asked == Requirement::Sound => {
+                let shells = counted(total.undecided_shells, "shell", "shells");
+                writeln!(
+                    f,
+                    "  not proven sound: {who} {is} watertight, but nesting not decided within the limit: \
+                     {shells} may be inside out"
+                )
+            }
+            Standing::Undecided => {
+                writeln!(
+                    f,
+                    "  not proven: {who} {is} not proven {property}, since the search was not finished"
+                )
+            }
+            _ => {
+                let reasons = asked.reasons(&total);
+                let colon = if reasons.is_empty() { "" } else { ": " };
+                writeln!(f, "  cracked: {who} {is_not} {property}{colon}{reasons}")
+            }
         }
-        if self.report.require.is_some() {
-            (total.inside_out_shells, total.undecided_shells) = (0, 0);
-        }
-        match total.reasons() {
-            reasons if reasons.is_empty() => reasons,
-            reasons => format!(": {reasons}"),
+    }
+
+    /// That rounding may be what made the defects.
+    fn rounding(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let defects = self.report.meshes.iter().any(|mesh| !mesh.defects.is_empty());
+        match self.report.rounding.filter(|_| defects) {
+            None => Ok(()),
+            Some(moved) => writeln!(
+                f,
+                "  32-bit coordinates moved a vertex by up to {}: defects of that size come from the rounding",
+                significant(moved)
+            ),
         }
     }
 
@@ -182,11 +218,12 @@ impl Report<'_> {
         if count == 0 {
             return Ok(());
         }
-        write!(f, "\n  {}: {count}", kind.name())?;
+        let least = if with.iter().all(|(.., found)| found.complete) { "" } else { "at least " };
+        write!(f, "\n  {}: {least}{count}", kind.name())?;
         if self.report.meshes.len() > 1 {
             write!(f, " in {} of {} meshes", with.len(), self.report.meshes.len())?;
         }
-        writeln!(f, "\n    {}", kind.effect())?;
+        writeln!(f, "\n    effect on the shadow: {}", kind.effect())?;
         let places =
             with.iter().flat_map(|&(index, mesh, found)| found.at.iter().map(move |at| (index, mesh, at)));
         let mut printed = 0;
@@ -196,7 +233,7 @@ impl Report<'_> {
             printed += 1;
         }
         if count > printed {
-            writeln!(f, "    {} more", count - printed)?;
+            writeln!(f, "    {least}{} more", count - printed)?;
         }
         Ok(())
     }
@@ -241,13 +278,6 @@ impl Report<'_> {
         });
         let mut listed = 0;
         for (index, mesh, (number, shell)) in shells.take(self.limit) {
-            let state = match (shell.watertight, shell.balanced, shell.inside_out) {
-                _ if shell.undecided() => "not decided",
-                (true, _, true) => "inside out",
-                (true, _, false) => "watertight",
-                (false, true, _) => "balanced",
-                (false, false, _) => "open",
-            };
             let name = if self.report.meshes.len() > 1 {
                 format!("{} {number}", label(index, mesh))
             } else {
@@ -260,8 +290,8 @@ impl Report<'_> {
                 shell.euler_characteristic.to_string(),
                 shell.genus.map_or("-".into(), |genus| genus.to_string()),
                 if shell.depth_known { shell.depth.to_string() } else { "-".into() },
-                significant(shell.signed_volume),
-                state.into(),
+                volume(shell.signed_volume, shell.balanced),
+                shell.state().into(),
             ]);
             listed += 1;
         }
@@ -280,6 +310,7 @@ pub(super) struct Overview {
     table: Table,
     files: usize,
     cracked: usize,
+    empty: usize,
     not_proven: usize,
     unreadable: usize,
 }
@@ -288,7 +319,7 @@ impl Default for Overview {
     fn default() -> Self {
         let columns =
             ["file", "faces", "shells", "boundary", "non-manifold", "misoriented", "inside out", ""];
-        Self { table: Table::new(&columns), files: 0, cracked: 0, not_proven: 0, unreadable: 0 }
+        Self { table: Table::new(&columns), files: 0, cracked: 0, empty: 0, not_proven: 0, unreadable: 0 }
     }
 }
 
@@ -314,6 +345,7 @@ impl Overview {
         };
         self.files += 1;
         self.cracked += usize::from(state == "cracked");
+        self.empty += usize::from(state == Verdict::Empty.name());
         self.not_proven += usize::from(state == Verdict::NotProven.name());
         self.unreadable += usize::from(state == "error");
         let name = plain(&file.to_string_lossy());
@@ -323,9 +355,10 @@ impl Overview {
 
 impl Display for Overview {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { table, files, cracked, not_proven, unreadable } = self;
+        let Self { table, files, cracked, empty, not_proven, unreadable } = self;
         writeln!(f, "{table}")?;
         match (cracked, unreadable) {
+            (0, 0) if *empty > 0 => writeln!(f, "verdict: {empty} of {files} files without faces to check"),
             (0, 0) if *not_proven > 0 => {
                 writeln!(f, "verdict: none; {not_proven} of {files} files not proven sound")
             }
@@ -350,9 +383,14 @@ fn row(name: String, [vertices, welded]: [usize; 2], counts: &Counts, verdict: V
         counts.boundary_edges.to_string(),
         counts.non_manifold_edges.to_string(),
         counts.misoriented_edges.to_string(),
-        significant(counts.signed_volume),
+        volume(counts.signed_volume, counts.balanced),
         verdict.name().into(),
     ]
+}
+
+/// An open surface has no volume.
+fn volume(signed: f64, balanced: bool) -> String {
+    if balanced { significant(signed) } else { "-".to_owned() }
 }
 
 fn label(index: usize, mesh: &MeshReport) -> String {

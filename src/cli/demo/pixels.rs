@@ -1,7 +1,6 @@
 //! Pixels of the demo: the stencil pass next to the ray cast, and where the two differ.
 
 use umbrage::caster::Caster;
-use umbrage::geom::Aabb;
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::render;
 use umbrage::render::{Picture, View};
@@ -9,7 +8,7 @@ use umbrage::scene::Lamp;
 use umbrage::verify::pixels::{PixelVerdict, Rendered, compare};
 use umbrage::view::Size;
 
-use crate::cli::lights::label;
+use crate::cli::lights::lamp_label;
 use crate::cli::output::{Table, plain};
 use crate::cli::progress::Progress;
 use crate::cli::stencil_render::{Shadowing, Stage};
@@ -28,16 +27,10 @@ const SAMPLES: u32 = 2;
 
 /// Draws the view by a stencil pass, and compares its pixels with the ray cast for each light. `lights` are
 /// those of the lamps.
-pub(super) fn judge(
-    gpu: &Gpu,
-    caster: &Caster,
-    bounds: &Aabb,
-    view: View<'_>,
-    lights: &[Lamp],
-) -> Result<Judged, GpuError> {
+pub(super) fn judge(gpu: &Gpu, caster: &Caster, view: View<'_>, lights: &[Lamp]) -> Result<Judged, GpuError> {
     let stage = {
         let view = View { edge_samples: SAMPLES, ..view };
-        Stage::new(gpu, [caster; 2], bounds, view, &vec![Shadowing::Counted(None); lights.len()])?
+        Stage::new(gpu, [caster; 2], view, &vec![Shadowing::Counted(None); lights.len()])?
     };
     let picture = stage.picture()?;
     let progress = Progress::bar("judging pixels", (lights.len() as u64) * u64::from(view.size.height()));
@@ -48,9 +41,11 @@ pub(super) fn judge(
         let mask = stage.mask(lamp)?;
         let rendered = Rendered {
             caster,
+            seen: None,
             signs: &casting.signs,
             light: light.light(),
             projection: &stage.projection,
+            seen_from: 0.0,
             mask: &mask,
             unsure: &[],
         };
@@ -63,7 +58,7 @@ pub(super) fn judge(
         ];
         let disagree = counts[0] - counts[1..].iter().sum::<usize>();
         let cells = counts.into_iter().chain([disagree]).map(|count| count.to_string());
-        let name = label(light.light(), &light.name);
+        let name = lamp_label(light);
         methods += &format!("  {name}: {}\n", casting.methods.summary());
         table.row([name].into_iter().chain(cells).collect());
         agrees &= result.agrees();

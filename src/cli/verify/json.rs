@@ -55,7 +55,7 @@ fn counts(strata: &[Stratum], pixels: Option<PixelCounts>, judges: &[Judge]) -> 
 
 /// What all stencil passes share.
 fn stencil(pixels: &Pixels) -> Value {
-    let Pixels { adapter, size, projection, .. } = pixels;
+    let Pixels { adapter, size, projection, near_asked, .. } = pixels;
     json!({
         "adapter": adapter,
         "width": size.width(),
@@ -65,6 +65,7 @@ fn stencil(pixels: &Pixels) -> Value {
         "up": projection.up.map(number32),
         "forward": projection.forward.map(number32),
         "near": number32(projection.near),
+        "near_asked": near_asked,
     })
 }
 

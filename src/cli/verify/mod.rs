@@ -120,6 +120,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
 
     let progress = Progress::spinner("topology, proofs and tree");
     let verifier = Verifier::new(caster);
+    verifier.prepare();
     drop(progress);
     let points = args.points as usize; // at most MOST_POINTS
     let options = Options { points, seed: args.seed, keep: SHOWN };

@@ -10,6 +10,8 @@ pub(super) struct Pixels {
     pub(super) adapter: String,
     pub(super) size: Size,
     pub(super) projection: Projection,
+    /// Whether the distance of the near plane was asked for.
+    pub(super) near_asked: bool,
     /// One entry per light.
     pub(super) lights: Vec<LightPixels>,
 }

@@ -35,14 +35,16 @@ impl Graphics {
         let size = args.size.unwrap_or(Size::new(SIDE, SIDE).expect("in range"));
         let Source { cameras, bounds, up, .. } = source;
         let camera = args.view.choose(cameras, &args.source.file, bounds, *up, size)?;
-        let projection = camera.projection(size, camera.near(&source.bounds, size));
+        let projection = camera.projection(size, camera.near([source.seen().mesh()], size));
         if projection.is_orthographic() {
             return Err(GpuError::NotBuilt("an orthographic camera").into());
         }
         let job = Job {
             caster: &source.caster,
+            seen: source.seen.as_ref(),
             lights: &source.lights,
             projection,
+            near_asked: camera.near.is_some(),
             size,
             pictures: &pictures(args, source.lights.len())?,
         };
@@ -73,8 +75,12 @@ fn numbered(path: &Path, number: usize) -> PathBuf {
 /// What is to be compared.
 struct Job<'a> {
     caster: &'a Caster,
+    /// All that is seen, if that is more than the caster.
+    seen: Option<&'a Caster>,
     lights: &'a [Lamp],
     projection: Projection,
+    /// Whether the distance of the near plane comes from the user or the file.
+    near_asked: bool,
     size: Size,
     /// The names of the pictures, one per light; empty for none.
     pictures: &'a [PathBuf],
@@ -97,7 +103,7 @@ fn judge(gpu: &Gpu, job: &Job<'_>) -> Result<Pixels, Failure> {
         gpu,
         job,
         pass: StencilPass::new(gpu, Depth::Plane)?,
-        receivers: GpuCaster::upload(gpu, job.caster)?,
+        receivers: GpuCaster::upload(gpu, job.seen.unwrap_or(job.caster))?,
     };
     drop(progress);
     let mut lights = Vec::new();
@@ -108,8 +114,8 @@ fn judge(gpu: &Gpu, job: &Job<'_>) -> Result<Pixels, Failure> {
         }
         lights.push(pixels);
     }
-    let Job { projection, size, .. } = *job;
-    Ok(Pixels { adapter: gpu.name(), size, projection, lights })
+    let Job { projection, near_asked, size, .. } = *job;
+    Ok(Pixels { adapter: gpu.name(), size, projection, near_asked, lights })
 }
 
 struct Bench<'a> {
@@ -161,11 +167,14 @@ impl Bench<'_> {
         casting: &StencilVolumes,
         mask: &ShadowMask,
     ) -> Comparison {
-        let Job { caster, lights, projection, size, .. } = self.job;
+        let Job { caster, seen, lights, projection, size, near_asked, .. } = self.job;
         let what = format!("comparing pixels, light {} of {}", index + 1, lights.len());
         let progress = Progress::bar(what, size.height().into());
         // The volumes come from exact signs: no face is unsure.
-        let rendered = Rendered { caster, signs: &casting.signs, light, projection, mask, unsure: &[] };
+        let seen_from = if *near_asked { projection.near } else { 0.0 };
+        let signs = &casting.signs;
+        let rendered =
+            Rendered { caster, seen: *seen, signs, light, projection, seen_from, mask, unsure: &[] };
         compare(&rendered, SHOWN, &|rows| progress.done(rows))
     }
 }
@@ -200,7 +209,9 @@ fn method(plan: &ShellMethods) -> &'static str {
 /// Draws a comparison, and says what its colors mean.
 fn draw(job: &Job<'_>, comparison: &Comparison, path: &Path) -> Result<(), Failure> {
     let progress = Progress::bar("drawing", job.size.height().into());
-    let picture = verdicts(job.caster.oracle(), &job.projection, comparison, &|rows| progress.done(rows));
+    let picture = verdicts(job.seen.unwrap_or(job.caster).oracle(), &job.projection, comparison, &|rows| {
+        progress.done(rows)
+    });
     drop(progress);
     let picture = picture.map_err(|error| Failure::new(error, "leave out --picture"))?;
     picture.write_png(path)?;

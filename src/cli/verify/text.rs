@@ -34,7 +34,7 @@ pub(super) fn report(
     pixels: Option<&Pixels>,
 ) -> String {
     let strata = strata(results);
-    let lit: Vec<String> = lights.iter().map(|light| lights::label(light.light(), &light.name)).collect();
+    let lit: Vec<String> = lights.iter().map(lights::lamp_label).collect();
     let mut points = Table::new(&["points", "judged", "agree", "grazing", "disagree", "rate below (95 %)"]);
     for row in strata.iter().chain([&total(&strata)]) {
         let bound = row.bound_95().map_or("-".to_owned(), |bound| format!("{bound:.1e}"));
@@ -100,9 +100,12 @@ fn drawn(lit: &[String], pixels: &Pixels) -> String {
     }
     let [x, y, z] = pixels.projection.eye;
     let Pixels { adapter, size, projection, .. } = pixels;
-    let near = projection.near;
+    let near = match pixels.near_asked {
+        true => format!("near plane {} away, as asked for: nothing nearer is compared", projection.near),
+        false => format!("near plane {} away, before everything that is seen", projection.near),
+    };
     format!(
-        "{table}\n\n{reasons}picture: {size} from {x},{y},{z}, near plane {near} away, on {}\n{mismatches}\n",
+        "{table}\n\n{reasons}picture: {size} from {x},{y},{z}, {near}, on {}\n{mismatches}\n",
         plain(adapter)
     )
 }
@@ -118,6 +121,7 @@ fn place(counting: &str) -> &'static str {
 fn mismatch(found: &Mismatch) -> String {
     let Mismatch { x, y, .. } = found;
     let counted = found.counted.map_or("no surface drawn".to_owned(), |count| format!("{count} counted"));
+    let counted = if found.cut { format!("cut away by the near plane, {counted}") } else { counted };
     match (found.point, found.exact) {
         (Some([px, py, pz]), Some(exact)) => {
             format!("pixel {x},{y} sees {px},{py},{pz}: {exact} between it and the light, {counted}")

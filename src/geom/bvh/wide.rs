@@ -1,6 +1,8 @@
 //! The binary BVH collapsed to eight children per node: fewer steps, each a few SIMD tests, and under a
 //! quarter of the memory traffic, which is the bottleneck on large meshes.
 
+use glam::Vec4;
+
 use super::Bvh;
 use super::collapse::{Child, Plan};
 use super::node::{Node, WIDTH};
@@ -89,6 +91,26 @@ impl WideBvh {
             }
             Some(narrow) => self.walk_far(narrow, visit),
             None => self.walk_far(Segment::to_light(p, light), visit),
+        }
+    }
+
+    /// As [`WideBvh::walk`], for every segment that begins within `slack` of `p` in each coordinate. A slack
+    /// of at least two units in the last place of `p`'s largest coordinate also covers the rounding of the
+    /// boxes that it widens: where the planes of a box are so far away that they absorb it, it is less than
+    /// an eighth of what the test allows for rounding.
+    pub(crate) fn walk_loosely(
+        &self,
+        p: [f32; 3],
+        slack: f32,
+        light: &Light,
+        visit: impl FnMut(usize) -> Step,
+    ) {
+        match Narrow::to_light(p, light).filter(|_| self.narrow && slack < 1e15) {
+            Some(way) if self.most_put_off < SHORT => {
+                self.walk_by::<false>(&mut Loose { way, slack }, &mut [(0, 0); SHORT], visit);
+            }
+            Some(way) => self.walk_far(Loose { way, slack }, visit),
+            None => self.walk_far(Loose { way: Segment::to_light(p, light), slack }, visit),
         }
     }
 
@@ -213,6 +235,48 @@ impl Enter for Segment {
 
     fn shorten(&mut self, t: f64) {
         *self = self.until(t);
+    }
+}
+
+/// A segment with boxes widened on all sides.
+struct Loose<E> {
+    way: E,
+    slack: f32,
+}
+
+impl Enter for Loose<Narrow> {
+    #[inline(always)]
+    fn entries(&self, node: &Node) -> ([f32; WIDTH], u32) {
+        let slack = Vec4::splat(self.slack);
+        let ([a, b], hits) = self.way.entries(|plane| {
+            let [a, b] = node.plane(plane);
+            if plane % 2 == 0 { [a - slack, b - slack] } else { [a + slack, b + slack] }
+        });
+        ([a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w], hits & node.children())
+    }
+
+    fn shorten(&mut self, t: f64) {
+        self.way.shorten(t);
+    }
+}
+
+impl Enter for Loose<Segment> {
+    fn entries(&self, node: &Node) -> ([f32; WIDTH], u32) {
+        let (mut at, mut hits) = ([0.0; WIDTH], 0);
+        for lane in 0..WIDTH {
+            let Aabb { low, high } = node.aabb(lane);
+            let low = low.map(|x| (x - self.slack).next_down().max(f32::MIN));
+            let high = high.map(|x| (x + self.slack).next_up().min(f32::MAX));
+            if let Some(entry) = self.way.entry(&Aabb { low, high }) {
+                at[lane] = (entry as f32).min(f32::MAX);
+                hits |= 1 << lane;
+            }
+        }
+        (at, hits & node.children())
+    }
+
+    fn shorten(&mut self, t: f64) {
+        self.way = self.way.until(t);
     }
 }
 

@@ -28,6 +28,9 @@ use filter::{EPSILON, Row, rounded_det, sign_of_det};
 mod accumulator;
 pub(crate) mod filter;
 mod integer;
+mod rounded;
+
+pub(crate) use rounded::{Rounded, orient3d_rounded};
 
 /// The exact sign of a real number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

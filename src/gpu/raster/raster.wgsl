@@ -61,7 +61,10 @@ fn face_normal(face: u32) -> vec3f {
     let a = vertex(triangles[3u * face]);
     let b = vertex(triangles[3u * face + 1u]);
     let c = vertex(triangles[3u * face + 2u]);
-    let normal = direction(cross(direction((b - a) * frame.scale), direction((c - a) * frame.scale)));
+    // Scaled first: the difference of two of the largest numbers is none.
+    let u = b * frame.scale - a * frame.scale;
+    let v = c * frame.scale - a * frame.scale;
+    let normal = direction(cross(direction(u), direction(v)));
     return select(normalize(normal), vec3f(0.0), all(normal == vec3f(0.0)));
 }
 

@@ -1,6 +1,6 @@
-//! The JSON of a glTF: items by kind and index, fields by their expected type. Every error names the item.
+//! The JSON of a glTF: its version, its extensions, its items by kind and index.
 //!
-//! Fields are taken from plain JSON values, not from the `gltf` crate's typed document. That one refuses
+//! Values are taken from plain JSON values, not from the `gltf` crate's typed document. That one refuses
 //! legal files for what casts no shadow (a scene without nodes, a texture whose only image is an
 //! extension's), cuts indices to 32 bits, drops the extensions that say geometry is compressed, and its
 //! validation indexes unchecked, so that a malformed file panics.
@@ -8,6 +8,10 @@
 use std::fmt;
 
 use gltf::json::{Value, deserialize};
+
+use super::extension::{self, Effect};
+use super::notes::Notes;
+use super::object::Object;
 
 use crate::read::{Format, Place, ReadError, text};
 
@@ -77,67 +81,98 @@ impl fmt::Display for Kind {
 /// A parsed document whose version and required extensions this reader supports.
 pub(super) struct Document {
     root: Value,
+    /// Whether positions may be small integers (KHR_mesh_quantization).
+    pub(super) quantized: bool,
 }
 
 impl Document {
     /// Parses UTF-8 JSON. The parser refuses nesting beyond 128 levels, so nothing behind it can recurse
     /// deeper.
-    pub(super) fn parse(json: &[u8], format: Format) -> Result<Self, ReadError> {
+    pub(super) fn parse(json: &[u8], format: Format, notes: &Notes) -> Result<Self, ReadError> {
         let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-        let root: Value = deserialize::from_slice(json).map_err(|error| {
-            let text = error.to_string();
-            let (problem, line, column) =
-                (text.split(" at line ").next().unwrap_or_default(), error.line(), error.column());
-            match format {
-                Format::Glb => ReadError::new(
-                    None,
-                    Place::Item("JSON chunk".to_owned()),
-                    format!("is not JSON: {problem} (line {line}, column {column})"),
-                ),
-                _ => ReadError::new(
-                    None,
-                    Place::Line(line as u64),
-                    format!("is not JSON: {problem} (column {column})"),
-                ),
-            }
-        })?;
-        let document = Self { root };
-        let wrong = |problem: String| ReadError::new(None, Place::File, problem);
-        let version = document.root.pointer("/asset/version").and_then(Value::as_str);
-        match version {
-            Some(version) if version.starts_with("2.") => {}
-            Some(version) => {
-                let problem = format!("is glTF version {version}, but only version 2 can be read");
-                return Err(wrong(problem).remedy("export as glTF 2.0"));
-            }
-            None => return Err(wrong("states no glTF version (asset.version)".to_owned())),
-        }
-        for pointer in Kind::ALL.map(Kind::pointer).into_iter().chain(["/extensionsRequired"]) {
-            if document.root.pointer(pointer).is_some_and(|list| !list.is_array()) {
-                return Err(wrong(format!("{} is not a list", &pointer[1..])));
+        let blank = |byte: &u8| *byte == 0 || byte.is_ascii_whitespace();
+        let end = json.iter().rposition(|byte| !blank(byte)).map_or(0, |last| last + 1);
+        let zeros = usize::from(json[end..].contains(&0));
+        notes.add_many("padded with zero bytes behind the JSON", "document", zeros);
+        let root: Value = deserialize::from_slice(&json[..end]).map_err(|error| not_json(&error, format))?;
+        let mut document = Self { root, quantized: false };
+        document.check_version(notes)?;
+        for kind in Kind::ALL {
+            if document.root.pointer(kind.pointer()).is_some_and(|list| !list.is_array()) {
+                let problem = format!("{} is not a list", &kind.pointer()[1..]);
+                match kind {
+                    Kind::Material | Kind::Camera | Kind::Light => {
+                        notes.because("materials, cameras or lamps left out", "document", || problem);
+                    }
+                    _ => return Err(ReadError::new(None, Place::File, problem)),
+                }
             }
         }
-        document.check_extensions()?;
+        document.check_extensions(notes)?;
+        document.quantized = document.uses("KHR_mesh_quantization");
         Ok(document)
     }
 
-    /// Refuses a required extension unless it leaves geometry alone or is one that this reader knows.
-    fn check_extensions(&self) -> Result<(), ReadError> {
-        let required = self.root.pointer("/extensionsRequired").and_then(Value::as_array);
-        for name in required.into_iter().flatten() {
-            let name = name.as_str().unwrap_or("(not a name)");
-            let subject = name.split_once('_').map_or("", |(_vendor, subject)| subject);
-            let harmless = ["materials_", "texture_", "image_", "lights_", "animation_", "xmp"];
-            if name == "KHR_mesh_quantization" || harmless.iter().any(|start| subject.starts_with(start)) {
-                continue;
+    fn check_version(&self, notes: &Notes) -> Result<(), ReadError> {
+        let wrong = |problem: String| ReadError::new(None, Place::File, problem);
+        let stated = self.root.pointer("/asset/version");
+        // Written as a number, 2.0 is meant all the same.
+        let version = stated.map(|stated| stated.as_str().map_or_else(|| stated.to_string(), str::to_owned));
+        match version {
+            Some(version) if version == "2" || version.starts_with("2.") => {
+                let mended = stated.is_some_and(|stated| !stated.is_string());
+                notes.add_many("version that is not a text read as one", "asset", usize::from(mended));
+                Ok(())
             }
-            let problem = format!("requires the extension {name}, which is not supported");
-            let remedy = if is_compression(name) {
-                "export without mesh compression"
-            } else {
-                "export without this extension"
+            None if ["/nodes", "/meshes"]
+                .iter()
+                .any(|list| self.root.pointer(list).is_some_and(Value::is_array)) =>
+            {
+                notes.add("no version stated (asset.version): read as glTF 2.0", "document");
+                Ok(())
+            }
+            Some(version) => {
+                let problem = format!(
+                    "is glTF version {}, but only version 2 can be read",
+                    text::quote(version.as_bytes())
+                );
+                Err(wrong(problem).remedy("export as glTF 2.0"))
+            }
+            None => Err(wrong("states no glTF version (asset.version)".to_owned())
+                .remedy("name a glTF file, or export it again as glTF 2.0")),
+        }
+    }
+
+    /// Refuses a required extension that changes what the plain data means and is not read; one that leaves
+    /// geometry alone gets a note.
+    fn check_extensions(&self, notes: &Notes) -> Result<(), ReadError> {
+        for (list, required) in [("extensionsRequired", true), ("extensionsUsed", false)] {
+            let names = match self.root.get(list) {
+                None => continue,
+                Some(Value::Array(names)) => names,
+                Some(_) => {
+                    notes.add("list of extensions that is none passed over", list);
+                    continue;
+                }
             };
-            return Err(ReadError::new(None, Place::File, problem).remedy(remedy));
+            for name in names.iter().map(|name| name.as_str().unwrap_or_default()) {
+                match extension::effect(name) {
+                    Some((Effect::Changed, remedy)) if required => {
+                        let problem = format!("requires the extension {name}, which is not supported");
+                        return Err(ReadError::new(None, Place::File, problem).remedy(remedy));
+                    }
+                    Some((Effect::Changed, _)) => {
+                        let what = "extension that changes geometry, but is not required, not read";
+                        notes.because(what, list, || name.to_owned());
+                    }
+                    None if required => {
+                        let what =
+                            "required extension that leaves geometry alone, as far as is known, not read";
+                        notes.because(what, list, || text::quote(name.as_bytes()));
+                    }
+                    _ => {}
+                }
+            }
         }
         Ok(())
     }
@@ -158,175 +193,33 @@ impl Document {
 
     /// The document as an object.
     pub(super) fn object(&self) -> Object<'_> {
-        Object { place: "document".to_owned(), value: &self.root }
+        Object::document(&self.root)
     }
 
     /// Whether the document says that it uses this extension.
     pub(super) fn uses(&self, extension: &str) -> bool {
-        let used = self.root.get("extensionsUsed").and_then(Value::as_array);
-        used.is_some_and(|used| used.iter().any(|name| name == extension))
-    }
-}
-
-/// Whether an extension replaces the plain data of meshes by a compressed form.
-pub(super) fn is_compression(extension: &str) -> bool {
-    extension.contains("_compression")
-}
-
-/// An object of the document, with its name in errors.
-pub(super) struct Object<'a> {
-    pub(super) place: String,
-    value: &'a Value,
-}
-
-impl<'a> Object<'a> {
-    /// The name of an item in errors and notes: "accessor 3".
-    pub(super) fn place(kind: Kind, index: usize) -> String {
-        format!("{kind} {index}")
-    }
-
-    pub(super) fn new(place: String, value: &'a Value) -> Result<Self, ReadError> {
-        let object = Self { place, value };
-        if value.is_object() { Ok(object) } else { Err(object.error("is not an object")) }
-    }
-
-    pub(super) fn error(&self, problem: impl Into<String>) -> ReadError {
-        ReadError::new(None, Place::Item(self.place.clone()), problem)
-    }
-
-    /// The name in the file, or else kind and index.
-    pub(super) fn name(&self) -> String {
-        self.given_name().unwrap_or_else(|| self.place.clone())
-    }
-
-    /// The name in the file, if it has one; cut where it is very long, for every instance and part holds a
-    /// copy.
-    pub(super) fn given_name(&self) -> Option<String> {
-        let name = self.value.get("name").and_then(Value::as_str).filter(|name| !name.is_empty())?;
-        Some(text::name(name.as_bytes()))
-    }
-
-    /// The object under `key`.
-    pub(super) fn object(&self, key: &str) -> Result<Option<Object<'a>>, ReadError> {
-        self.value.get(key).map(|value| Object::new(format!("{}, {key}", self.place), value)).transpose()
-    }
-
-    /// What an extension says here.
-    pub(super) fn extension(&self, name: &str) -> Option<Object<'a>> {
-        let value = self.value.get("extensions")?.get(name)?;
-        Some(Object { place: format!("{}, {name}", self.place), value })
-    }
-
-    /// The extension by which the data of this item is compressed, if it is.
-    pub(super) fn compression(&self) -> Option<&'a str> {
-        let extensions = self.value.get("extensions")?.as_object()?;
-        extensions.keys().map(String::as_str).find(|name| is_compression(name))
-    }
-
-    /// The elements of a list; none if the key is absent.
-    pub(super) fn list(&self, key: &str) -> Result<&'a [Value], ReadError> {
-        match self.value.get(key) {
-            None => Ok(&[]),
-            Some(Value::Array(list)) => Ok(list),
-            Some(_) => Err(self.error(format!("{key} is not a list"))),
-        }
-    }
-
-    /// The objects of a list, called `name 0`, `name 1`, …
-    pub(super) fn objects(
-        &self,
-        key: &str,
-        name: &str,
-    ) -> Result<impl Iterator<Item = Result<Object<'a>, ReadError>>, ReadError> {
-        let list = self.list(key)?.iter().enumerate();
-        Ok(list.map(move |(index, value)| Object::new(format!("{}, {name} {index}", self.place), value)))
-    }
-
-    pub(super) fn text(&self, key: &str) -> Result<Option<&'a str>, ReadError> {
-        let wrong = || self.error(format!("{key} is not a text"));
-        self.value.get(key).map(|value| value.as_str().ok_or_else(wrong)).transpose()
-    }
-
-    pub(super) fn flag(&self, key: &str) -> Result<bool, ReadError> {
-        match self.value.get(key) {
-            None => Ok(false),
-            Some(value) => value.as_bool().ok_or_else(|| self.error(format!("{key} is not true or false"))),
-        }
-    }
-
-    /// A count, an offset, an index.
-    pub(super) fn whole(&self, key: &str) -> Result<Option<usize>, ReadError> {
-        let wrong = |value| self.error(format!("{key} is {}, which is not a count", shown(value)));
-        self.value.get(key).map(|value| whole(value).ok_or_else(|| wrong(value))).transpose()
-    }
-
-    /// Finite numbers, `N` of them.
-    pub(super) fn numbers<const N: usize>(&self, key: &str) -> Result<Option<[f64; N]>, ReadError> {
-        let Some(value) = self.value.get(key) else { return Ok(None) };
-        let wrong = || self.error(format!("{key} is not a list of {N} numbers"));
-        let list = value.as_array().filter(|list| list.len() == N).ok_or_else(wrong)?;
-        let mut numbers = [0.0; N];
-        for (number, value) in numbers.iter_mut().zip(list) {
-            *number = value.as_f64().ok_or_else(wrong)?;
-        }
-        Ok(Some(numbers))
-    }
-
-    /// A finite number that `f32` can hold.
-    pub(super) fn number(&self, key: &str) -> Result<Option<f32>, ReadError> {
-        let wrong = |value| self.error(format!("{key} is {}, which is not a 32-bit number", shown(value)));
-        let finite = |value: &Value| value.as_f64().map(|x| x as f32).filter(|x| x.is_finite());
-        self.value.get(key).map(|value| finite(value).ok_or_else(|| wrong(value))).transpose()
-    }
-
-    /// The index under `key`, of an item that exists.
-    pub(super) fn link(
-        &self,
-        key: &str,
-        document: &Document,
-        kind: Kind,
-    ) -> Result<Option<usize>, ReadError> {
-        let Some(index) = self.whole(key)? else { return Ok(None) };
-        self.existing(index, document, kind).map(Some)
-    }
-
-    /// The indices in the list under `key`, of items that exist.
-    pub(super) fn links(&self, key: &str, document: &Document, kind: Kind) -> Result<Vec<usize>, ReadError> {
-        let index = |value| {
-            let wrong = || self.error(format!("{key} holds {}, which is not an index", shown(value)));
-            self.existing(whole(value).ok_or_else(wrong)?, document, kind)
+        let lists = ["extensionsUsed", "extensionsRequired"].map(|list| self.root.get(list));
+        let names = |list: Option<&Value>| {
+            list.and_then(Value::as_array).is_some_and(|names| names.iter().any(|name| name == extension))
         };
-        self.list(key)?.iter().map(index).collect()
-    }
-
-    fn existing(&self, index: usize, document: &Document, kind: Kind) -> Result<usize, ReadError> {
-        match document.list(kind).len() {
-            count if index < count => Ok(index),
-            count => Err(self.error(format!("names {kind} {index}, but there are {count}"))),
-        }
-    }
-
-    /// The value, or an error that `key` is missing.
-    pub(super) fn required<T>(&self, key: &str, value: Option<T>) -> Result<T, ReadError> {
-        value.ok_or_else(|| self.error(format!("{key} is missing")))
+        lists.into_iter().any(names)
     }
 }
 
-/// An integer; JSON may write 3 as 3.0.
-fn whole(value: &Value) -> Option<usize> {
-    // 2^53: beyond it, an f64 stands for several integers.
-    let from_float =
-        |x: f64| (x.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&x)).then_some(x as u64);
-    let whole = value.as_u64().or_else(|| value.as_f64().and_then(from_float))?;
-    usize::try_from(whole).ok()
-}
-
-/// A value in a message: numbers and short texts as they are, anything that may be long by its type.
-fn shown(value: &Value) -> String {
-    match value {
-        Value::String(text) if text.len() > 40 => "a long text".to_owned(),
-        Value::Array(_) => "a list".to_owned(),
-        Value::Object(_) => "an object".to_owned(),
-        _ => value.to_string(),
+fn not_json(error: &gltf::json::Error, format: Format) -> ReadError {
+    let text = error.to_string();
+    let problem = text.split(" at line ").next().unwrap_or_default();
+    let (line, column) = (error.line(), error.column());
+    match format {
+        Format::Glb => ReadError::new(
+            None,
+            Place::Item("JSON chunk".to_owned()),
+            format!("is not JSON: {problem} (line {line}, column {column})"),
+        ),
+        _ => ReadError::new(
+            None,
+            Place::Line(line as u64),
+            format!("is not JSON: {problem} (column {column})"),
+        ),
     }
 }

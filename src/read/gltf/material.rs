@@ -1,13 +1,14 @@
 //! Materials: base color, alpha mode and cutoff. Textures are not read.
 
-use super::Notes;
-use super::document::{Document, Kind, Object};
+use super::document::{Document, Kind};
+use super::notes::Notes;
+use super::object::Object;
 use crate::read::ReadError;
 use crate::scene::{AlphaMode, Material};
 
 /// Material `index` of the document. One that is malformed is noted and taken for an opaque one: it changes
 /// no geometry.
-pub(super) fn read(document: &Document, index: usize, notes: &mut Notes) -> Material {
+pub(super) fn read(document: &Document, index: usize, notes: &Notes) -> Material {
     document.item(Kind::Material, index).and_then(|object| material(&object)).unwrap_or_else(|_| {
         notes.add("malformed material taken for an opaque one", &Object::place(Kind::Material, index));
         Material::default()

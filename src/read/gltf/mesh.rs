@@ -2,9 +2,11 @@
 
 use gltf::json::mesh as code;
 
-use super::asset::{Asset, compressed};
-use super::document::{Kind, Object};
-use super::{Notes, accessor};
+use super::accessor;
+use super::asset::Asset;
+use super::document::Kind;
+use super::notes::Notes;
+use super::object::Object;
 use crate::mesh::{Mesh, Part};
 use crate::read::{Place, ReadError};
 
@@ -39,16 +41,18 @@ struct Primitive {
 }
 
 /// Reads mesh `index` of the document.
-pub(super) fn read(asset: &Asset, index: usize, notes: &mut Notes) -> Result<Mesh, ReadError> {
+pub(super) fn read(asset: &Asset, index: usize) -> Result<Mesh, ReadError> {
+    let notes = asset.notes;
     let object = asset.document.item(Kind::Mesh, index)?;
-    if object.list("weights")?.iter().any(|weight| weight.as_f64() != Some(0.0)) {
+    if is_morphed(&object) {
         notes.add("default morph weights ignored, read at rest", &object.place);
     }
     let mut primitives = Vec::new();
     for (index, primitive) in object.objects("primitives", "primitive")?.enumerate() {
         let primitive = primitive?;
-        if let Some(geometry) = read_primitive(asset, &primitive, notes)? {
-            let material = primitive.link("material", asset.document, Kind::Material)?;
+        if let Some(geometry) = read_primitive(asset, &primitive)? {
+            let what = "material that does not exist left out";
+            let material = primitive.link_or_note("material", asset.document, Kind::Material, what, notes);
             primitives.push((part_name(asset, material, index)?, material, geometry));
         }
     }
@@ -84,21 +88,24 @@ pub(super) fn read(asset: &Asset, index: usize, notes: &mut Notes) -> Result<Mes
         .map_err(|error| object.error(error.to_string()))
 }
 
+/// Whether an object, a mesh or a node, has morph weights that are not all 0.
+pub(super) fn is_morphed(object: &Object) -> bool {
+    object.list("weights").is_ok_and(|weights| weights.iter().any(|weight| weight.as_f64() != Some(0.0)))
+}
+
 /// "primitive 2", or "primitive 2 (Wheel)" after its material.
 fn part_name(asset: &Asset, material: Option<usize>, index: usize) -> Result<String, ReadError> {
     let material = match material {
-        Some(material) => asset.document.item(Kind::Material, material)?.given_name(),
+        Some(material) => asset.document.item(Kind::Material, material).ok(),
         None => None,
     };
+    let material = material.and_then(|material| material.given_name());
     Ok(material.map_or_else(|| format!("primitive {index}"), |name| format!("primitive {index} ({name})")))
 }
 
 /// `None` for points, lines, and a primitive without positions.
-fn read_primitive(
-    asset: &Asset,
-    primitive: &Object,
-    notes: &mut Notes,
-) -> Result<Option<Primitive>, ReadError> {
+fn read_primitive(asset: &Asset, primitive: &Object) -> Result<Option<Primitive>, ReadError> {
+    let notes = asset.notes;
     let within = |error: ReadError| match error.place {
         Place::Item(item) => {
             ReadError { place: Place::Item(format!("{}, {item}", primitive.place)), ..error }
@@ -114,16 +121,18 @@ fn read_primitive(
         notes.add("primitive without positions left out", &primitive.place);
         return Ok(None);
     };
-    if let Some(extension) = primitive.compression()
-        && asset.document.item(Kind::Accessor, position)?.whole("bufferView")?.is_none()
-    {
-        return Err(compressed(primitive, extension));
-    }
-    let positions = accessor::positions(asset, position).map_err(within)?;
-    let indices = match primitive.link("indices", asset.document, Kind::Accessor)? {
-        Some(index) => accessor::indices(asset, index).map_err(within)?,
-        // Fits: a count beyond 32 bits would have needed 48 GB of positions.
-        None => (0..positions.len()).map(|index| index as u32).collect(),
+    let indices = primitive.link("indices", asset.document, Kind::Accessor)?;
+    let (mode, positions, indices) = match compressed(asset, primitive, position, indices)? {
+        Some((positions, indices)) => (Mode::List, positions, indices),
+        None => {
+            let positions = accessor::vectors(asset, position, "a position").map_err(within)?;
+            let indices = match indices {
+                Some(index) => accessor::indices(asset, index).map_err(within)?,
+                // Fits: a count beyond 32 bits would have needed 48 GB of positions.
+                None => (0..positions.len()).map(|index| index as u32).collect(),
+            };
+            (mode, positions, indices)
+        }
     };
     if let Some(at) = indices.iter().position(|&index| index as usize >= positions.len()) {
         let problem = format!("index {at} names vertex {}, but there are {}", indices[at], positions.len());
@@ -138,7 +147,7 @@ fn read_primitive(
             displacements.push(None);
             continue;
         };
-        let displacement = accessor::positions(asset, index).map_err(within)?;
+        let displacement = accessor::vectors(asset, index, "a displacement").map_err(within)?;
         if displacement.len() != positions.len() {
             let (count, vertices) = (displacement.len(), positions.len());
             return Err(target.error(format!("moves {count} vertices, but the primitive has {vertices}")));
@@ -148,8 +157,34 @@ fn read_primitive(
     Ok(Some(Primitive { positions, triangles, displacements }))
 }
 
+/// Positions, and the indices of triangles one by one.
+type List = (Vec<[f32; 3]>, Vec<u32>);
+
+/// The positions and indices of a primitive, where the accessors have none of their own: what an extension of the
+/// primitive decodes to, or an error that names the extension.
+fn compressed(
+    asset: &Asset,
+    primitive: &Object,
+    position: usize,
+    indices: Option<usize>,
+) -> Result<Option<List>, ReadError> {
+    for accessor in [Some(position), indices].into_iter().flatten() {
+        if !asset.document.item(Kind::Accessor, accessor)?.is_empty() {
+            continue;
+        }
+        #[cfg(feature = "draco")]
+        if let Some(extension) = primitive.extension("KHR_draco_mesh_compression") {
+            return super::draco::read(asset, &extension, position, indices).map(Some);
+        }
+        if let Some(error) = primitive.stored_elsewhere() {
+            return Err(error);
+        }
+    }
+    Ok(None)
+}
+
 /// The triangles that indices describe, wound as §3.7.2.1 of the specification says.
-fn triangles(mode: Mode, indices: &[u32], primitive: &Object, notes: &mut Notes) -> Vec<[u32; 3]> {
+fn triangles(mode: Mode, indices: &[u32], primitive: &Object, notes: &Notes) -> Vec<[u32; 3]> {
     match mode {
         Mode::List => {
             let (triangles, rest) = indices.as_chunks();

@@ -1,8 +1,7 @@
 //! glTF 2.0, as JSON or binary: the meshes of the default scene, their instances, its materials, lamps and
 //! cameras.
 //!
-//! Source: Khronos, *glTF 2.0 Specification*, and the extensions KHR_lights_punctual and
-//! KHR_mesh_quantization. Only what the scene shows is read: a mesh that no node names is noted, not decoded.
+//! Source: Khronos, *glTF 2.0 Specification*, and the extensions that [`extension`] lists as read. Only what the scene shows is read: a mesh that no node names is noted, not decoded.
 //!
 //! A skinned mesh is read in its bind pose, and its node's transform is ignored, as the specification says
 //! (§3.7.3). Morph targets become frames of the mesh, each target at full weight on its own.
@@ -12,13 +11,23 @@
 mod accessor;
 mod asset;
 mod camera;
+mod component;
 mod container;
 mod document;
+#[cfg(feature = "draco")]
+mod draco;
+mod extension;
+mod instancing;
 mod light;
 mod material;
 mod mesh;
+mod meshopt;
 mod node;
+mod notes;
+mod object;
+mod tree;
 mod uri;
+mod view;
 
 use std::io::{BufRead, Read, Seek};
 use std::path::Path;
@@ -26,9 +35,11 @@ use std::path::Path;
 use glam::Mat4;
 
 use self::asset::Asset;
-use self::document::{Document, Kind, Object};
+use self::document::{Document, Kind};
+use self::notes::Notes;
+use self::object::Object;
 use super::{Format, Place, ReadError, Source};
-use crate::scene::{Instance, Scene};
+use crate::scene::{Instance, LeftOutCamera, Scene};
 
 /// Reads a glTF or GLB. `folder` is where external buffers lie, or `None` if they cannot be reached.
 pub(super) fn read<R: BufRead + Seek>(
@@ -49,92 +60,87 @@ fn read_untagged<R: BufRead>(
         ReadError::new(None, Place::File, format!("cannot be read: {error}"))
             .remedy("check that the file can be read")
     })?;
+    let notes = Notes::default();
     let (json, bin) = match format {
-        Format::Glb => container::split(&bytes)?,
+        Format::Glb => container::split(&bytes, &notes)?,
         _ => (bytes.as_slice(), None),
     };
-    let document = Document::parse(json, format)?;
-    scene(&Asset::new(&document, bin, folder, bytes.len()))
+    let document = Document::parse(json, format, &notes)?;
+    scene(&Asset::new(&document, &notes, bin, folder, bytes.len()))
 }
 
 /// The default scene, or else the first, or else all root nodes, or else every mesh once.
 fn scene(asset: &Asset) -> Result<Scene, ReadError> {
-    let document = asset.document;
+    let (document, notes) = (asset.document, asset.notes);
     let mut scene = Scene::default();
-    let mut notes = Notes::default();
-    // (mesh of the document, name, transform)
-    let mut standing = Vec::new();
-    for (index, world) in node::scene_nodes(document, &mut notes)? {
-        let node = document.item(Kind::Node, index)?;
+    // `mesh` is an index of the document until all that stands in the scene is known.
+    for placed in node::scene_nodes(document, notes)? {
+        let node = document.item(Kind::Node, placed.index)?;
+        let world = placed.world_from_node;
+        match camera::read(document, &node, world, notes) {
+            Some(Ok(camera)) => scene.cameras.push(camera),
+            Some(Err(camera::Unusable { name, problem })) => {
+                let number = scene.cameras.len() + scene.left_out_cameras.len() + 1;
+                scene.left_out_cameras.push(LeftOutCamera { name, number, problem });
+            }
+            None => {}
+        }
+        if placed.hidden {
+            continue;
+        }
+        scene.lamps.extend(light::read(document, &node, world, notes));
         if let Some(mesh) = node.link("mesh", document, Kind::Mesh)? {
             let skinned = node.link("skin", document, Kind::Skin)?.is_some();
             if skinned {
                 notes.add("skinned node read in the bind pose, its own transform ignored", &node.place);
             }
-            if node.extension("EXT_mesh_gpu_instancing").is_some() {
-                notes.add("node with EXT_mesh_gpu_instancing read as a single instance", &node.place);
+            if mesh::is_morphed(&node) {
+                notes.add("morph weights of the node ignored, its mesh read at rest", &node.place);
             }
-            let world_from_mesh = if skinned { Mat4::IDENTITY } else { world.as_mat4() };
-            standing.push((mesh, node.name(), world_from_mesh));
+            let world = if skinned { glam::DMat4::IDENTITY } else { world };
+            match instancing::read(asset, &node, world)? {
+                None => {
+                    let instance = Instance { mesh, name: node.name(), world_from_mesh: world.as_mat4() };
+                    scene.instances.push(instance);
+                }
+                Some(transforms) => {
+                    let name = node.name();
+                    let instance = |(index, world_from_mesh): (usize, Mat4)| Instance {
+                        mesh,
+                        name: format!("{name} [{index}]"),
+                        world_from_mesh,
+                    };
+                    scene.instances.extend(transforms.into_iter().enumerate().map(instance));
+                }
+            }
         }
-        scene.lamps.extend(light::read(document, &node, world, &mut notes)?);
-        scene.cameras.extend(camera::read(document, &node, world, &mut notes)?);
     }
     if document.list(Kind::Node).is_empty() {
         for mesh in 0..document.list(Kind::Mesh).len() {
             let object = document.item(Kind::Mesh, mesh)?;
             notes.add("mesh placed at the origin, for the file has no nodes", &object.place);
-            standing.push((mesh, object.name(), Mat4::IDENTITY));
+            let name = object.name();
+            scene.instances.push(Instance { mesh, name, world_from_mesh: Mat4::IDENTITY });
         }
     }
 
     let mut slot_of_mesh = vec![None; document.list(Kind::Mesh).len()];
-    standing.iter().for_each(|&(mesh, ..)| slot_of_mesh[mesh] = Some(0));
+    scene.instances.iter().for_each(|instance| slot_of_mesh[instance.mesh] = Some(0));
     for (mesh, slot) in slot_of_mesh.iter_mut().enumerate() {
         if slot.is_some() {
             *slot = Some(scene.meshes.len());
-            scene.meshes.push(mesh::read(asset, mesh, &mut notes)?);
+            scene.meshes.push(mesh::read(asset, mesh)?);
         } else {
             notes.add("mesh not read, for it stands nowhere in the scene", &Object::place(Kind::Mesh, mesh));
         }
     }
-    let instance = |(mesh, name, world_from_mesh): (usize, String, Mat4)| {
-        let mesh = slot_of_mesh[mesh].expect("every mesh of an instance was read");
-        Instance { mesh, name, world_from_mesh }
-    };
+    for instance in &mut scene.instances {
+        instance.mesh = slot_of_mesh[instance.mesh].expect("every mesh of an instance was read");
+    }
     let materials = 0..document.list(Kind::Material).len();
-    scene.materials = materials.map(|index| material::read(document, index, &mut notes)).collect();
-    scene.instances = standing.into_iter().map(instance).collect();
-    notes.add_many("animation ignored", "animation 0", document.object().list("animations")?.len());
-    scene.notes = notes.into_lines();
+    scene.materials = materials.map(|index| material::read(document, index, notes)).collect();
+    let animations = document.object().list("animations").map_or(0, <[_]>::len);
+    notes.add_many("animation ignored", "animation 0", animations);
+    scene.notes = notes.lines();
     Ok(scene)
-}
-
-/// Notes for people, one line per kind, however often it occurs.
-#[derive(Default)]
-struct Notes {
-    /// (what, where first, how often), in order of first occurrence.
-    kinds: Vec<(&'static str, String, usize)>,
-}
-
-impl Notes {
-    fn add(&mut self, what: &'static str, place: &str) {
-        self.add_many(what, place, 1);
-    }
-
-    fn add_many(&mut self, what: &'static str, place: &str, times: usize) {
-        match self.kinds.iter_mut().find(|(kind, ..)| *kind == what) {
-            _ if times == 0 => {}
-            Some((.., count)) => *count += times,
-            None => self.kinds.push((what, place.to_owned(), times)),
-        }
-    }
-
-    fn into_lines(self) -> Vec<String> {
-        let line = |(what, place, count): (&str, String, usize)| match count {
-            1 => format!("{place}: {what}"),
-            _ => format!("{place} and {} more: {what}", count - 1),
-        };
-        self.kinds.into_iter().map(line).collect()
-    }
 }

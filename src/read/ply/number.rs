@@ -1,6 +1,6 @@
 //! Numeric types.
 
-use crate::read::text::parse;
+use crate::read::text::{decimal, parse};
 
 /// A numeric type.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -42,7 +42,10 @@ impl Number {
     #[inline]
     pub(super) fn parse(self, word: &[u8]) -> Option<f64> {
         match self {
-            Self::F32 => parse::<f32>(word).map(f64::from),
+            // With all its digits, as long as these round to the same number.
+            Self::F32 => {
+                decimal(word).map(|(wide, near)| if wide as f32 == near { wide } else { f64::from(near) })
+            }
             Self::F64 => parse(word),
             Self::U64 => parse::<i128>(word).map(|value| value as f64),
             _ => parse::<i64>(word).map(|value| value as f64),

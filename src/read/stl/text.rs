@@ -5,7 +5,7 @@ use std::io::BufRead;
 use super::soup;
 use crate::mesh::Part;
 use crate::read::slips::Slips;
-use crate::read::text::{name, parse};
+use crate::read::text::{decimal, name};
 use crate::read::words::Words;
 use crate::read::{Format, ReadError};
 use crate::scene::Scene;
@@ -84,6 +84,8 @@ struct Text {
     /// The name of the last solid that has begun.
     name: Vec<u8>,
     slips: Slips,
+    /// How far a coordinate moved at most when it was rounded.
+    rounding: f64,
 }
 
 pub(super) fn read<R: BufRead>(reader: R) -> Result<Scene, ReadError> {
@@ -93,7 +95,7 @@ pub(super) fn read<R: BufRead>(reader: R) -> Result<Scene, ReadError> {
         let key = Key::of(word);
         inside = match inside {
             Inside::Loop(count @ 0..3) if key == Key::Vertex => {
-                stl.positions.push(point(&mut words)?);
+                stl.positions.push(point(&mut words, &mut stl.rounding)?);
                 Inside::Loop(count + 1)
             }
             Inside::Name(facet) => stl.name_word(key, facet, &mut words)?,
@@ -268,6 +270,7 @@ impl Text {
             [only] => mesh.with_name(std::mem::take(&mut only.name)),
             _ => mesh.with_parts(self.solids),
         });
+        scene.rounding = self.rounding;
         scene.notes.extend(self.slips.notes());
         let (controls, line) = words.controls();
         if controls > 0 {
@@ -280,12 +283,15 @@ impl Text {
 
 /// Three finite numbers after `vertex`.
 #[inline]
-fn point<R: BufRead>(words: &mut Words<R>) -> Result<[f32; 3], ReadError> {
+fn point<R: BufRead>(words: &mut Words<R>, rounding: &mut f64) -> Result<[f32; 3], ReadError> {
     let line = words.line();
     let mut point = [0.0; 3];
     for value in &mut point {
-        match words.word()?.map(parse::<f32>) {
-            Some(Some(number)) if number.is_finite() => *value = number,
+        match words.word()?.map(decimal) {
+            Some(Some((wide, number))) if number.is_finite() => {
+                *rounding = rounding.max((wide - f64::from(number)).abs());
+                *value = number;
+            }
             Some(Some(_)) => {
                 return Err(words.error(format!("the coordinate {} is not a finite number", words.quoted())));
             }

@@ -12,6 +12,7 @@ mod light_pyramid;
 mod mask;
 mod method;
 mod volumes;
+mod zpass_verdict;
 
 pub(super) use cpu::StencilCounting;
 pub use depth_complexity::{DepthComplexity, max_depth_complexity};
@@ -22,6 +23,7 @@ pub use method::ShellMethods;
 #[cfg(feature = "gpu")]
 pub use volumes::GpuStencilVolumes;
 pub use volumes::StencilVolumes;
+pub use zpass_verdict::{ZPassVerdict, zpass_verdict};
 
 /// Method of stencil counting: which faces of a shadow volume are counted at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

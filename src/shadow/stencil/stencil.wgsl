@@ -88,7 +88,8 @@ fn volume(@builtin(vertex_index) index: u32) -> Side {
         a = b;
         b = swapped;
     }
-    let edge = (b - a) * frame.scale;
+    // Scaled first: the difference of two of the largest numbers is none.
+    let edge = b * frame.scale - a * frame.scale;
     let normal = direction(cross(direction(edge), direction(away(a))));
     let depth = plane_depth(normal, a * frame.scale - frame.eye);
     let end_a = line(a, away(a), edge);

@@ -15,6 +15,7 @@ mod cap_clusters;
 mod caster_faces;
 mod closed;
 mod extrude;
+mod finite;
 mod frame;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -29,6 +30,7 @@ use std::ops::Range;
 pub use caster_faces::ShellFaces;
 pub use closed::BoundarySum;
 pub use extrude::{BufferTooSmall, ExtrudeInput, Extruder, VolumeParts};
+pub use finite::FiniteVolume;
 pub use frame::{FrameExtruder, FrameVolume};
 #[cfg(feature = "gpu")]
 pub use gpu::{Demand, GpuExtrusion, GpuVolume, Part, VolumeShaders};
@@ -227,7 +229,8 @@ impl ShadowVolume {
     }
 
     /// Vertices as `f32` positions with those at infinity clamped to `far` mesh units from the vertex that
-    /// they were extruded from, for formats that cannot write infinity. One entry per vertex.
+    /// they were extruded from, to look at. One entry per vertex. Such a volume does not hold all of the
+    /// shadow out to that distance; [`ShadowVolume::finite`] does.
     #[must_use]
     pub fn clamped(&self, far: f32) -> Vec<[f32; 3]> {
         let mut positions = self.positions.clone();

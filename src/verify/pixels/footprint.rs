@@ -35,9 +35,10 @@
 
 use glam::{DVec2, DVec3};
 
+use super::ray_point::RayPoint;
 use super::{Pixels, Seen};
-use crate::geom::predicate::{Homogeneous, Sign, orient3d_homogeneous};
-use crate::geom::{Aabb, Light, Segment};
+use crate::geom::predicate::{Homogeneous, Rounded, Sign, orient3d_rounded};
+use crate::geom::{Aabb, Segment};
 use crate::mesh::FaceId;
 use crate::view::{Projection, Size};
 
@@ -65,15 +66,15 @@ pub(super) fn step(projection: &Projection, size: Size) -> f64 {
 impl Pixels<'_> {
     /// Whether the exact count changes within one step of `place`, a position in the picture.
     pub(super) fn changes_sideways(&self, here: &Seen, place: [f64; 2], thorough: bool) -> bool {
-        let surfaces = self.surfaces(here, place);
+        let surfaces = self.surfaces(here);
         // The rim comes first: most changes are found there.
         let inside = inside_the_square().take(if thorough { usize::MAX } else { 0 });
         RIM.into_iter().chain(inside).map(|at| self.beside(place, at)).any(|beside| {
             let Some(there) = self.look(beside) else { return true };
             here.differs(&there)
-                || self.changes_along_the_ray(&there, beside)
+                || self.changes_along_the_ray(&there)
                 || thorough
-                    && self.surfaces(&there, beside) != surfaces
+                    && self.surfaces(&there) != surfaces
                     && self.changes_on_the_way(here, &surfaces, [place, beside])
         })
     }
@@ -101,36 +102,37 @@ impl Pixels<'_> {
             let middle = 0.5 * (same + other);
             match self.look(between(middle)) {
                 Some(there) if here.differs(&there) => return true,
-                Some(there) if self.surfaces(&there, between(middle)) == surfaces => same = middle,
+                Some(there) if self.surfaces(&there) == surfaces => same = middle,
                 _ => other = middle,
             }
         }
-        let all = |s| self.look(between(s)).is_some_and(|seen| self.changes_along_the_ray(&seen, between(s)));
+        let all = |s| self.look(between(s)).is_some_and(|seen| self.changes_along_the_ray(&seen));
         all(same) || all(other)
     }
 
     /// Whether a side of the volume begins or ends within the depth bound along the ray. Caps need no test:
     /// they lie behind the visible surface by definition.
-    pub(super) fn changes_along_the_ray(&self, seen: &Seen, place: [f64; 2]) -> bool {
-        let bound = self.depth_bound(seen, place);
-        let [p, q] = [-bound, bound].map(|part| self.along(seen, place, part));
-        if p.iter().chain(&q).any(|x| !x.is_finite()) {
-            return false;
-        }
+    pub(super) fn changes_along_the_ray(&self, seen: &Seen) -> bool {
+        let bound = self.depth_bound(seen);
+        let eye = self.rendered.projection.eye;
+        let [p, q] =
+            [-bound, bound].map(|part| RayPoint::new(eye, seen.direction, (1.0 + part) * seen.visible.t));
         // In the triangle of both points and the light, no point is farther from the segment `p`–light than
         // `q` is.
-        let wide = |p: [f32; 3]| DVec3::from(p.map(f64::from));
-        let reach = (2.0 * wide(p).distance(wide(q))) as f32;
-        let way = Segment::to_light(p, self.rendered.light);
-        let (ends, light) = ([p, q].map(Homogeneous::point), Homogeneous::light(self.rendered.light));
+        let apart = DVec3::from(p.at).distance(DVec3::from(q.at));
+        let reach = ((2.0 * apart) as f32 + 2.0 * p.slack).min(f32::MAX);
+        let way = Segment::to_light(p.world, self.rendered.light);
+        let ends = [p, q].map(|point| Rounded::point(point.at));
         let mut found = false;
         self.edge_tree.walk(
             |aabb| {
-                let (low, high) = (aabb.low.map(|x| x - reach), aabb.high.map(|x| x + reach));
-                way.may_meet(&Aabb { low: low.map(f32::next_down), high: high.map(f32::next_up) })
+                let low = aabb.low.map(|x| (x - reach).next_down().max(f32::MIN));
+                let high = aabb.high.map(|x| (x + reach).next_up().min(f32::MAX));
+                way.may_meet(&Aabb { low, high })
             },
             |slot| {
-                found = is_swept(self.edges[self.edge_tree.order()[slot] as usize], ends, light);
+                let edge = self.edges[self.edge_tree.order()[slot] as usize];
+                found = is_swept(edge.map(|end| self.relative(Homogeneous::point(end))), ends, self.light);
                 !found
             },
         );
@@ -138,51 +140,43 @@ impl Pixels<'_> {
     }
 
     /// The visible surface, and all other faces within the depth bound.
-    fn surfaces(&self, seen: &Seen, place: [f64; 2]) -> Vec<FaceId> {
+    fn surfaces(&self, seen: &Seen) -> Vec<FaceId> {
         let mut faces = vec![seen.visible.face];
-        let bound = self.depth_bound(seen, place);
-        for end in [-bound, bound] {
-            if let Ok(towards) = Light::point(self.along(seen, place, end)) {
-                self.oracle.for_each_meeting(seen.visible.point, &towards, |face, _| faces.push(face));
-            }
-        }
+        let bound = self.depth_bound(seen);
+        let range = [1.0 - bound, 1.0 + bound].map(|part| part * seen.visible.t);
+        self.seen.for_each_hit(self.rendered.projection.eye, seen.direction, range, |face| faces.push(face));
         faces.sort_unstable();
         faces.dedup();
         faces
     }
 
     /// The error bound of two depths, relative to the depth of the visible point.
-    fn depth_bound(&self, seen: &Seen, place: [f64; 2]) -> f64 {
+    fn depth_bound(&self, seen: &Seen) -> f64 {
         const U: f64 = f32::EPSILON as f64;
         let wide = |p: [f32; 3]| DVec3::from(p.map(f64::from));
         let [a, b, c] = seen.visible.corners.map(|corner| wide(corner) - wide(self.rendered.projection.eye));
         let normal = (b - a).cross(c - a).normalize_or_zero();
-        let at = seen.visible.t * self.ray(place);
+        let at = seen.visible.t * DVec3::from(seen.direction.map(f64::from));
         let farthest = a.length().max(at.length());
         let height = normal.dot(a).abs();
         (32.0 * U * farthest / height).min(0.5) // also for a height of 0
-    }
-
-    /// The point on the ray whose depth is that of the visible point times 1 + `part`.
-    fn along(&self, seen: &Seen, place: [f64; 2], part: f64) -> [f32; 3] {
-        let eye = DVec3::from(self.rendered.projection.eye.map(f64::from));
-        (eye + (1.0 + part) * seen.visible.t * self.ray(place)).as_vec3().into()
     }
 }
 
 /// Whether the side that the light extrudes from an edge meets the segment between two points. Equivalently:
 /// whether the edge meets the triangle of the segment and the light. An edge in the plane of this triangle
 /// does not count.
-fn is_swept(edge: [[f32; 3]; 2], [p, q]: [Homogeneous; 2], light: Homogeneous) -> bool {
-    let [a, b] = edge.map(Homogeneous::point);
-    let sides = [orient3d_homogeneous([p, q, light, a]), orient3d_homogeneous([p, q, light, b])];
+///
+/// Signs that rounding leaves open count as zero.
+fn is_swept([a, b]: [Rounded; 2], [p, q]: [Rounded; 2], light: Rounded) -> bool {
+    let sides = [orient3d_rounded([p, q, light, a]), orient3d_rounded([p, q, light, b])];
     if sides[0] == sides[1] {
         return false;
     }
     let around = [
-        orient3d_homogeneous([a, b, p, q]),
-        orient3d_homogeneous([a, b, q, light]),
-        orient3d_homogeneous([a, b, light, p]),
+        orient3d_rounded([a, b, p, q]),
+        orient3d_rounded([a, b, q, light]),
+        orient3d_rounded([a, b, light, p]),
     ];
     !(around.contains(&Sign::Positive) && around.contains(&Sign::Negative))
 }

@@ -1,24 +1,24 @@
 //! Comparison of a stencil pass with the exact oracle, pixel by pixel.
 //!
 //! For each pixel the visible point comes from a ray through the pixel's center, not from a depth buffer. The
-//! casting faces between this point and the light are counted exactly. A stencil count that differs is either
-//! explained or real.
+//! ray begins at the eye: a surface that a near plane cuts away is a mismatch, unless the plane was asked
+//! for. The casting faces between this point and the light are counted in coordinates relative to the eye, so
+//! that it does not matter how far from the origin they are. A stencil count that differs is either explained
+//! or real.
 
 mod counts;
 mod footprint;
-mod recenter;
-
-use glam::DVec3;
+mod ray_point;
 
 pub use counts::PixelCounts;
 use footprint::step;
-use recenter::Recentered;
 
 use crate::caster::Caster;
 use crate::geom::bvh::Bvh;
+use crate::geom::predicate::{Homogeneous, Rounded};
 use crate::geom::{Aabb, Light};
-use crate::mesh::{FaceId, Mesh};
-use crate::oracle::{Intersection, Oracle, PrimaryHit};
+use crate::mesh::FaceId;
+use crate::oracle::{Oracle, PrimaryHit};
 use crate::parallel;
 use crate::shadow::stencil::{Counting, ShadowMask};
 use crate::silhouette::{Silhouette, SilhouetteEdge};
@@ -78,6 +78,8 @@ pub struct Mismatch {
     pub exact: Option<u32>,
     /// The stencil count; `None` for sky.
     pub counted: Option<i32>,
+    /// Whether the point lies before the near plane, which has cut it away.
+    pub cut: bool,
 }
 
 /// Verdicts for all pixels of a picture.
@@ -109,20 +111,29 @@ impl Comparison {
 /// Input of [`compare`]: what was rendered.
 #[derive(Clone, Copy, Debug)]
 pub struct Rendered<'a> {
-    /// The mesh that casts and receives.
+    /// The mesh that casts.
     pub caster: &'a Caster,
+    /// All that is seen: the caster's faces, and then those that only receive. `None` if there are none such.
+    pub seen: Option<&'a Caster>,
     /// The exact sign with which each face casts: one entry per face.
     pub signs: &'a [i8],
     /// The light.
     pub light: &'a Light,
     /// The projection, with the same bits as in the shaders.
     pub projection: &'a Projection,
+    /// The distance from which on surfaces were to be seen: that of a near plane that was asked for, else 0.
+    /// With a near plane beyond it, a surface that the plane cuts away is a real mismatch, whatever was
+    /// counted behind the surface.
+    pub seen_from: f32,
     /// The counts of the stencil pass.
     pub mask: &'a ShadowMask,
     /// Faces that cast with another sign than in `signs`, because `f32` had to decide; ascending. Empty for
     /// volumes with exact signs.
     pub unsure: &'a [FaceId],
 }
+
+/// Real mismatches per row after which the search for explanations is limited to the nearest positions.
+const THOROUGH: usize = 16;
 
 /// Compares every pixel of `rendered` with the exact ray cast, and keeps the first `keep` real mismatches
 /// with their positions. With the feature `parallel`, rows are shared among threads.
@@ -158,7 +169,7 @@ pub struct Rendered<'a> {
 /// for (z, agrees) in [(9.0, true), (-9.0, false)] {
 ///     let light = &Light::point([0.0, 0.0, z])?;
 ///     let signs = &CasterFaces::All.signs(&caster.facing(light));
-///     let rendered = Rendered { caster, signs, light, projection, mask, unsure: &[] };
+///     let rendered = Rendered { caster, seen: None, signs, light, projection, seen_from: 0.0, mask, unsure: &[] };
 ///     let comparison = compare(&rendered, 1, &|_| {});
 ///     assert_eq!(comparison.agrees(), agrees);
 ///     assert_eq!(comparison.count(PixelVerdict::Real) == 0, agrees);
@@ -168,39 +179,24 @@ pub struct Rendered<'a> {
 #[must_use]
 pub fn compare(rendered: &Rendered<'_>, keep: usize, progress: &(dyn Fn(u64) + Sync)) -> Comparison {
     assert_eq!(rendered.signs.len(), rendered.caster.mesh().face_count(), "one sign a face");
-    match Recentered::of(rendered.caster.mesh(), rendered.light, rendered.projection) {
-        None => judge_all(rendered.caster.mesh(), rendered.caster.oracle(), rendered, keep, progress),
-        Some(Recentered { mesh, light, projection, origin }) => {
-            let moved = Rendered { light: &light, projection: &projection, ..*rendered };
-            let mut comparison = judge_all(&mesh, &Oracle::build(&mesh), &moved, keep, progress);
-            for point in comparison.mismatches.iter_mut().filter_map(|mismatch| mismatch.point.as_mut()) {
-                *point = [0, 1, 2].map(|i| point[i] + origin[i]);
-            }
-            comparison
-        }
-    }
-}
-
-/// Real mismatches per row after which the search for explanations is limited to the nearest positions.
-const THOROUGH: usize = 16;
-
-fn judge_all(
-    mesh: &Mesh,
-    oracle: &Oracle,
-    rendered: &Rendered<'_>,
-    keep: usize,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Comparison {
-    let size = rendered.mask.size();
-    let topology = rendered.caster.topology();
+    let Rendered { caster, projection, light, mask, .. } = *rendered;
+    let (mesh, topology, size) = (caster.mesh(), caster.topology(), mask.size());
     let silhouette = Silhouette::extract(topology, rendered.signs);
     let ends = |edge: &SilhouetteEdge| topology.vertices(edge.edge);
     let edges = silhouette.edges.iter().map(|edge| ends(edge).map(|v| mesh.positions()[v.index()]));
     let edges: Vec<[[f32; 3]; 2]> = edges.collect();
     let boxes: Vec<Aabb> = edges.iter().map(|ends| Aabb::around(*ends)).collect();
     let edge_tree = Bvh::build(&boxes);
-    let (rays, step) = (Rays::new(rendered.projection, size), step(rendered.projection, size));
-    let pixels = Pixels { oracle, rendered, rays, step, edges, edge_tree };
+    let pixels = Pixels {
+        oracle: caster.oracle(),
+        seen: rendered.seen.unwrap_or(caster).oracle(),
+        rendered,
+        rays: Rays::new(projection, size),
+        step: step(projection, size),
+        light: Rounded::seen_from(projection.eye, Homogeneous::light(light)),
+        edges,
+        edge_tree,
+    };
     let mut verdicts = vec![PixelVerdict::Sky; size.pixels()];
     parallel::rows(&mut verdicts, size.width() as usize, |y, row| {
         // In a row full of unexplained mismatches, further ones are not worth a long search each.
@@ -223,6 +219,8 @@ fn judge_all(
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     visible: PrimaryHit,
+    /// The direction of the ray.
+    direction: [f32; 3],
     /// Casting faces that the segment to the light properly crosses.
     count: u32,
     /// Whether the segment touches casting faces without crossing them; then the count may be higher.
@@ -237,11 +235,16 @@ impl Seen {
 }
 
 struct Pixels<'a> {
+    /// Of what casts.
     oracle: &'a Oracle,
+    /// Of what is seen.
+    seen: &'a Oracle,
     rendered: &'a Rendered<'a>,
     rays: Rays,
     /// How far sideways the footprint of a pixel reaches, in pixels.
     step: f64,
+    /// The light as seen from the eye.
+    light: Rounded,
     /// The end points of the silhouette edges.
     edges: Vec<[[f32; 3]; 2]>,
     /// Bounding volume hierarchy over the boxes of the silhouette edges.
@@ -255,6 +258,9 @@ impl Pixels<'_> {
         let counted = self.rendered.mask.count(x, y);
         let middle = [f64::from(x) + 0.5, f64::from(y) + 0.5];
         let seen = self.look(middle);
+        if seen.is_some_and(|seen| self.is_cut(&seen)) {
+            return PixelVerdict::Real;
+        }
         match (seen, counted) {
             (None, None) => return PixelVerdict::Sky,
             (Some(seen), Some(counted)) if i64::from(seen.count) == i64::from(counted) => {
@@ -265,7 +271,7 @@ impl Pixels<'_> {
                 if stencil && seen.count > 255 && seen.count & 255 == counted as u32 & 255 {
                     return PixelVerdict::Overflow;
                 }
-                if seen.touching || self.changes_along_the_ray(&seen, middle) {
+                if seen.touching || self.changes_along_the_ray(&seen) {
                     return PixelVerdict::Grazing;
                 }
                 if self.meets_unsure(&seen) {
@@ -290,40 +296,21 @@ impl Pixels<'_> {
             point: seen.map(|seen| seen.visible.point),
             exact: seen.map(|seen| seen.count),
             counted: self.rendered.mask.count(x, y),
+            cut: seen.is_some_and(|seen| self.is_cut(&seen)),
         }
     }
 
     /// The surface and exact count seen through `place`, in pixels from the upper left corner.
     fn look(&self, place: [f64; 2]) -> Option<Seen> {
         let ray = self.rays.ray(place[0], place[1]);
-        let near = self.rendered.projection.near.into();
-        let visible = self.oracle.first_visible_beyond(ray.origin, ray.direction, near)?;
-        let (count, touching) = self.count(visible.point);
-        Some(Seen { visible, count, touching })
+        let nearest = self.rendered.seen_from.into();
+        let visible = self.seen.first_visible_beyond(ray.origin, ray.direction, nearest)?;
+        let (count, touching) = self.count(&visible, ray.direction);
+        Some(Seen { visible, direction: ray.direction, count, touching })
     }
 
-    fn ray(&self, [x, y]: [f64; 2]) -> DVec3 {
-        self.rays.direction(x, y)
-    }
-
-    /// The number of casting faces between a point and the light, and whether the segment only touches any of
-    /// them.
-    fn count(&self, point: [f32; 3]) -> (u32, bool) {
-        let (mut count, mut touching) = (0, false);
-        self.oracle.for_each_meeting(point, self.rendered.light, |face, meeting| match meeting {
-            _ if self.rendered.signs[face.index()] == 0 => {}
-            Intersection::Crossing(_) => count += 1,
-            _ => touching = true,
-        });
-        (count, touching)
-    }
-
-    fn meets_unsure(&self, seen: &Seen) -> bool {
-        let unsure = self.rendered.unsure;
-        let mut met = unsure.binary_search(&seen.visible.face).is_ok();
-        self.oracle.for_each_meeting(seen.visible.point, self.rendered.light, |face, _| {
-            met |= unsure.binary_search(&face).is_ok();
-        });
-        met
+    /// Whether the near plane has cut away what is seen.
+    fn is_cut(&self, seen: &Seen) -> bool {
+        seen.visible.t < self.rendered.projection.near.into()
     }
 }

@@ -187,6 +187,16 @@ impl<'a> Verifier<'a> {
         Self { caster }
     }
 
+    /// Builds what all lights share: topology, shells, proofs, planes and ray cast. Otherwise the first light
+    /// builds it, which for a million faces takes some seconds.
+    pub fn prepare(&self) {
+        let caster = self.caster;
+        let _ = caster.topology();
+        let _ = caster.planes();
+        let _ = caster.oracle();
+        let _ = caster.proofs();
+    }
+
     /// Verifies one light. `progress` is called with the number of points done, from any thread.
     #[must_use]
     pub fn verify(&self, light: &Light, options: &Options, progress: &(dyn Fn(u64) + Sync)) -> Verification {

@@ -65,11 +65,11 @@ fn check_json_has_the_agreed_keys_in_order() {
     let document = folder.json("check open.obj cube.obj");
     assert_eq!(keys(&document), "files verdict");
     let file = &document["files"][0];
-    assert_eq!(keys(file), "file format error meshes total");
+    assert_eq!(keys(file), "file format error meshes total requirements rounding");
     assert_eq!(keys(&file["meshes"][0]), MESH_KEYS);
     assert_eq!(keys(&file["total"]), MESH_KEYS);
     let defect = &file["meshes"][0]["defects"][0];
-    assert_eq!(keys(defect), "kind count effect at");
+    assert_eq!(keys(defect), "kind count at_least effect at");
     assert_eq!(keys(&defect["at"][0]), "position name faces");
     assert_eq!((&document["verdict"], &file["format"]), (&Value::from("cracked"), &Value::from("obj")));
     assert_shape("check", &document);
@@ -186,11 +186,11 @@ fn check_takes_meshes_at_the_ends_of_the_range() {
     fs::write(folder.path("huge.obj"), huge).unwrap();
     fs::write(folder.path("point.obj"), "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n").unwrap();
     fs::write(folder.path("empty.stl"), "solid\nendsolid\n").unwrap();
-    for (file, code) in [("huge.obj", 1), ("point.obj --weld none", 1), ("empty.stl", 0)] {
+    for (file, code) in [("huge.obj", 1), ("point.obj --weld none", 1), ("empty.stl", 1)] {
         assert_eq!(folder.code(&format!("check {file} --self-intersections --mark a.glb")), code, "{file}");
         // `json` asserts that the output parses, so it holds no NaN and no infinity.
         let total = &folder.json(&format!("check {file}"))["files"][0]["total"];
-        assert!(total["signed_volume"].is_number(), "{file}: {total}");
+        assert_eq!(total["signed_volume"].is_number(), total["balanced"] == true, "{file}: {total}");
         let volume = folder.json(&format!("volume {file} -o b.glb"));
         assert_eq!(volume["lights"][0]["closed"], true, "{file}");
     }
@@ -288,7 +288,7 @@ fn check_fast_json_has_the_agreed_keys_and_null_for_what_was_not_computed() {
     assert_eq!((keys(&document).as_str(), &document["verdict"]), ("files verdict", &"cracked".into()));
     for (file, balanced, faces) in [(0, false, 10), (1, true, 12)] {
         let file = &document["files"][file];
-        assert_eq!(keys(file), "file format error meshes total");
+        assert_eq!(keys(file), "file format error meshes total requirements rounding");
         for mesh in [&file["meshes"][0], &file["total"]] {
             assert_eq!(keys(mesh), MESH_KEYS);
             let Value::Object(object) = mesh else { unreachable!() };
@@ -331,4 +331,228 @@ fn check_json_of_a_mesh_is_that_of_the_library() {
     // Negative test: one number of one shell.
     report.shell_list[1].faces += 1;
     assert!(!same(&report));
+}
+
+#[test]
+fn check_require_takes_a_list_and_names_what_failed() {
+    let folder = Folder::with_cubes();
+    folder.mesh("eight.ply", &shapes::figure_eight_prism());
+    let far = shapes::translated(&shapes::figure_eight_prism(), [50.0, 3.0, 0.0]);
+    folder.mesh("crossed.obj", &Mesh::concat(&[shapes::cube(), far]).unwrap());
+    folder.mesh("double.obj", &shapes::duplicated_face());
+    folder.mesh("line.obj", &shapes::collinear_face());
+    folder.mesh("touching.obj", &shapes::cubes_sharing_edge());
+    folder.mesh("tee.obj", &shapes::t_junction());
+    for (arguments, code) in [
+        // What is searched for counts, and only that.
+        ("eight.ply --require watertight", 0),
+        ("eight.ply --require watertight --self-intersections", 1),
+        ("crossed.obj --require watertight,no-self-intersections", 1),
+        ("crossed.obj --require watertight --require no-self-intersections", 1),
+        ("cube.obj --require watertight,manifold,even,balanced,sound,not-empty", 0),
+        ("cube.obj --require no-self-intersections,no-t-junctions,no-duplicates,no-zero-area", 0),
+        ("cube.obj --self-intersections", 0),
+        ("double.obj --require no-duplicates", 1),
+        ("double.obj --require no-zero-area", 0),
+        ("line.obj --require no-zero-area", 1),
+        ("touching.obj --require manifold", 1),
+        ("touching.obj --require balanced,no-t-junctions", 0),
+        ("tee.obj --require no-t-junctions", 1),
+        ("cube.obj --require round", 2),
+    ] {
+        assert_eq!(folder.code(&format!("check {arguments}")), code, "{arguments}");
+    }
+    let arguments = "check crossed.obj --require even --require no-self-intersections,manifold";
+    let requirements = &folder.json(arguments)["files"][0]["requirements"];
+    let expected = serde_json::json!([
+        { "name": "not-empty", "holds": true },
+        { "name": "even", "holds": true },
+        { "name": "manifold", "holds": true },
+        { "name": "no-self-intersections", "holds": false },
+    ]);
+    assert_eq!(*requirements, expected);
+    let text = folder.run(arguments).stdout;
+    assert!(text.contains("cracked: the mesh is not free of self-intersections: "), "{text}");
+    let text = folder.run("check cube.obj --require even,no-duplicates,manifold").stdout;
+    assert!(text.contains("  sound: the mesh is even, manifold and free of duplicate faces\n"), "{text}");
+}
+
+#[test]
+fn check_of_nothing_passes_no_gate_unless_that_is_allowed() {
+    let folder = Folder::new();
+    fs::write(folder.path("none.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\n").unwrap();
+    folder.mesh("small.ply", &shapes::scaled(&shapes::icosphere(1), 0.01));
+    for arguments in ["none.obj", "none.obj --require even", "none.obj --fast", "small.ply --weld 1"] {
+        assert_eq!(folder.code(&format!("check {arguments}")), 1, "{arguments}");
+        assert_eq!(folder.code(&format!("check {arguments} --allow-empty")), 0, "{arguments}");
+        let verdict = folder.json(&format!("check {arguments}"))["verdict"].clone();
+        assert_eq!(verdict, "empty", "{arguments}");
+    }
+    assert_eq!(folder.code("check small.ply --weld 0.0001"), 0);
+    let text = folder.run("check small.ply --weld 1").stdout;
+    assert!(text.contains("empty: there are no faces to check: all 80 faces collapse when welded"), "{text}");
+}
+
+#[test]
+fn check_tells_open_from_misoriented_and_gives_no_volume_for_either() {
+    let folder = Folder::with_cubes();
+    let turned = shapes::translated(&shapes::misoriented_cube(), [9.0, 0.0, 0.0]);
+    let open = shapes::translated(&shapes::open_cube(), [18.0, 0.0, 0.0]);
+    folder.mesh("three.obj", &Mesh::concat(&[shapes::cube(), turned, open]).unwrap());
+    let text = folder.run("check three.obj").stdout;
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
+    let states = ["0", "1", "2"].map(|shell| {
+        let row = rows.iter().rev().find(|row| row.len() == 8 && row[0] == shell);
+        row.map(|row| (row[6], row[7])).unwrap_or_else(|| panic!("{text}"))
+    });
+    assert_eq!(states, [("8", "watertight"), ("-", "misoriented"), ("-", "open")]);
+    let document = folder.json("check three.obj");
+    let mesh = &document["files"][0]["meshes"][0];
+    assert_eq!(
+        (&mesh["signed_volume"], &mesh["shell_list"][0]["signed_volume"]),
+        (&Value::Null, &8.0.into())
+    );
+    assert_eq!(mesh["shell_list"][1]["signed_volume"], Value::Null);
+}
+
+/// A glTF that places a mesh by a matrix; column-major.
+fn placed(mesh: &Mesh, matrix: [f64; 16]) -> String {
+    let numbers: Vec<f32> = mesh.positions().iter().flatten().copied().collect();
+    let bytes: Vec<u8> = numbers
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .chain(mesh.triangles().iter().flatten().flat_map(|id| id.to_le_bytes()))
+        .collect();
+    let base64 = {
+        use base64::Engine as _;
+        base64::engine::general_purpose::STANDARD.encode(&bytes)
+    };
+    let (vertices, start, indices) = (mesh.vertex_count(), 4 * numbers.len(), 3 * mesh.face_count());
+    let axis = |axis: usize, from: f32, better: fn(f32, f32) -> f32| {
+        mesh.positions().iter().map(|p| p[axis]).fold(from, better)
+    };
+    let [low, high] = [(f32::INFINITY, f32::min as fn(f32, f32) -> f32), (f32::NEG_INFINITY, f32::max)]
+        .map(|(from, better)| [0, 1, 2].map(|i| axis(i, from, better)));
+    serde_json::json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0, "matrix": matrix }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }],
+        "buffers": [{ "byteLength": bytes.len(), "uri": format!("data:application/octet-stream;base64,{base64}") }],
+        "bufferViews": [
+            { "buffer": 0, "byteOffset": 0, "byteLength": start },
+            { "buffer": 0, "byteOffset": start, "byteLength": bytes.len() - start },
+        ],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": vertices, "type": "VEC3", "min": low, "max": high },
+            { "bufferView": 1, "componentType": 5125, "count": indices, "type": "SCALAR" },
+        ],
+    })
+    .to_string()
+}
+
+#[test]
+fn check_judges_a_mesh_in_its_own_space_and_tells_the_world() {
+    let folder = Folder::new();
+    let far = [4_387_923.5, 717_653.25, -4_555_123.5];
+    let matrix = |sx: f64, s: f64, at: [f64; 3]| {
+        [sx, 0.0, 0.0, 0.0, 0.0, s, 0.0, 0.0, 0.0, 0.0, s, 0.0, at[0], at[1], at[2], 1.0]
+    };
+    for (name, mesh) in
+        [("box", shapes::scaled(&shapes::cube(), 0.1)), ("ball", shapes::scaled(&shapes::icosphere(2), 0.1))]
+    {
+        let volume = {
+            let report = CrackReport::of(&mesh, &Topology::of(&mesh));
+            report.counts.signed_volume
+        };
+        // Mirrored, scaled and far out: sound, with the volume and the place that it has in the world.
+        fs::write(folder.path("far.gltf"), placed(&mesh, matrix(-2.0, 2.0, far))).unwrap();
+        let run = folder.run("check far.gltf");
+        assert_eq!(run.code, 0, "{name}: {}", run.stdout);
+        assert!(run.stderr.contains("placing moves a vertex by 0."), "{}", run.stderr);
+        let document = folder.json("check far.gltf");
+        let shell = &document["files"][0]["meshes"][0]["shell_list"][0];
+        let told = shell["signed_volume"].as_f64().unwrap();
+        assert!((told - 8.0 * volume).abs() < 1e-9, "{name}: {told} {volume}");
+        assert!(shell["bounds"][0][0].as_f64().unwrap() > 4e6, "{shell}");
+        // Judged where it is placed it falls together, and the report says why.
+        let run = folder.run("check far.gltf --scope scene");
+        assert_eq!(run.code, 1, "{name}: {}", run.stdout);
+        assert!(run.stdout.contains("defects of that size come from the rounding"), "{}", run.stdout);
+        // Near the origin there is nothing to say.
+        fs::write(folder.path("near.gltf"), placed(&mesh, matrix(1.0, 1.0, [0.5, 2.0, -1.0]))).unwrap();
+        for scope in ["mesh", "scene", "primitive"] {
+            let run = folder.run(&format!("check near.gltf --scope {scope}"));
+            assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{name} {scope}: {}", run.stdout);
+        }
+    }
+}
+
+#[test]
+fn check_says_how_far_decimals_were_rounded() {
+    let folder = Folder::new();
+    let corners = |at: [f64; 3], size: f64| -> Vec<[f64; 3]> {
+        let corner = |i: usize| [0, 1, 2].map(|axis| at[axis] + size * f64::from(i as u32 >> axis & 1));
+        (0..8).map(corner).collect()
+    };
+    let faces = [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]];
+    let obj = |at, size| {
+        let vertex = |p: &[f64; 3]| format!("v {:.4} {:.4} {:.4}\n", p[0], p[1], p[2]);
+        let face = |f: &[u32; 4]| format!("f {} {} {} {}\n", f[0], f[1], f[2], f[3]);
+        corners(at, size).iter().map(vertex).chain(faces.iter().map(face)).collect::<String>()
+    };
+    let ply = |at, size| {
+        let vertex = |p: &[f64; 3]| format!("{:.4} {:.4} {:.4}\n", p[0], p[1], p[2]);
+        let face = |f: &[u32; 4]| format!("4 {} {} {} {}\n", f[0] - 1, f[1] - 1, f[2] - 1, f[3] - 1);
+        let head = "ply\nformat ascii 1.0\nelement vertex 8\nproperty double x\nproperty double y\nproperty double z\n\
+                    element face 6\nproperty list uchar int vertex_indices\nend_header\n";
+        let body: String = corners(at, size).iter().map(vertex).chain(faces.iter().map(face)).collect();
+        format!("{head}{body}")
+    };
+    let far = [512_345.67, 5_812_345.25, 103.4];
+    for (name, text) in [("far.obj", obj(far, 0.2)), ("far.ply", ply(far, 0.2))] {
+        fs::write(folder.path(name), text).unwrap();
+        let run = folder.run(&format!("check {name}"));
+        // The y of 5812345.25 and .45 lie a quarter and 0.05 from the next f32.
+        assert!(run.stderr.contains("the largest moved by 0.25; move the model"), "{name}: {}", run.stderr);
+        assert_eq!(run.code, 1, "{name}");
+        assert!(run.stdout.contains("defects of that size come from the rounding"), "{}", run.stdout);
+        let moved = folder.json(&format!("check {name}"))["files"][0]["rounding"].as_f64().unwrap();
+        assert!((moved - 0.25).abs() < 1e-9, "{name}: {moved}");
+    }
+    // Coordinates that fit, however large, and those that are rounded by next to nothing.
+    for (at, size) in [([512_345.5, 5_812_345.0, 103.5], 2.0), ([0.1, 0.2, 0.3], 0.7)] {
+        fs::write(folder.path("fits.obj"), obj(at, size)).unwrap();
+        let run = folder.run("check fits.obj");
+        assert!(run.code == 0 && !run.stderr.contains("moved"), "{}{}", run.stderr, run.stdout);
+    }
+}
+
+#[test]
+fn check_says_what_the_effect_is_on_and_that_frames_are_welded_together() {
+    let folder = Folder::new();
+    folder.mesh("point.obj", &shapes::scaled(&shapes::cube(), 1e-3));
+    let text = folder.run("check point.obj --weld 1").stdout;
+    assert!(text.contains("    effect on the shadow: none, since the face has no area"), "{text}");
+    assert!(!text.lines().any(|line| line.trim_start().starts_with("none")), "{text}");
+}
+
+#[test]
+fn check_of_coordinates_beyond_the_digits_of_f32() {
+    let Some(reports) = crate::support::reports() else { return };
+    let folder = Folder::new();
+    let at = |name: &str| reports.canonicalize().unwrap().join(name).display().to_string();
+    let run = folder.run(&format!("check {}", at("far_instance.gltf")));
+    assert!(
+        run.code == 0 && run.stderr.contains("placing moves a vertex by "),
+        "{}{}",
+        run.stdout,
+        run.stderr
+    );
+    let boxes = folder.json(&format!("check {}", at("ecef_box.gltf")));
+    let watertight = |mesh: usize| boxes["files"][0]["meshes"][mesh]["watertight"].clone();
+    assert_eq!([watertight(0), watertight(1)], [false, true], "a plate, and a box on it");
+    let run = folder.run(&format!("check {}", at("utm_cube.obj")));
+    assert!(run.stderr.contains("the largest moved by 0.2"), "{}", run.stderr);
 }

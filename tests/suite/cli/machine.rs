@@ -121,7 +121,7 @@ fn machine_folder_or_file_without_permission_is_refused() {
     close("closed", 0o555);
     close("cube.obj", 0);
     if fs::write(folder.path("closed/probe"), "").is_ok() {
-        eprintln!("SKIPPED: permissions do not hold for this user (root)");
+        crate::support::skipped("permissions do not hold for this user (root)");
     } else {
         let run = folder.run(&format!("volume ball.ply {LIGHT} -o closed/out.glb"));
         let last = run.stderr.lines().last().unwrap_or_default();
@@ -176,7 +176,7 @@ fn signals_are_ignored() -> bool {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap().trim();
     let ignored = u64::from_str_radix(mask, 16).unwrap() & HANGUP_INTERRUPT_TERMINATE != 0;
     if ignored {
-        eprintln!("SKIPPED: whoever runs the tests has signals ignored");
+        crate::support::skipped("whoever runs the tests has signals ignored");
     }
     ignored
 }

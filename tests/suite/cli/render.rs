@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use umbrage::mesh::Mesh;
 use umbrage::testing::shapes;
 
 use super::Folder;
@@ -147,6 +148,43 @@ fn render_without_an_adapter_falls_back_only_where_it_may() {
     assert_eq!(folder.code(&format!("render --method rays {rest}")), 0);
     assert_eq!(fs::read(folder.path("a.png")).unwrap(), auto);
     assert_eq!(folder.run_without_adapter(&format!("render --adapter llvmpipe {rest}")).code, 2);
+}
+
+#[test]
+fn render_says_of_zpass_that_was_asked_for_whether_it_is_wrong() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = Folder::new();
+    let slab = shapes::cuboid([-2.0, 1.0, -2.0], [2.0, 1.5, 2.0]);
+    let floor = shapes::cuboid([-9.0, -1.2, -9.0], [9.0, -1.0, 9.0]);
+    folder.mesh("slab.obj", &Mesh::concat(&[slab, floor]).unwrap());
+    let wall = shapes::cuboid([-9.0, -9.0, -6.2], [9.0, 9.0, -6.0]);
+    folder.mesh("torus.obj", &Mesh::concat(&[shapes::torus(24, 12, 2.0, 0.7), wall]).unwrap());
+    let run = |file: &str, light: &str, view: &str, method: &str| {
+        let rest = format!("--light {light} {view} --size 32x24 --method {method} -o a.png");
+        folder.run(&format!("render {file} {rest}")).stderr
+    };
+    let (wrong, right) =
+        ("so z-pass counts wrongly and the picture is wrong", "z-pass is proven to be right");
+    // Below the slab and behind the torus; above it and beside it.
+    for (file, light, dark, lit) in [
+        ("slab.obj", "point:0,9,0", "--eye 0.5,0,0.25 --target 3,-1,0", "--eye 3,5,3 --target 0,1,0"),
+        ("torus.obj", "directional:0,0,-1", "--eye 2,0,-3 --target 4,0,-6", "--eye 0,9,5 --target 0,0,0"),
+    ] {
+        let said = run(file, light, dark, "zpass");
+        assert!(said.contains(wrong) && said.contains(&format!("warning: {light}: ")), "{said}");
+        let said = run(file, light, lit, "zpass");
+        assert!(!said.contains(wrong) && said.contains(right), "{said}");
+        assert!(!run(file, light, dark, "zfail").contains("wrong"));
+        // The pictures are what is said of them.
+        let picture = |view: &str, method: &str| {
+            run(file, light, view, method);
+            png(&folder, "a.png")
+        };
+        assert!(picture(dark, "zpass") != picture(dark, "zfail"), "{file}");
+        assert!(picture(lit, "zpass") == picture(lit, "zfail"), "{file}");
+    }
 }
 
 #[test]

@@ -116,6 +116,19 @@ fn no_cast_leaves_receivers_in_the_picture_and_out_of_the_shadows() {
         let same = pixels.chunks(4).zip(received.chunks(4)).filter(|(a, b)| a == b).count();
         assert!(same > 1000, "{method}: {same}");
     }
+    // Pixels are compared with the shadows of the casters alone, wherever these fall.
+    if gpu().is_some() {
+        for no_cast in ["Fl*", "Red"] {
+            let run = folder.run(&format!(
+                "verify boxes.obj --points 100 --light point:1,-5,8 --gpu --size 64x48 --no-cast {no_cast}"
+            ));
+            assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+        }
+        let run = folder
+            .run("accuracy shadow boxes.obj --light point:1,-5,8 --size 64x48 --rounds 1 --no-cast Red");
+        assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+        assert!(run.stdout.contains("device") && run.stdout.contains("every claim holds"), "{}", run.stdout);
+    }
     // Silhouettes are those of the casters alone.
     let edges = |rest: &str| {
         folder.json(format!("silhouette boxes.obj --light point:1,5,8 {rest}").trim_end())["lights"].clone()
@@ -143,6 +156,11 @@ fn falloff_is_plain_unless_asked_for() {
     let plain = picture(light);
     assert!(plain == picture(&format!("{light} --falloff plain")));
     assert!(plain == picture(&format!("{light},range=2")), "a range is for physical falloff");
+    let note = "note: a light's range is not applied: --falloff physical ends the light there";
+    for (rest, noted) in [("", false), (",range=2", true), (",range=2 --falloff physical", false)] {
+        let run = folder.run(&format!("render cube.obj --size 8x8 --method rays -o a.png {light}{rest}"));
+        assert_eq!(run.stderr.contains(note), noted, "{rest}: {}", run.stderr);
+    }
     let physical = picture(&format!("{light} --falloff physical"));
     let ending = picture(&format!("{light},range=2 --falloff physical"));
     let sum = |pixels: &[u8]| pixels.iter().map(|&byte| u64::from(byte)).sum::<u64>();
@@ -181,15 +199,59 @@ fn light_that_is_wrong_is_refused_by_its_part_and_one_with_an_extent_is_not_buil
 }
 
 #[test]
+fn camera_that_cannot_be_used_stops_only_what_asks_for_it() {
+    let folder = Folder::new();
+    folder.mesh("cube.glb", &shapes::cube());
+    let mut document = document_beside(&folder, "cube.glb", "cube.bin");
+    document["cameras"] = serde_json::json!([
+        {"name": "wide", "perspective": {"yfov": 3.5, "znear": 0.1}},
+        {"name": "front", "perspective": {"yfov": 0.6, "znear": 0.1}}
+    ]);
+    let nodes = document["nodes"].as_array_mut().unwrap();
+    let first = nodes.len();
+    nodes.extend([0, 1].map(|camera| serde_json::json!({"camera": camera, "translation": [0, 0, 4]})));
+    document["scenes"][0]["nodes"].as_array_mut().unwrap().extend([first, first + 1].map(Into::into));
+    fs::write(folder.path("cube.gltf"), document.to_string()).unwrap();
+
+    let why = "its yfov is 3.5, but must be more than 0 and less than pi";
+    let run = folder.run("check cube.gltf");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(
+        run.stderr.contains(&format!("note: cube.gltf: camera 0: camera left out: {why}\n")),
+        "{}",
+        run.stderr
+    );
+    for camera in ["front", "2"] {
+        assert_eq!(
+            folder.code(&format!("render cube.gltf --size 8x8 --method rays -o a.png --camera {camera}")),
+            0
+        );
+    }
+    for camera in ["wide", "1"] {
+        let run =
+            folder.run(&format!("render cube.gltf --size 8x8 --method rays -o b.png --camera {camera}"));
+        let wanted =
+            format!("cube.gltf: --camera {camera}: the camera cannot be used: {why}; choose another camera");
+        assert!(run.code == 2 && run.stderr.contains(&wanted), "{}", run.stderr);
+    }
+    assert!(!folder.path("b.png").exists());
+}
+
+/// The document of a GLB, whose buffer is written to a file of its own.
+fn document_beside(folder: &Folder, glb: &str, bin: &str) -> serde_json::Value {
+    let glb = fs::read(folder.path(glb)).unwrap();
+    let json_bytes = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let mut document: serde_json::Value = serde_json::from_slice(&glb[20..20 + json_bytes]).unwrap();
+    fs::write(folder.path(bin), &glb[28 + json_bytes..]).unwrap();
+    document["buffers"][0]["uri"] = bin.into();
+    document
+}
+
+#[test]
 fn camera_of_the_file_is_chosen_and_an_orthographic_one_drawn_by_rays() {
     let folder = Folder::new();
     folder.mesh("cube.glb", &shapes::cube());
-    let glb = fs::read(folder.path("cube.glb")).unwrap();
-    let json_bytes = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
-    let mut document: serde_json::Value = serde_json::from_slice(&glb[20..20 + json_bytes]).unwrap();
-    let bin = &glb[28 + json_bytes..];
-    fs::write(folder.path("cube.bin"), bin).unwrap();
-    document["buffers"][0]["uri"] = "cube.bin".into();
+    let mut document = document_beside(&folder, "cube.glb", "cube.bin");
     document["cameras"] = serde_json::json!([
         {"type": "perspective", "name": "front", "perspective": {"yfov": 0.6, "znear": 0.1}},
         {"type": "orthographic", "name": "plan", "orthographic": {"xmag": 2, "ymag": 2, "znear": 0.1, "zfar": 9}}

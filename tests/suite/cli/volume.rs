@@ -1,11 +1,13 @@
 //! `umbrage volume`.
 
+use serde_json::Value;
 use umbrage::mesh::Mesh;
 use umbrage::testing::shapes;
 
 use super::{Folder, assert_shape, keys};
 
-const LIGHT_KEYS: &str = "light name variant vertices triangles light_cap sides dark_cap closed";
+const LIGHT_KEYS: &str =
+    "light name variant vertices triangles light_cap sides dark_cap closed covers infinite";
 
 #[test]
 fn volume_json_has_the_agreed_keys_in_order() {
@@ -66,7 +68,8 @@ fn volume_written_is_a_sound_mesh_and_says_how_far_it_reaches() {
     for name in ["a.glb", "a.obj", "a.ply"] {
         let run = folder.run(&format!("volume cube.obj --light point:2,3,5 --far 50 -o {name}"));
         assert_eq!(run.code, 0);
-        assert!(run.stderr.contains("50 mesh units away"), "{}", run.stderr);
+        let said = "light 0, written: holds every shadowed point within 50 mesh units of the mesh";
+        assert!(run.stdout.contains(said), "{}", run.stdout);
         let written = folder.json(&format!("check {name} --scope scene"));
         assert_eq!(
             (&written["verdict"], &written["files"][0]["total"]["faces"]),
@@ -87,8 +90,18 @@ fn volume_far_is_spoken_of_where_it_does_not_help() {
     let folder = Folder::with_cubes();
     let run = |more: &str| folder.run(&format!("volume cube.obj --light point:2,3,5 {more}")).stderr;
     assert_eq!(run("--far 50"), "umbrage: note: --far has no effect without --output\n");
-    assert!(run("--far 0.5 -o a.glb").contains("less than the diagonal of the mesh"));
-    assert!(!run("--far 50 -o a.glb").contains("diagonal"));
+    assert!(run("--far 3e38 -o a.glb").contains("not 3e38: farther vertices would leave the range of f32"));
+    assert!(!run("--far 50 -o a.glb").contains("note"));
+    let covers = |more: &str| {
+        let light = folder.json(&format!("volume cube.obj --light point:2,3,5 {more}"))["lights"][0].clone();
+        (light["covers"].clone(), light["infinite"].clone())
+    };
+    assert_eq!(covers("--far 50 -o a.glb"), (50.0.into(), false.into()));
+    assert_eq!(covers("--far infinity -o a.glb"), (Value::Null, true.into()));
+    assert_eq!(covers("--faces auto"), (Value::Null, Value::Null));
+    assert!(run("--far infinity -o a.obj").contains("OBJ has no vertex at infinity"));
+    assert_eq!(folder.code("volume cube.obj --far infinity -o a.obj"), 2);
+    assert_eq!(folder.code("volume cube.obj --far -1 -o a.ply"), 2);
 }
 
 #[test]
@@ -99,13 +112,63 @@ fn volume_layers_have_only_the_vertices_they_use() {
     assert_eq!(text.lines().filter(|line| line.starts_with("v ")).count(), 7 + 12 + 7);
 }
 
+/// The vertices x, y, z, w of a PLY file of the volume alone.
+fn homogeneous(bytes: &[u8]) -> Vec<[f32; 4]> {
+    let end = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+    let header = std::str::from_utf8(&bytes[..end]).unwrap();
+    let count = header.lines().find_map(|line| line.strip_prefix("element vertex ")).unwrap();
+    // Position, color, w.
+    let vertex = |at: &[u8]| {
+        let number = |from: usize| f32::from_le_bytes(at[from..from + 4].try_into().unwrap());
+        [number(0), number(4), number(8), number(16)]
+    };
+    bytes[end..].chunks(20).take(count.parse().unwrap()).map(vertex).collect()
+}
+
 #[test]
-fn volume_glb_carries_w() {
-    let folder = Folder::with_cubes();
-    folder.run("volume cube.obj --light point:2,3,5 --light point:-9,1,1 -o a.glb");
-    let bytes = std::fs::read(folder.path("a.glb")).unwrap();
-    let text = String::from_utf8_lossy(&bytes);
-    for word in ["\"_W\"", "\"light_cap\"", "\"sides\"", "\"dark_cap\"", "\"light_cap 1\""] {
-        assert!(text.contains(word), "{word}");
+fn volume_at_infinity_has_homogeneous_vertices() {
+    let folder = Folder::new();
+    folder.mesh("far.obj", &shapes::translated(&shapes::cube(), [1000.0, 0.0, 0.0]));
+    folder.mesh("slab.obj", &shapes::cuboid([-5.0, -0.25, -5.0], [5.0, 0.25, 5.0]));
+    for (file, light, at) in [
+        ("far.obj", "point:1002,3,5", Some([1002.0, 3.0, 5.0])),
+        ("slab.obj", "point:0.5,0.75,0.25", Some([0.5, 0.75, 0.25])),
+        ("slab.obj", "directional:0.5,-1,0.25", None),
+    ] {
+        folder.run(&format!("volume {file} --light {light} --far infinity -o a.ply"));
+        let vertices = homogeneous(&std::fs::read(folder.path("a.ply")).unwrap());
+        let (far, near): (Vec<_>, Vec<_>) = vertices.into_iter().partition(|vertex| vertex[3] == 0.0);
+        assert!(!far.is_empty() && near.iter().all(|vertex| vertex[3] == 1.0), "{light}");
+        for [x, y, z, _] in far {
+            let right = match at {
+                None => [x, y, z] == [0.5, -1.0, 0.25],
+                Some([lx, ly, lz]) => near.contains(&[x + lx, y + ly, z + lz, 1.0]),
+            };
+            assert!(right, "{file} {light}: {x},{y},{z}");
+        }
+        // A volume with an end has no such vertex, and no w.
+        folder.run(&format!("volume {file} --light {light} -o a.ply"));
+        let text = std::fs::read(folder.path("a.ply")).unwrap();
+        assert!(!String::from_utf8_lossy(&text).contains("property float w"), "{light}");
     }
+}
+
+#[test]
+fn volume_glb_carries_w_at_infinity() {
+    let folder = Folder::with_cubes();
+    let text = |more: &str| {
+        folder.run(&format!("volume cube.obj --light point:2,3,5 --light point:-9,1,1 -o a.glb {more}"));
+        String::from_utf8_lossy(&std::fs::read(folder.path("a.glb")).unwrap()).into_owned()
+    };
+    for word in ["\"_W\"", "\"light_cap\"", "\"sides\"", "\"dark_cap\"", "\"light_cap 1\""] {
+        assert!(text("--far infinity").contains(word), "{word}");
+        assert_eq!(text("--far 9").contains(word), word != "\"_W\"", "{word}");
+    }
+}
+
+#[test]
+fn volume_of_a_spot_light_is_named_one() {
+    let folder = Folder::with_cubes();
+    let run = folder.run("volume cube.obj --light spot:2,3,5:-2,-3,-5:30");
+    assert!(run.stdout.contains("0 spot:2,3,5 ") && !run.stdout.contains("point:"), "{}", run.stdout);
 }

@@ -14,21 +14,20 @@ fn gltf_node_cycles_and_second_parents_are_refused() {
         (json!([{"children": [0]}]), json!([0]), "node 0 (gltf): is its own ancestor"),
         (
             json!([{"mesh": 0}, {"children": [2]}, {"children": [1, 3]}, {}]),
-            json!([0]),
+            json!([0, 1]),
             "is its own ancestor",
         ),
+        (json!([{"children": [1]}, {"children": [0]}]), json!([0, 1]), "is its own ancestor"),
         (
             json!([{"children": [2]}, {"children": [2]}, {}]),
             json!([0, 1]),
-            "node 2 (gltf): has two parents, node 0 and node 1",
+            "node 2 (gltf): has two parents in the scene, node 0 and node 1",
         ),
-        (json!([{"children": [1, 1]}, {}]), json!([0]), "node 1 (gltf): has two parents, node 0 and node 0"),
         (
-            json!([{"children": [1]}, {}]),
-            json!([0, 1]),
-            "scene 0 (gltf): lists node 1 as a root, but it is a child of node 0",
+            json!([{"children": [1, 2]}, {"children": [2]}, {}]),
+            json!([0]),
+            "node 2 (gltf): has two parents in the scene, node 0 and node 1",
         ),
-        (json!([{"mesh": 0}]), json!([0, 0]), "scene 0 (gltf): lists node 0 twice"),
         (json!([{"children": [1]}]), json!([0]), "node 0 (gltf): names node 1, but there are 1"),
         (json!([{"children": "all"}]), json!([0]), "node 0 (gltf): children is not a list"),
         (json!([{"mesh": 1}]), json!([0]), "node 0 (gltf): names mesh 1, but there are 1"),
@@ -120,7 +119,9 @@ fn gltf_shared_accessors_do_not_multiply_beyond_the_file() {
     builder.doc["meshes"][0]["primitives"] = vec![primitive.clone(); 100].into();
     assert_eq!(builder.read().meshes[0].vertex_count(), 1_000_000);
     builder.doc["meshes"][0]["primitives"] = vec![primitive; 1000].into();
-    assert!(builder.refusal().contains("more than one a byte of this file"));
+    assert!(
+        builder.refusal().contains("more may be decoded from a file of this size; export every primitive")
+    );
     // Frames count too.
     let mut builder = Builder::mesh(&vec![[0.0; 3]; 10_000], 4, None);
     builder.doc["meshes"][0]["primitives"][0]["targets"] = vec![json!({}); 1000].into();
@@ -152,11 +153,12 @@ fn gltf_document_that_is_none_is_refused() {
         ("{}", "states no glTF version"),
         (
             r#"{"asset":{"version":"1.0"}}"#,
-            "is glTF version 1.0, but only version 2 can be read; export as glTF 2.0",
+            "is glTF version `1.0`, but only version 2 can be read; export as glTF 2.0",
         ),
         (r#"{"asset":{"version":"2.0"},"nodes":{}}"#, "nodes is not a list"),
         (r#"{"asset":{"version":"2.0"},"nodes":[3]}"#, "node 0 (gltf): is not an object"),
-        (r#"{"asset":{"version":"2.0"},"scene":0}"#, "document (gltf): names scene 0, but there are 0"),
+        (r#"{"asset":{"version":"2.0"},"meshes":"x"}"#, "meshes is not a list"),
+        (r#"{"asset":{"version":3},"meshes":[]}"#, "is glTF version `3`, but only version 2 can be read"),
     ];
     for (text, wanted) in cases {
         let message = refusal(text.as_bytes());

@@ -1,10 +1,10 @@
 //! Nodes, lights, cameras, and the extensions that a document may require.
 
 use serde_json::json;
-use umbrage::scene::{NamedCamera, Scope};
+use umbrage::scene::{LeftOutCamera, NamedCamera, Scope};
 use umbrage::view::Lens;
 
-use super::{Builder, SQUARE, identity};
+use super::{Builder, identity};
 
 #[test]
 fn gltf_nested_nodes_multiply() {
@@ -119,15 +119,46 @@ fn gltf_lights_stand_in_the_world() {
     builder.doc["nodes"][0]["scale"] = json!([1, 1, 0]);
     let scene = builder.read();
     assert_eq!(scene.lamps.len(), 1, "only a point light needs no direction");
-    assert_eq!(
-        scene.notes[0],
-        "node 1 and 1 more: light left out, for its node is flattened to no direction"
-    );
-    builder.doc["nodes"][1]["extensions"] = holds(3);
-    assert!(builder.refusal().contains("node 1, KHR_lights_punctual (gltf): names light 3, but there are 3"));
-    builder.doc["nodes"][1]["extensions"] = holds(1);
-    builder.doc["extensions"]["KHR_lights_punctual"]["lights"][1]["range"] = 0.into();
-    assert!(builder.refusal().contains("light 1 (gltf): has a range that is not above 0"));
+    assert!(scene.notes.contains(
+        &"light 0 and 1 more: light left out: of the first, its node is flattened to no direction".to_owned()
+    ));
+}
+
+#[test]
+fn gltf_light_that_is_none_is_left_out_with_a_note() {
+    let light = |light: serde_json::Value, index: usize| {
+        let mut builder = Builder::square();
+        builder.doc["extensions"] = json!({"KHR_lights_punctual": {"lights": [light]}});
+        builder.doc["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": index}});
+        let scene = builder.read();
+        assert_eq!(scene.instances.len(), 1);
+        (scene.lamps, scene.notes)
+    };
+    for (bad, why) in [
+        (json!({"type": "point", "range": 0}), "its range is 0, but must be more than 0"),
+        (json!({"type": "point", "range": -2}), "its range is -2, but must be more than 0"),
+        (json!({"type": "point", "intensity": -1}), "its intensity is -1, but must not be below 0"),
+        (json!({"type": "point", "intensity": 1e39}), "intensity is 1e+39, which is not a 32-bit number"),
+        (json!({"type": "point", "color": [1, 1]}), "color is not a list of 3 numbers"),
+        (json!({"type": "point", "color": [1, -1, 1]}), "its color is [1.0, -1.0, 1.0], but must be from 0"),
+        (json!({"type": "area"}), "its type is not directional, point or spot"),
+        (json!({}), "type is missing"),
+        (
+            json!({"type": "spot", "spot": {"outerConeAngle": "wide"}}),
+            "outerConeAngle is \"wide\", which is not",
+        ),
+    ] {
+        let (lamps, notes) = light(bad, 0);
+        assert!(lamps.is_empty() && notes.len() == 1, "{notes:?}");
+        assert!(notes[0].starts_with(&format!("light 0: light left out: {why}")), "{notes:?}");
+    }
+    let (lamps, notes) = light(json!({"type": "point"}), 3);
+    assert!(lamps.is_empty());
+    assert_eq!(notes, ["node 0: light left out: names light 3, but there are 1"]);
+    let (lamps, notes) = light(json!({"type": "spot"}), 0);
+    let cone = lamps[0].cone.unwrap();
+    assert_eq!((cone.inner_rad, cone.outer_rad), (0.0, std::f32::consts::FRAC_PI_4));
+    assert_eq!(notes, ["light 0: spot light without a cone given the default one"]);
 }
 
 #[test]
@@ -152,57 +183,72 @@ fn gltf_cameras_are_all_read() {
     }
     assert_eq!(front.camera.lens, Lens::Perspective { fov_y_rad: 0.5 });
     assert_eq!(plan.camera.lens, Lens::Orthographic { height: 6.0 });
-    assert_eq!(scene.notes[0], "camera 2: camera that is neither perspective nor orthographic left out");
-    builder.doc["cameras"][1]["perspective"]["yfov"] = 4.into();
-    assert!(builder.refusal().contains("camera 1, perspective (gltf): yfov is 4"));
-    builder.doc["cameras"][1]["perspective"]["yfov"] = 0.5.into();
-    builder.doc["cameras"][0]["orthographic"]["ymag"] = 0.into();
-    assert!(builder.refusal().contains("camera 0, orthographic (gltf): ymag is 0"));
+    assert_eq!((front.camera.near, plan.camera.near), (Some(0.1), None));
+    let notes = [
+        "camera 0, orthographic: far plane of the camera not applied",
+        "camera 2: camera left out: it is neither perspective nor orthographic",
+    ];
+    assert_eq!(scene.notes[..2], notes);
+    let left_out = LeftOutCamera {
+        name: "node 2".to_owned(),
+        number: 3,
+        problem: "it is neither perspective nor orthographic".to_owned(),
+    };
+    assert_eq!(scene.left_out_cameras, [left_out]);
 }
 
 #[test]
-fn gltf_extensions_that_leave_geometry_alone_are_accepted() {
-    let mut builder = Builder::square();
-    builder.doc["extensionsRequired"] = json!([
-        "KHR_texture_transform",
-        "KHR_materials_unlit",
-        "KHR_materials_pbrSpecularGlossiness",
-        "KHR_texture_basisu",
-        "EXT_texture_webp",
-        "KHR_lights_punctual",
-        "KHR_mesh_quantization"
-    ]);
-    // The image is only in the extension, and the material is invalid: neither matters for shadows.
-    builder.doc["textures"] = json!([{"extensions": {"KHR_texture_basisu": {"source": 0}}}]);
-    builder.doc["materials"] = json!([{"alphaMode": 7}]);
-    assert_eq!(builder.read().meshes[0].face_count(), 2);
-    for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing", "X_new"]
-    {
-        builder.doc["extensionsRequired"] = json!([name]);
+fn gltf_camera_that_is_none_is_left_out_with_a_note() {
+    let camera = |camera: serde_json::Value| {
+        let mut builder = Builder::square();
+        builder.doc["cameras"] = json!([{"perspective": {"yfov": 1, "znear": 2}, "name": "good"}, camera]);
+        builder.doc["nodes"] =
+            json!([{"mesh": 0, "children": [1, 2]}, {"camera": 1, "name": "bad"}, {"camera": 0}]);
+        builder.read()
+    };
+    for (bad, why) in [
+        (json!({"perspective": {"yfov": 3.2}}), "its yfov is 3.2, but must be more than 0 and less than pi"),
+        (json!({"perspective": {"yfov": 0}}), "its yfov is 0, but must be more than 0 and less than pi"),
+        (json!({"perspective": {"yfov": "wide"}}), "yfov is \"wide\", which is not a 32-bit number"),
+        (json!({"perspective": {}}), "yfov is missing"),
+        (json!({"perspective": 1}), "is not an object"),
+        (json!({"orthographic": {"ymag": 0}}), "its ymag is 0.0, but must be more than 0"),
+        (json!({"orthographic": {"ymag": 3e38}}), "its ymag is 3e38, but must be more than 0"),
+        (json!({"type": "perspective"}), "it is neither perspective nor orthographic"),
+        (json!([]), "is not an object"),
+    ] {
+        let scene = camera(bad);
+        let names: Vec<&str> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+        assert_eq!(
+            (names, scene.instances.len(), scene.notes.len()),
+            (vec!["good"], 1, 1),
+            "{:?}",
+            scene.notes
+        );
+        assert!(scene.notes[0].contains(&format!(": camera left out: {why}")), "{:?}", scene.notes);
+        let [left_out] = &scene.left_out_cameras[..] else { panic!() };
+        assert_eq!((left_out.name.as_str(), left_out.number), ("bad", 1));
+        assert!(left_out.problem.starts_with(why), "{}", left_out.problem);
+    }
+    // A near plane that is none leaves a camera that can be used.
+    for (odd, why) in [
+        (json!({"perspective": {"yfov": 1}}), "znear is missing"),
+        (json!({"perspective": {"yfov": 1, "znear": 0}}), "znear is 0, but must be more than 0"),
+        (json!({"perspective": {"yfov": 1, "znear": "x"}}), "znear is \"x\", which is not a 32-bit number"),
+        (json!({"orthographic": {"ymag": 1, "znear": -1}}), "znear is -1, but must be more than 0"),
+    ] {
+        let scene = camera(odd);
+        let nears: Vec<_> = scene.cameras.iter().map(|camera| camera.camera.near).collect();
+        assert_eq!(nears, [None, Some(2.0)]);
         assert!(
-            builder.refusal().contains(&format!("requires the extension {name}, which is not supported"))
+            scene.notes[0].ends_with(&format!(": near plane of the camera left open: {why}")),
+            "{:?}",
+            scene.notes
         );
     }
-}
-
-#[test]
-fn gltf_gpu_instances_that_are_not_required_are_noted() {
     let mut builder = Builder::square();
-    builder.doc["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {}}});
+    builder.doc["nodes"][0]["camera"] = 5.into();
     let scene = builder.read();
-    assert_eq!(scene.instances.len(), 1);
-    assert_eq!(scene.notes, ["node 0: node with EXT_mesh_gpu_instancing read as a single instance"]);
-}
-
-#[test]
-fn gltf_compressed_data_without_plain_data_is_refused_by_name() {
-    let mut builder = Builder::square();
-    builder.doc["meshes"][0]["primitives"][0]["extensions"] = json!({"KHR_draco_mesh_compression": {}});
-    assert_eq!(builder.read().meshes[0].positions(), SQUARE, "the plain data is there");
-    builder.doc["accessors"][0].as_object_mut().unwrap().remove("bufferView");
-    assert!(builder.refusal().contains("primitive 0 (gltf): is compressed with KHR_draco_mesh_compression"));
-
-    let mut builder = Builder::square();
-    builder.doc["buffers"] = json!([{"byteLength": 1000, "extensions": {"EXT_meshopt_compression": {}}}]);
-    assert!(builder.refusal().contains("buffer 0 (gltf): is compressed with EXT_meshopt_compression"));
+    assert_eq!(scene.notes, ["node 0: camera left out: names camera 5, but there are 0"]);
+    assert_eq!(scene.left_out_cameras[0].name, "node 0");
 }

@@ -90,7 +90,7 @@ impl Shot {
     }
 }
 
-fn pass() -> Option<StencilPass> {
+pub(super) fn pass() -> Option<StencilPass> {
     static PASS: OnceLock<Option<StencilPass>> = OnceLock::new();
     PASS.get_or_init(|| gpu().map(|gpu| StencilPass::new(&gpu, Depth::Plane).unwrap())).clone()
 }
@@ -122,7 +122,13 @@ pub(super) fn judge(
     projection: &Projection,
     mask: &ShadowMask,
 ) -> Comparison {
-    compare(&Rendered { caster, signs, light, projection, mask, unsure: &[] }, 3, &|_| {})
+    // The views have near planes of their own, some of which are meant to cut.
+    let seen_from = projection.near;
+    compare(
+        &Rendered { caster, seen: None, signs, light, projection, seen_from, mask, unsure: &[] },
+        3,
+        &|_| {},
+    )
 }
 
 /// A caster of a mesh, with the faces that should cast.

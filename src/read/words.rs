@@ -22,7 +22,7 @@ pub(super) struct Words<R> {
     /// Whether the last word is the first of its line.
     starts_line: bool,
     /// The line at `left.start`, and that of the last word, 0 before it.
-    line: u64,
+    line_here: u64,
     word_line: u64,
     /// The byte before `left`, if it was blank.
     previous: u8,
@@ -41,7 +41,7 @@ impl<R: BufRead> Words<R> {
             left: 0..0,
             word: 0..0,
             starts_line: true,
-            line: 1,
+            line_here: 1,
             word_line: 0,
             previous: 0,
             controls: (0, 0),
@@ -72,7 +72,7 @@ impl<R: BufRead> Words<R> {
                     return Ok(read > 0);
                 }
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(error) => return Err(unreadable(self.format, Place::Line(self.line), &error)),
+                Err(error) => return Err(unreadable(self.format, Place::Line(self.line_here), &error)),
             }
         }
     }
@@ -101,12 +101,12 @@ impl<R: BufRead> Words<R> {
         self.left.start += 1;
         match byte {
             b' ' => {}
-            b'\n' => self.line += u64::from(self.previous != b'\r'),
-            b'\r' => self.line += 1,
+            b'\n' => self.line_here += u64::from(self.previous != b'\r'),
+            b'\r' => self.line_here += 1,
             b'\t' | 0x0b | 0x0c => {}
             _ => {
                 if self.controls.0 == 0 {
-                    self.controls.1 = self.line;
+                    self.controls.1 = self.line_here;
                 }
                 self.controls.0 += 1;
             }
@@ -117,8 +117,8 @@ impl<R: BufRead> Words<R> {
     /// The word that begins here.
     #[inline]
     fn rest_of_word(&mut self) -> Result<&[u8], ReadError> {
-        self.starts_line = self.line > self.word_line;
-        self.word_line = self.line;
+        self.starts_line = self.line_here > self.word_line;
+        self.word_line = self.line_here;
         self.previous = 0;
         let mut seen = 0;
         let length = loop {

@@ -162,7 +162,7 @@ fn off_text_errors_name_the_line() {
             (&with("5 3 7", "-5 3"), ", line 3 (off): `-5` is not a count of vertices or faces"),
             (
                 &with("5 3 7", "5000 3"),
-                ", line 3 (off): the header counts 5000 vertices and 3 faces, but only 87 bytes follow it",
+                ", line 3 (off): the header counts 5000 vertices and 3 faces, but only 75 bytes follow it",
             ),
             (&with("1 1.5e0", "1 1,5"), ", line 7 (off): `1,5` is not a number"),
             (&with("1 1.5e0 -.25", "1 1.5e0"), ", line 7 (off): a position needs three numbers"),

@@ -16,11 +16,11 @@ fn reports_of_slips_around_plain_geometry_are_read() {
             "3 color or weight values ignored for not being a number, the first on line 2 (`nan`)",
         ),
         ("o_2face.obj", 4, "1 face of fewer than three corners left out, on line 9"),
-        ("p_2face.ply", 4, "1 face of fewer than three corners left out, on line 17"),
+        ("p_2face.ply", 4, "1 face of fewer than three corners left out, on line 18"),
         (
             "p_nanind_normal.ply",
             4,
-            "8 unread values of another type than declared, the first on line 12 (`-nan(ind)`)",
+            "8 unread values of another type than declared, the first on line 13 (`-nan(ind)`)",
         ),
         ("p_polygon_elem.ply", 4, "4 polygon elements read as faces, since there is no element face"),
         ("s_endsolidName.stl", 12, "1 keyword run together with a name, on line 30 (`endsolidtetra`)"),

@@ -19,7 +19,8 @@ pub(crate) struct LightArgs {
     /// yet.
     ///
     /// [default: the file's own lights; without those, a point light 1.5 diagonals of the bounding box away
-    /// from its center, above and to the side, towards (1,2,1), or (1,-1,2) for stl, md2 and 3mf, where z is up]
+    /// from its center, above and to the side, towards (1,2,1), or (1,-1,2) for stl, md2 and 3mf, where z is
+    /// up]
     #[arg(long = "light", value_name = "LIGHT", allow_hyphen_values = true)]
     lights: Vec<Lamp>,
 }

@@ -18,8 +18,8 @@ pub struct Origin {
 /// The polygons and lines of all faces, in the order of the faces.
 ///
 /// Memory: some bytes for a file whose polygons have equally many corners and stand on lines at equal
-/// distances. Otherwise 16 bytes for each change of the number of corners, and for each change of the distance
-/// of lines; at most 16 bytes a polygon, since a run has two polygons at least.
+/// distances. Otherwise 16 bytes for each change of the number of corners, and for each change of the
+/// distance of lines; at most 16 bytes a polygon, since a run has two polygons at least.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Origins {
     /// The first face of each polygon.

@@ -4,8 +4,8 @@
 //! the file by group and material, and does not report the line of an error. All vertices stay, in the order
 //! of the file. Material libraries are parsed by `tobj`.
 //!
-//! An index may name a vertex that comes later. Polygons are cut into triangles. Texture coordinates, normals and
-//! smoothing are skipped without a note; other statements (lines, points, curves) with a note.
+//! An index may name a vertex that comes later. Polygons are cut into triangles. Texture coordinates, normals
+//! and smoothing are skipped without a note; other statements (lines, points, curves) with a note.
 
 mod library;
 

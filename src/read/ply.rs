@@ -7,9 +7,9 @@
 //! Types are those of the format, by either name, and `int64`, `uint64`, `long` and `ulong`.
 //!
 //! Read are `x`, `y`, `z` of element `vertex` (any numeric type, rounded to `f32`), and the list
-//! `vertex_indices` or `vertex_index` of `face` (polygons, cut into triangles) and `tristrips` (strips, −1 starts
-//! a new one). In a strip every second triangle is turned, and a triangle that repeats a vertex is stitching
-//! between strips and no face. Other elements are skipped with a note, other properties in silence.
+//! `vertex_indices` or `vertex_index` of `face` (polygons, cut into triangles) and `tristrips` (strips, −1
+//! starts a new one). In a strip every second triangle is turned, and a triangle that repeats a vertex is
+//! stitching between strips and no face. Other elements are skipped with a note, other properties in silence.
 
 mod header;
 mod junk;

@@ -1,14 +1,14 @@
 //! The near plane that cuts nothing.
 //!
 //! Reversed depth without a far plane is as precise beyond a near plane of a micrometer as beyond one of a
-//! kilometer: depth is `near / distance`, a float with its own exponent. So the near plane is put where nothing
-//! is seen, half as far as a bound of the nearest visible surface. Let a point of a face be seen at the depth
-//! `t`, through a ray of length `r` at depth 1. Two bounds hold, and the larger one counts:
+//! kilometer: depth is `near / distance`, a float with its own exponent. So the near plane is put where
+//! nothing is seen, half as far as a bound of the nearest visible surface. Let a point of a face be seen at
+//! the depth `t`, through a ray of length `r` at depth 1. Two bounds hold, and the larger one counts:
 //!
 //! - `t` is at least the least depth of the face's corners.
-//! - `t·r` is at least the distance `h` of the eye from the face's plane, so `t ≥ h/c`, with the length `c` of
-//!   the ray through the corner of the picture that is farthest from the middle. A face whose plane contains
-//!   the eye is seen edge-on, that is, not at all, so `h` is never 0.
+//! - `t·r` is at least the distance `h` of the eye from the face's plane, so `t ≥ h/c`, with the length `c`
+//!   of the ray through the corner of the picture that is farthest from the middle. A face whose plane
+//!   contains the eye is seen edge-on, that is, not at all, so `h` is never 0.
 //!
 //! Faces beyond one side of the picture do not count. Half the bound leaves more than enough for the rounding
 //! of the bound itself (2⁻³⁷ of it) and of a rasterizer that clips (2⁻²⁰).

@@ -44,8 +44,8 @@ pub(crate) struct Args {
     #[arg(value_enum)]
     what: What,
 
-    /// Mesh files, or folders of such, or - for standard input: obj, gltf, glb, stl, ply, off, md2, 3mf; also in
-    /// gzip or ZIP; recognized by their content, then by their extension
+    /// Mesh files, or folders of such, or - for standard input: obj, gltf, glb, stl, ply, off, md2, 3mf; also
+    /// in gzip or ZIP; recognized by their content, then by their extension
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 

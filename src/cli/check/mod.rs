@@ -32,8 +32,8 @@ use report::{FileReport, Found, MeshReport, Place, examine};
 /// directions), and has no shell that is inside out.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Mesh files, or folders of such, or - for standard input: obj, gltf, glb, stl, ply, off, md2, 3mf; also in
-    /// gzip or ZIP; recognized by their content, then by their extension
+    /// Mesh files, or folders of such, or - for standard input: obj, gltf, glb, stl, ply, off, md2, 3mf; also
+    /// in gzip or ZIP; recognized by their content, then by their extension
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -74,9 +74,9 @@ pub(crate) struct Args {
     ///
     /// A number that was not computed, or whose search did not finish, is null. The verdict is null if no
     /// file is cracked, but one could not be read or a search did not finish. At most 1000 shells per mesh
-    /// and 64 faces per defect are listed. Faces are triangles, numbered from 0 in each mesh; `origins` names the
-    /// polygon of the file that each was cut from, numbered from 0 in each mesh of the file whatever --only and
-    /// --scope leave, its line (OBJ, and text STL, PLY and OFF) and its part.
+    /// and 64 faces per defect are listed. Faces are triangles, numbered from 0 in each mesh; `origins` names
+    /// the polygon of the file that each was cut from, numbered from 0 in each mesh of the file whatever
+    /// --only and --scope leave, its line (OBJ, and text STL, PLY and OFF) and its part.
     #[arg(long)]
     json: bool,
 

@@ -30,8 +30,8 @@ const FREE_ELEMENTS: usize = 1 << 22;
 /// The bytes of a position, by which bytes are charged as elements.
 const ELEMENT_BYTES: usize = 12;
 
-/// How many elements a byte may stand for in a file with compressed data. Triangles of the best order take one
-/// byte each, which is three indices of four bytes: four elements, with those that the decoded bytes are
+/// How many elements a byte may stand for in a file with compressed data. Triangles of the best order take
+/// one byte each, which is three indices of four bytes: four elements, with those that the decoded bytes are
 /// charged as.
 const PER_COMPRESSED_BYTE: usize = 16;
 

@@ -160,8 +160,8 @@ fn read_primitive(asset: &Asset, primitive: &Object) -> Result<Option<Primitive>
 /// Positions, and the indices of triangles one by one.
 type List = (Vec<[f32; 3]>, Vec<u32>);
 
-/// The positions and indices of a primitive, where the accessors have none of their own: what an extension of the
-/// primitive decodes to, or an error that names the extension.
+/// The positions and indices of a primitive, where the accessors have none of their own: what an extension of
+/// the primitive decodes to, or an error that names the extension.
 fn compressed(
     asset: &Asset,
     primitive: &Object,

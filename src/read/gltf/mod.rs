@@ -1,7 +1,8 @@
 //! glTF 2.0, as JSON or binary: the meshes of the default scene, their instances, its materials, lamps and
 //! cameras.
 //!
-//! Source: Khronos, *glTF 2.0 Specification*, and the extensions that [`extension`] lists as read. Only what the scene shows is read: a mesh that no node names is noted, not decoded.
+//! Source: Khronos, *glTF 2.0 Specification*, and the extensions that [`extension`] lists as read. Only what
+//! the scene shows is read: a mesh that no node names is noted, not decoded.
 //!
 //! A skinned mesh is read in its bind pose, and its node's transform is ignored, as the specification says
 //! (§3.7.3). Morph targets become frames of the mesh, each target at full weight on its own.

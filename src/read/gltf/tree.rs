@@ -1,8 +1,8 @@
 //! The tree of the nodes that a scene reaches from its roots.
 //!
-//! The specification wants every node of the document to have one parent at most, and roots to have none. Here
-//! only what the scene reaches counts: a node stands once, below its parent in the scene if it has one there.
-//! What contradicts that outside the scene is noted; what does so inside is refused.
+//! The specification wants every node of the document to have one parent at most, and roots to have none.
+//! Here only what the scene reaches counts: a node stands once, below its parent in the scene if it has one
+//! there. What contradicts that outside the scene is noted; what does so inside is refused.
 
 use gltf::json::Value;
 

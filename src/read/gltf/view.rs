@@ -1,4 +1,5 @@
-//! Buffer views: a range of a buffer, or what a compressed range decodes to; and elements in them, at a stride.
+//! Buffer views: a range of a buffer, or what a compressed range decodes to; and elements in them, at a
+//! stride.
 
 use super::asset::Asset;
 use super::document::Kind;

@@ -7,7 +7,8 @@ use crate::read::slips::Slips;
 use crate::read::text::{Lines, loose, quote, unreadable};
 use crate::read::{Format, Place, ReadError};
 
-/// A stream of numbers. `f64` holds every PLY type exactly, except for integers beyond 2⁵³, which are rounded.
+/// A stream of numbers. `f64` holds every PLY type exactly, except for integers beyond 2⁵³, which are
+/// rounded.
 pub(super) trait Values {
     /// Goes to item `index` of an element.
     fn begin(&mut self, element: &str, index: u64) -> Result<(), ReadError>;

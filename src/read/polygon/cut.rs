@@ -83,8 +83,8 @@ impl Cutter {
         self.drop_where(filled, is_spike) && self.pieces(outline, filled)
     }
 
-    /// Cuts off the middle one of three neighboring corners wherever they are such, and again where that makes
-    /// new neighbors; whether there are any.
+    /// Cuts off the middle one of three neighboring corners wherever they are such, and again where that
+    /// makes new neighbors; whether there are any.
     fn drop_where(&mut self, filled: &mut Filled<'_>, drops: impl Fn(u32, u32, u32) -> bool) -> bool {
         let n = self.corners.len();
         let mut left = n;

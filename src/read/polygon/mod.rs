@@ -57,7 +57,8 @@ impl Faces {
         self.corners += 1;
     }
 
-    /// A polygon of three corners, on `line` of a text file: the same as three corners and an end, in less time.
+    /// A polygon of three corners, on `line` of a text file: the same as three corners and an end, in less
+    /// time.
     #[inline]
     pub(super) fn triangle(&mut self, corners: [u32; 3], line: Option<u64>) {
         self.origins.push(self.triangles.len() as u32, line);
@@ -81,8 +82,8 @@ impl Faces {
         self.origins.push_triangles(self.triangles.len() as u32 - count as u32, count as u32);
     }
 
-    /// Counts the triangles that were added to the list since face `first` as one polygon: a strip. All strips
-    /// of a file come one after the other.
+    /// Counts the triangles that were added to the list since face `first` as one polygon: a strip. All
+    /// strips of a file come one after the other.
     pub(super) fn end_strip(&mut self, first: usize, line: Option<u64>) {
         if self.strips.is_empty() {
             self.strips.start = first as u32;

@@ -17,11 +17,12 @@ pub(super) struct Quad {
 impl Quad {
     /// The diagonal inside the quad, seen along the axis that its normal is closest to. Of two inside, the
     /// shorter one, and of two as long, the one with the least corner (by x, then y, then z): a rule of
-    /// positions alone, so that the same quad is cut alike wherever it begins and whichever side is its front.
+    /// positions alone, so that the same quad is cut alike wherever it begins and whichever side is its
+    /// front.
     #[inline]
     pub(super) fn of([a, b, c, d]: [[f32; 3]; 4]) -> Self {
-        // Both diagonals turn into each other, up to one sign, where the quad begins at its next corner: every
-        // number below is then the same to the last bit.
+        // Both diagonals turn into each other, up to one sign, where the quad begins at its next corner:
+        // every number below is then the same to the last bit.
         let normal = cross(minus(c, a), minus(d, b));
         let mut inside = insides([a, b, c, d], dominant(normal));
         if inside == [0; 2] {

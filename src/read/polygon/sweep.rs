@@ -4,11 +4,11 @@
 //! before they do) and Garey, Johnson, Preparata, Tarjan 1978 (diagonals to the last corner met between two
 //! sides). Every decision is the exact sign of a turn or an exact comparison.
 //!
-//! Sides that run to the right have the inside above them, sides that run to the left have it below. A polygon
-//! is taken if, on every vertical line, the sides alternate from below: right, left, right, left; if none
-//! cross; and if the corners at one position are nested, so that they can be pulled apart. It may touch
-//! itself, then: at corners, along sides, and where it runs along a side and back. Of two sides on top of each
-//! other the one to the left is below, as the gap between them is outside.
+//! Sides that run to the right have the inside above them, sides that run to the left have it below. A
+//! polygon is taken if, on every vertical line, the sides alternate from below: right, left, right, left; if
+//! none cross; and if the corners at one position are nested, so that they can be pulled apart. It may touch
+//! itself, then: at corners, along sides, and where it runs along a side and back. Of two sides on top of
+//! each other the one to the left is below, as the gap between them is outside.
 
 use std::cmp::Ordering;
 

@@ -83,7 +83,8 @@ fn meshopt_filters_decode() {
         let mut bytes: Vec<u8> = stored.iter().flat_map(|x: &i16| x.to_le_bytes()).collect();
         filter::apply("QUATERNION", &mut bytes, 8);
         let off = shorts(&bytes).iter().zip(wanted).map(|(is, wanted)| (is - wanted).abs()).max().unwrap();
-        // A step of twelve bits is 2⁻¹¹/√2, and the fourth component is off by half a step for each other one.
+        // A step of twelve bits is 2⁻¹¹/√2, and the fourth component is off by half a step for each other
+        // one.
         assert!(off <= 17, "{stored:?}: {:?}", shorts(&bytes));
     }
     // Mantissa and exponent: 0x60·2⁻⁶, 0x50·2⁻⁵, −0x60·2⁻⁵; the widest exponents.

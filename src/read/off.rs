@@ -44,6 +44,8 @@ struct Off {
     positions: Vec<[f32; 3]>,
     faces: Faces,
     lost: Lost,
+    /// The most that a coordinate moved when it was rounded.
+    rounding: f64,
     slips: Slips,
 }
 
@@ -54,9 +56,13 @@ impl Off {
         reserved.map_err(|_| unheld(Format::Off, vertices, "vertex"))
     }
 
-    fn vertex(&mut self, position: [f32; 3], line: Option<u64>) {
+    /// A vertex; each coordinate also as the file has it.
+    fn vertex(&mut self, position: [(f64, f32); 3], line: Option<u64>) {
         let index = self.positions.len() as u64;
-        self.positions.push(self.lost.position(index, position.map(f64::from), line));
+        for (wide, near) in position.iter().filter(|(_, near)| near.is_finite()) {
+            self.rounding = self.rounding.max((wide - f64::from(*near)).abs());
+        }
+        self.positions.push(self.lost.position(index, position.map(|(_, near)| near.into()), line));
     }
 
     /// A corner of the current face; the problem, if there is no such vertex.
@@ -88,7 +94,7 @@ impl Off {
         let Cut { triangles, origins, notes: of_faces } = self.faces.cut(&self.positions);
         notes.extend(of_faces);
         let mesh = Mesh::new(self.positions, triangles).map_err(|error| refused(Format::Off, &error))?;
-        Ok(Scene { notes, ..Scene::of(mesh.with_origins(origins)) })
+        Ok(Scene { notes, rounding: self.rounding, ..Scene::of(mesh.with_origins(origins)) })
     }
 }
 

@@ -121,8 +121,8 @@ impl Ply {
             }
             values.end();
             let rounded = self.lost.position(index, position, values.line());
-            for (value, rounded) in position.into_iter().zip(rounded) {
-                if (value as f32).is_finite() {
+            if position.iter().all(|&value| (value as f32).is_finite()) {
+                for (value, rounded) in position.into_iter().zip(rounded) {
                     self.rounding = self.rounding.max((value - f64::from(rounded)).abs());
                 }
             }

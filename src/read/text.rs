@@ -188,11 +188,11 @@ pub(super) fn decimal(word: &[u8]) -> Option<(f64, f32)> {
     Some((wide, near))
 }
 
-/// `word` as a number for which NaN and infinity are allowed, also as the C libraries of Windows and Linux
-/// write them: `-nan(ind)`, `nan(0x7)`, `1.#INF`, `-1.#IND`.
+/// As [`decimal`], also for NaN and infinity as the C libraries of Windows and Linux write them: `-nan(ind)`,
+/// `nan(0x7)`, `1.#INF`, `-1.#IND`.
 #[inline]
-pub(super) fn loose(word: &[u8]) -> Option<f32> {
-    parse(word).or_else(|| is_no_number(word).then_some(f32::NAN))
+pub(super) fn loose(word: &[u8]) -> Option<(f64, f32)> {
+    decimal(word).or_else(|| is_no_number(word).then_some((f64::NAN, f32::NAN)))
 }
 
 #[cold]
@@ -330,11 +330,11 @@ mod tests {
         for word in
             ["nan", "-nan", "-nan(ind)", "NAN(0x7ff)", "1.#IND", "-1.#QNAN0", "+1.#INF00", "inf", "-INF"]
         {
-            assert!(loose(word.as_bytes()).is_some_and(|value| !value.is_finite()), "{word}");
+            assert!(loose(word.as_bytes()).is_some_and(|(_, value)| !value.is_finite()), "{word}");
         }
         assert_eq!(
             ["1.5", "1,5", "nanx", "#", "2.#INF"].map(|word| loose(word.as_bytes())),
-            [Some(1.5), None, None, None, None]
+            [Some((1.5, 1.5)), None, None, None, None]
         );
     }
 

@@ -26,7 +26,7 @@ pub(super) fn read<R: BufRead>(
     off.reserve(vertices)?;
     for _ in 0..vertices {
         let position = [numbers.bytes()?, numbers.bytes()?, numbers.bytes()?].map(f32::from_be_bytes);
-        off.vertex(position, None);
+        off.vertex(position.map(|value| (value.into(), value)), None);
         numbers.skip(extras)?;
     }
     for index in 0..faces {

@@ -53,8 +53,8 @@ fn count<R: BufRead>(words: &mut Words<R>, last: bool) -> Result<u64, ReadError>
         .ok_or_else(|| words.error(format!("{} is not a count of vertices or faces", words.quoted())))
 }
 
-fn point<R: BufRead>(words: &mut Words<R>, index: u64) -> Result<[f32; 3], ReadError> {
-    let mut point = [0.0; 3];
+fn point<R: BufRead>(words: &mut Words<R>, index: u64) -> Result<[(f64, f32); 3], ReadError> {
+    let mut point = [(0.0, 0.0); 3];
     let mut line = None;
     for value in &mut point {
         let there = words.uncommented()?.is_some();

@@ -97,7 +97,7 @@ impl<R: BufRead> Values for Text<R> {
     #[inline]
     fn number(&mut self, number: Number) -> Result<f64, ReadError> {
         let Some(word) = self.word() else { return Err(self.too_few()) };
-        let loose = || loose(word).filter(|_| !number.is_whole()).map(f64::from);
+        let loose = || loose(word).filter(|_| !number.is_whole()).map(|(wide, _)| wide);
         let Some(value) = number.parse(word).or_else(loose) else {
             let kind = if number.is_whole() { "an integer" } else { "a number" };
             let problem = format!("{} is not {kind}", quote(word));

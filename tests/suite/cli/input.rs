@@ -22,7 +22,7 @@ fn input_that_is_a_pipe_is_refused_at_once() {
         "nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0}"#;
     fs::write(folder.path("a.gltf"), document).unwrap();
     let run = folder.run("check a.gltf");
-    assert!(run.code == 2 && run.stderr.contains("pipe is not a regular file"), "{}", run.stderr);
+    assert!(run.code == 2 && run.stderr.contains("`pipe` is not a regular file"), "{}", run.stderr);
 }
 
 #[test]

@@ -131,6 +131,13 @@ fn off_slips_are_read_with_a_note() {
 }
 
 #[test]
+fn off_coordinates_that_moved_are_noted() {
+    let text = "OFF\n3 1\n16777217 0 0\n16777220 0 0\n0 1 0\n3 0 1 2\n";
+    assert_eq!(scene(text, "a.off").rounding, 1.0);
+    assert_eq!(scene(text.replace("777217", "777216"), "a.off").rounding, 0.0);
+}
+
+#[test]
 fn off_binary_is_the_same_mesh() {
     for shape in shapes_here() {
         for (keyword, extras) in [("OFF", 0), ("COFF", 4), ("NOFF", 3), ("CNOFF", 7), ("STOFF", 2)] {

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::text::{quote, unreadable};
 use super::{Format, Place, ReadError};
 
-/// Bytes that are held at a time, and so the longest word.
+/// The longest word. One byte more is held at a time, to see where it ends.
 const ROOM: usize = 1 << 16;
 
 /// The words of a text file. Blank is every byte up to the space, so NUL and control-Z too, which some
@@ -37,7 +37,7 @@ impl<R: BufRead> Words<R> {
         let mut words = Self {
             reader,
             format,
-            buffer: vec![0; ROOM],
+            buffer: vec![0; ROOM + 1],
             left: 0..0,
             word: 0..0,
             starts_line: true,
@@ -126,7 +126,7 @@ impl<R: BufRead> Words<R> {
                 Some(more) => break seen + more,
                 None => seen = self.left.len(),
             }
-            if seen == ROOM {
+            if seen > ROOM {
                 self.word = 0..0;
                 return Err(self.error(format!("a word is longer than {ROOM} bytes")));
             }

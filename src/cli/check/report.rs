@@ -67,7 +67,7 @@ pub(super) fn verdict(requirements: &[Requirement], counts: &Counts) -> Verdict 
 pub(super) struct Found {
     pub(super) kind: DefectKind,
     pub(super) count: usize,
-    /// Whether these are all; a search that stopped at a limit found at least so many.
+    /// Whether these are all; a search that stopped at a limit found at least this number.
     pub(super) complete: bool,
     pub(super) at: Vec<Place>,
 }

@@ -376,23 +376,27 @@ mod tests {
         assert!(masks.contains(&3) && masks.contains(&1));
     }
 
-    /// Two cones of `sides` faces each, base to base: all faces of a cone meet at its apex.
-    fn double_cone(sides: u32) -> Mesh {
+    /// Two flat cones of `sides` faces each, base to base: all faces of a cone meet at its apex, and nearly
+    /// all of them lie in one thin slab. From a side of the rim a spike goes up, and from this another one
+    /// down: no point inside sees everything.
+    fn flat_double_cone(sides: u32) -> Mesh {
         let rim = (0..sides).map(|i| {
             let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / f64::from(sides)).sin_cos();
             [cos as f32, sin as f32, 0.0]
         });
-        let positions = rim.chain([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).collect();
+        let tips = [[0.0, 0.0, 1e-3], [0.0, 0.0, -1e-3], [1.5, 0.0, 0.3], [1.2, 0.0, -0.5]];
+        let [top, bottom, up, down] = [0, 1, 2, 3].map(|tip| sides + tip);
+        let spikes = [[1, top, up], [top, 0, up], [1, up, down], [up, 0, down], [0, 1, down]];
         let faces = (0..sides).flat_map(|i| {
             let next = (i + 1) % sides;
-            [[i, next, sides], [next, i, sides + 1]]
+            [[i, next, top], [next, i, bottom]]
         });
-        Mesh::new(positions, faces.collect()).unwrap()
+        Mesh::new(rim.chain(tips).collect(), faces.skip(1).chain(spikes).collect()).unwrap()
     }
 
     #[test]
     fn plan_shells_that_would_each_take_seconds_share_one_allowance() {
-        let one = double_cone(1500);
+        let one = flat_double_cone(3000);
         let two = Mesh::concat(&[one.clone(), one.clone()]).unwrap();
         let built = |mesh: &Mesh| Topology::of(mesh);
         let topologies = [&one, &two].map(built);

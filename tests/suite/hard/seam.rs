@@ -172,7 +172,7 @@ fn hard_07_seam_free_nan_and_infinity_in_a_file_are_errors_with_a_place() {
                 "a.obj, line 2 (obj): ",
             ),
             ("a.ply", in_text(ascii_ply.to_vec(), word), "a.ply, line 11 (ply): "),
-            ("b.ply", in_bytes(written("b.ply"), value), "b.ply, element vertex, item 1 (ply): "),
+            ("b.ply", in_bytes(written("b.ply"), value), "b.ply, vertex 1 (ply): "),
             ("a.stl", in_text(ascii_stl.to_vec(), word), "a.stl, line 5 (stl): "),
             ("b.stl", in_bytes(binary_stl(&stl), value), "b.stl, byte "),
             ("a.glb", in_bytes(written("a.glb"), value), "accessor "),

@@ -142,7 +142,7 @@ fn read_group(body: &mut &[u8], group: &mut [u8; GROUP], width: usize) -> Result
 enum Channel {
     Bytes,
     Shorts,
-    /// Exclusive or, turned by so many bits.
+    /// Exclusive or, turned by that number of bits.
     Bits(u32),
 }
 

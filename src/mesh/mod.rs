@@ -254,7 +254,7 @@ impl Mesh {
     /// The polygon of the file that `face` is, or was cut from. Logarithmic in the changes of the number of
     /// corners from polygon to polygon.
     ///
-    /// It stays with the face through [`weld`], [`Scene::bake`](crate::scene::Scene::bake) and
+    /// It stays with the face through [`weld`](fn@weld), [`Scene::bake`](crate::scene::Scene::bake) and
     /// [`Scene::retain`](crate::scene::Scene::retain). A mesh that was not read has polygons that are its
     /// faces.
     ///

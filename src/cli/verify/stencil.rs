@@ -209,9 +209,8 @@ fn method(plan: &ShellMethods) -> &'static str {
 /// Draws a comparison, and says what its colors mean.
 fn draw(job: &Job<'_>, comparison: &Comparison, path: &Path) -> Result<(), Failure> {
     let progress = Progress::bar("drawing", job.size.height().into());
-    let picture = verdicts(job.seen.unwrap_or(job.caster).oracle(), &job.projection, comparison, &|rows| {
-        progress.done(rows)
-    });
+    let seen = job.seen.unwrap_or(job.caster).oracle();
+    let picture = verdicts(seen, &job.projection, comparison, &|rows| progress.done(rows));
     drop(progress);
     let picture = picture.map_err(|error| Failure::new(error, "leave out --picture"))?;
     picture.write_png(path)?;

@@ -165,11 +165,16 @@ const THOROUGH: usize = 16;
 /// let receiver = samples.hits().iter().map(Option::is_some).collect();
 /// let mask = &ShadowMask::new(size, Counting::Integer, vec![0; size.pixels()], receiver);
 ///
-/// // There is no shadow to draw if the light is on the eye's side of the cube. Otherwise there is. for (z,
-/// agrees) in [(9.0, true), (-9.0, false)] { let light = &Light::point([0.0, 0.0, z])?; let signs =
-/// &CasterFaces::All.signs(&caster.facing(light)); let rendered = Rendered { caster, seen: None, signs,
-/// light, projection, seen_from: 0.0, mask, unsure: &[] }; let comparison = compare(&rendered, 1, &|_| {});
-/// assert_eq!(comparison.agrees(), agrees); assert_eq!(comparison.count(PixelVerdict::Real) == 0, agrees); }
+/// // There is no shadow to draw if the light is on the eye's side of the cube. Otherwise there is.
+/// for (z, agrees) in [(9.0, true), (-9.0, false)] {
+///     let light = &Light::point([0.0, 0.0, z])?;
+///     let signs = &CasterFaces::All.signs(&caster.facing(light));
+///     let (seen, seen_from) = (None, 0.0);
+///     let rendered = Rendered { caster, seen, signs, light, projection, seen_from, mask, unsure: &[] };
+///     let comparison = compare(&rendered, 1, &|_| {});
+///     assert_eq!(comparison.agrees(), agrees);
+///     assert_eq!(comparison.count(PixelVerdict::Real) == 0, agrees);
+/// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]

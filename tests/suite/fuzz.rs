@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use assert_cmd::cargo::cargo_bin_cmd;
-use body::{TARGETS, command, meshopt, oracle, read, shadow, topology};
+use body::{TARGETS, command, meshopt, oracle, read, shadow, threemf, topology};
 use umbrage::check::CrackReport;
 use umbrage::facing::classify;
 use umbrage::geom::{Facing, Light};
@@ -112,6 +112,22 @@ fn fuzz_readers_pass_ordinary_files() {
         }
         assert!(read > 0, "no .{extension} in {folder}");
     }
+}
+
+#[test]
+fn fuzz_3mf_model_reaches_the_reader() {
+    let model =
+        fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds/read_3mf/parts.model")).unwrap();
+    let package = threemf::package(&model);
+    let scene = read_bytes(&package, "a.3mf").unwrap();
+    assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 3));
+    threemf::run(&model);
+    threemf::run(&package);
+    // Fault injected: the checksum of another model.
+    let mut damaged = package;
+    let at = damaged.len() / 2;
+    damaged[at] ^= 1;
+    assert!(read_bytes(&damaged, "a.3mf").is_err());
 }
 
 #[test]

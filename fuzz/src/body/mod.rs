@@ -7,6 +7,7 @@ pub(crate) mod oracle;
 pub(crate) mod polygon;
 pub(crate) mod read;
 pub(crate) mod shadow;
+pub(crate) mod threemf;
 pub(crate) mod topology;
 mod whole;
 
@@ -14,13 +15,14 @@ mod whole;
 pub(crate) type Body = fn(&[u8]);
 
 /// Every target.
-pub(crate) const TARGETS: [(&str, Body); 12] = [
+pub(crate) const TARGETS: [(&str, Body); 13] = [
     ("read_obj", |data| read::run(data, "a.obj")),
     ("read_gltf", |data| read::run(data, "a.gltf")),
     ("read_meshopt", meshopt::run),
     ("read_stl", |data| read::run(data, "a.stl")),
     ("read_ply", |data| read::run(data, "a.ply")),
     ("read_off", |data| read::run(data, "a.off")),
+    ("read_3mf", threemf::run),
     ("read_md2", |data| read::run(data, "a.md2")),
     ("polygon", polygon::run),
     ("topology", topology::run),

@@ -36,7 +36,7 @@ use crate::view::Rays;
 /// let casters = CasterGroup::new(vec![&caster]);
 /// let (light, size) = (Light::point([3.0, 5.0, 4.0])?, Size::new(32, 24)?);
 /// let camera = Camera::fit(&casters.bounds(), Up::Y, size.aspect());
-/// let projection = camera.projection(size, camera.near(&casters.bounds(), size));
+/// let projection = camera.projection(size, camera.near([caster.mesh()], size));
 /// let samples = Samples::of_view(&casters, &projection, size, 2)?;
 /// let dark = Technique::Dark.shade(&Request { casters: &casters, light: &light, samples: &samples });
 /// let lamps = ShadedLight::equal(&[light]);

@@ -24,7 +24,7 @@ use std::path::Path;
 pub use error::{Place, ReadError};
 
 use packed::Packing;
-use sniff::sniff;
+use sniff::{has_stl_length, sniff};
 
 use crate::mesh::MeshError;
 pub use crate::scene::Format;
@@ -112,7 +112,10 @@ fn read_source<R: BufRead + Seek>(
     folder: Option<&Path>,
 ) -> Result<Scene, ReadError> {
     let head = head(&mut source)?;
-    if let Some(packing) = Packing::of(&head) {
+    // The header of a binary STL may begin with any mark.
+    if let Some(packing) = Packing::of(&head)
+        && !has_stl_length(&head, source.len)
+    {
         return packed::read(packing, source, name, folder);
     }
     plain_with(&head, source, name, folder)

@@ -233,6 +233,18 @@ mod tests {
     }
 
     #[test]
+    fn packed_mark_at_the_beginning_of_a_binary_stl_means_nothing() {
+        for mark in [&b"\x1f\x8b\x08"[..], b"PK\x03\x04", b"BZh", b"Rar!\x1a\x07"] {
+            let mut stl = vec![0; 84 + 2 * 50];
+            stl[..mark.len()].copy_from_slice(mark);
+            stl[80] = 2;
+            assert_eq!(read_bytes(&stl, "a.stl").unwrap().meshes[0].face_count(), 2);
+            stl.pop(); // then the length says nothing
+            assert!(read_bytes(&stl, "a.stl").is_err());
+        }
+    }
+
+    #[test]
     fn packed_text_may_be_well_packed_but_not_without_bound() {
         // A plain file of blanks is an OBJ without vertices; packed it is as small as a bomb below 16 MiB.
         let text = [&b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"[..], &vec![b'\n'; 15 << 20]].concat();

@@ -34,7 +34,8 @@ impl ShadowAccuracy {
         let request = Request { casters, light: &self.light, samples };
         let truth = Truth::of(&request);
         let pass = StencilPass::new(gpu, Depth::Plane)?;
-        let (on_device, upload_ms) = timed(|| GpuCaster::upload(gpu, casters.seen_mesh().unwrap_or(caster)));
+        let (on_device, upload_ms) =
+            timed(|| GpuCaster::upload(gpu, casters.seen_caster().unwrap_or(caster)));
         let on_device = on_device?;
         let (projection, size) = (samples.projection(), samples.size());
         let drawn = on_device.samples(projection, size, Depth::Plane)?;
@@ -63,7 +64,7 @@ impl ShadowAccuracy {
             let mask = pass.mask(projection, size, &on_device, &draws, counting)?;
             let rendered = Rendered {
                 caster,
-                seen: casters.seen_mesh(),
+                seen: casters.seen_caster(),
                 signs: &volumes.signs,
                 light: &self.light,
                 projection,

@@ -83,7 +83,7 @@ impl<'a> CasterGroup<'a> {
 
     /// All that is seen, if that is more than the casters.
     #[must_use]
-    pub fn seen_mesh(&self) -> Option<&'a Caster> {
+    pub fn seen_caster(&self) -> Option<&'a Caster> {
         self.seen
     }
 

@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn t_junctions_are_those_of_each_vertex_against_each_edge() {
-        // The larger ones take so many tests that oriented boxes are used.
+        // The larger ones need more tests than axis-aligned boxes are used for: oriented boxes follow.
         for (seed, count) in [(1, 20), (2, 60), (3, 300), (4, 900)] {
             let mesh = lattice(seed, count);
             let (found, complete) = searched(&mesh, u64::MAX);

@@ -107,8 +107,8 @@ impl MeshArgs {
         self.baked(self.scene(file)?, file)
     }
 
-    /// The same without what is invisible by its material, which neither is seen nor casts; and apart from
-    /// it, in the scene beside it, what receives shadows but does not cast any.
+    /// Reads and bakes a file without what is invisible by its material: the meshes that cast, and the meshes
+    /// that only receive, which match `no_cast`.
     pub(crate) fn read_visible(
         &self,
         file: &Path,

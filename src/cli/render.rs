@@ -1,6 +1,6 @@
 //! `umbrage render`: a picture with exact shadows.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use umbrage::caster::Caster;
 #[cfg(feature = "gpu")]
@@ -88,7 +88,7 @@ enum FalloffArg {
 }
 
 /// How the picture is made, once that is settled.
-enum Path {
+enum Renderer {
     /// Ray by ray, with more rays at edges.
     Rays,
     /// Sample by sample, each lamp by the CPU form of its technique.
@@ -105,42 +105,42 @@ fn counts(technique: Option<Technique>) -> bool {
 impl ShadowArgs {
     /// A stencil pass if any lamp asks for one, or leaves it to us and no other asks for rays; else rays.
     /// Where some lamps count and others cast rays, all is done on the CPU, on the same samples.
-    fn settle(&self, adapter: &AdapterArgs) -> Result<Path, Failure> {
+    fn settle(&self, adapter: &AdapterArgs) -> Result<Renderer, Failure> {
         let rays = self.asks_for(|technique| technique == Some(Technique::Rays));
         match (self.asks_for(counts), self.asks_for(|technique| technique.is_none())) {
-            (true, _) if rays => Ok(Path::Samples),
+            (true, _) if rays => Ok(Renderer::Samples),
             (true, _) => self.device(adapter),
             (false, true) if !rays => self.device_or_rays(adapter),
-            _ => Ok(Path::Rays),
+            _ => Ok(Renderer::Rays),
         }
     }
 
     #[cfg(feature = "gpu")]
-    fn device(&self, adapter: &AdapterArgs) -> Result<Path, Failure> {
-        Ok(Path::Device(Box::new(adapter.open("--shadow")?)))
+    fn device(&self, adapter: &AdapterArgs) -> Result<Renderer, Failure> {
+        Ok(Renderer::Device(Box::new(adapter.open("--shadow")?)))
     }
 
     #[cfg(feature = "gpu")]
-    fn device_or_rays(&self, adapter: &AdapterArgs) -> Result<Path, Failure> {
+    fn device_or_rays(&self, adapter: &AdapterArgs) -> Result<Renderer, Failure> {
         Ok(match adapter.find()? {
-            Ok(gpu) => Path::Device(Box::new(gpu)),
+            Ok(gpu) => Renderer::Device(Box::new(gpu)),
             Err(error) => {
                 note_rays(&error);
-                Path::Rays
+                Renderer::Rays
             }
         })
     }
 
     #[cfg(not(feature = "gpu"))]
-    fn device(&self, adapter: &AdapterArgs) -> Result<Path, Failure> {
+    fn device(&self, adapter: &AdapterArgs) -> Result<Renderer, Failure> {
         adapter.refuse()?;
         Err(Failure::new("--shadow: this build cannot use a graphics adapter", "use --shadow rays"))
     }
 
     #[cfg(not(feature = "gpu"))]
-    fn device_or_rays(&self, adapter: &AdapterArgs) -> Result<Path, Failure> {
+    fn device_or_rays(&self, adapter: &AdapterArgs) -> Result<Renderer, Failure> {
         adapter.refuse()?;
-        Ok(Path::Rays)
+        Ok(Renderer::Rays)
     }
 }
 
@@ -164,7 +164,7 @@ pub(crate) fn parse_samples(text: &str) -> Result<u32, String> {
 }
 
 /// Refuses a name that no picture can be written under, judging by the extension.
-pub(crate) fn require_png(path: &std::path::Path) -> Result<(), Failure> {
+pub(crate) fn require_png(path: &Path) -> Result<(), Failure> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         return Ok(());
     }
@@ -176,7 +176,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     refuse_overwriting("--output", Some(&args.output), &args.source.file)?;
     require_folder(&args.output)?;
     args.view.refuse()?; // before the file is read
-    let path = args.shadow.settle(&args.adapter)?;
+    let renderer = args.shadow.settle(&args.adapter)?;
     args.threads.apply()?;
 
     let mut source = args.source.load()?;
@@ -189,7 +189,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     } else {
         None
     };
-    let lamps = shine(&args, &source, &techniques);
+    let lamps = shining_lamps(&args, &source, &techniques);
     // What is dark is not asked for.
     let techniques: Vec<_> =
         techniques.into_iter().filter(|&technique| technique != Some(Technique::Dark)).collect();
@@ -207,11 +207,11 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         paint: &paint,
         edge_samples: args.samples.unwrap_or(samples),
     };
-    let picture = match path {
-        Path::Rays => by_rays(source, view(RAYS_SAMPLES))?,
-        Path::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &techniques)?,
+    let picture = match renderer {
+        Renderer::Rays => by_rays(source, view(RAYS_SAMPLES))?,
+        Renderer::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &techniques)?,
         #[cfg(feature = "gpu")]
-        Path::Device(gpu) => match by_stencil(&gpu, &source, view(STENCIL_SAMPLES), &techniques) {
+        Renderer::Device(gpu) => match by_stencil(&gpu, &source, view(STENCIL_SAMPLES), &techniques) {
             Ok(picture) => picture,
             // Anything but a defect of ours.
             Err(error) if !args.shadow.asks_for(counts) && !matches!(error, GpuError::Wgpu(_)) => {
@@ -227,7 +227,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
 }
 
 /// The lamps that shine, in their order: all but those that are dark.
-fn shine(args: &Args, source: &Source, techniques: &[Option<Technique>]) -> Vec<ShadedLight> {
+fn shining_lamps(args: &Args, source: &Source, techniques: &[Option<Technique>]) -> Vec<ShadedLight> {
     let mut lamps = match args.source.lights.were_asked_for() {
         true => ShadedLight::equal(&source.lights),
         false => ShadedLight::balanced(&source.lights, &source.bounds),

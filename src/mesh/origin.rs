@@ -11,13 +11,13 @@ use super::steps::Steps;
 pub struct Origin {
     /// The number of the polygon among those of its mesh in the file, from 0.
     pub polygon: u32,
-    /// The line of a text file that the polygon stands on, from 1.
+    /// The polygon's line in a text file, from 1.
     pub line: Option<u64>,
 }
 
 /// The polygons and lines of all faces, in the order of the faces.
 ///
-/// Memory: some bytes for a file whose polygons have equally many corners and stand on lines at equal
+/// Memory: some bytes for a file whose polygons all have the same number of corners, on lines at equal
 /// distances. Otherwise 16 bytes for each change of the number of corners, and for each change of the
 /// distance of lines; at most 16 bytes a polygon, since a run has two polygons at least.
 #[derive(Clone, Debug, Default)]
@@ -73,7 +73,7 @@ impl Origins {
         }
     }
 
-    /// Whether any polygon stands on a line.
+    /// Whether any polygon has a line.
     fn have_lines(&self) -> bool {
         self.lines.len() > 0
     }

@@ -50,7 +50,7 @@ struct Off {
 }
 
 impl Off {
-    /// Takes memory for `vertices`, after it is known that the file can hold so many.
+    /// Reserves memory for `vertices`. The caller has checked that the file is long enough for them.
     fn reserve(&mut self, vertices: u64) -> Result<(), ReadError> {
         let reserved = self.positions.try_reserve_exact(vertices as usize);
         reserved.map_err(|_| unheld(Format::Off, vertices, "vertex"))

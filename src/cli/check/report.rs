@@ -135,7 +135,7 @@ pub(super) fn examine(
                 ));
             }
         }
-        // What is told is told in the world.
+        // Positions, lengths and volumes are reported in world space.
         let placed = (world_from_mesh != Mat4::IDENTITY).then(|| OwnSpace::placed(&mesh, &world_from_mesh));
         let placed = placed.transpose().map_err(|error| load::too_far(&error, file))?;
         if let Some(placed) = &placed {

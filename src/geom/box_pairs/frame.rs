@@ -3,7 +3,7 @@
 //!
 //! Two oriented boxes are compared along the three axes of each, as in Stefan Gottschalk, Ming C. Lin and
 //! Dinesh Manocha, *OBBTree: A Hierarchical Structure for Rapid Interference Detection*, 1996, without the
-//! nine products of edges: fewer pairs are told apart, never one too many.
+//! nine cross products of edges. That keeps some pairs that do not overlap, and loses none that does.
 
 type Vector = [f64; 3];
 

@@ -65,7 +65,7 @@ impl Faces {
         self.triangles.push(corners);
     }
 
-    /// Ends the current polygon, which stands on `line` of a text file; the number of its corners. One of
+    /// Ends the current polygon, from `line` of a text file, and returns the number of its corners. One of
     /// fewer than three is counted among the polygons of the file, and has no triangle.
     #[inline]
     pub(super) fn end(&mut self, line: Option<u64>) -> u64 {

@@ -13,7 +13,7 @@ pub(super) const HEADER: u64 = 84;
 /// Bytes of a binary triangle: the normal, three vertices, two bytes of attributes.
 pub(super) const RECORD: u64 = 50;
 
-/// Reads from byte 84 on; `count` is what the header says, if the file has so many bytes.
+/// Reads from byte 84 on. `count` is the header's number of triangles; `None` if the file ends before it.
 pub(super) fn read<R: BufRead + Seek>(mut source: Source<R>, count: Option<u32>) -> Result<Scene, ReadError> {
     let len = source.len;
     let Some(count) = count.map(u64::from) else {

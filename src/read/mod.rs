@@ -24,7 +24,7 @@ use std::path::Path;
 pub use error::{Place, ReadError};
 
 use packed::Packing;
-use sniff::{has_stl_length, sniff};
+use sniff::sniff;
 
 use crate::mesh::MeshError;
 pub use crate::scene::Format;
@@ -114,7 +114,7 @@ fn read_source<R: BufRead + Seek>(
     let head = head(&mut source)?;
     // The header of a binary STL may begin with any mark.
     if let Some(packing) = Packing::of(&head)
-        && !has_stl_length(&head, source.len)
+        && !stl::has_binary_length(&head, source.len)
     {
         return packed::read(packing, source, name, folder);
     }

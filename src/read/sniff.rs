@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Format, Place, ReadError, foreign, off};
+use super::{Format, Place, ReadError, foreign, off, stl};
 
 /// The format that the first bytes of a file show together with its length and its extension.
 pub(super) fn sniff(head: &[u8], len: u64, name: &Path) -> Result<Format, ReadError> {
@@ -10,7 +10,7 @@ pub(super) fn sniff(head: &[u8], len: u64, name: &Path) -> Result<Format, ReadEr
     let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
     // A binary STL may begin with anything; its length is the stronger sign: 80 + 4 + 50 bytes a triangle.
     // Only the mark of another binary format is stronger, and only under another extension.
-    let binary_stl = has_stl_length(head, len);
+    let binary_stl = stl::has_binary_length(head, len);
     let versions: [&[u8]; 3] = [b"glTF\x01\0\0\0", b"glTF\x02\0\0\0", b"IDP2\x08\0\0\0"];
     let versioned = versions.iter().any(|mark| head.starts_with(mark));
     let named_stl = named == Some(Format::Stl);
@@ -32,13 +32,6 @@ pub(super) fn sniff(head: &[u8], len: u64, name: &Path) -> Result<Format, ReadEr
             None => unmarked(text, named),
         },
     }
-}
-
-/// Whether the length of a file is what a binary STL that begins with `head` has.
-pub(super) fn has_stl_length(head: &[u8], len: u64) -> bool {
-    head.get(80..84).is_some_and(|count| {
-        len == 84 + 50 * u64::from(u32::from_le_bytes(count.try_into().expect("four bytes")))
-    })
 }
 
 /// The format of a file whose content has no mark; `named` is that of its extension.

@@ -17,13 +17,21 @@ pub(super) fn read<R: BufRead + Seek>(mut source: Source<R>) -> Result<Scene, Re
     let io_error = |error| unreadable(Format::Stl, Place::File, &error);
     let mut head = Vec::new();
     source.reader.by_ref().take(binary::HEADER).read_to_end(&mut head).map_err(io_error)?;
-    let count = head.get(80..).and_then(|count| count.first_chunk()).map(|&count| u32::from_le_bytes(count));
-    let full = count.is_some_and(|count| source.len == binary::HEADER + binary::RECORD * u64::from(count));
-    if !full && begins_as_text(&head) {
+    if !has_binary_length(&head, source.len) && begins_as_text(&head) {
         source.reader.seek(SeekFrom::Start(0)).map_err(io_error)?;
         return text::read(source.reader);
     }
-    binary::read(source, count)
+    binary::read(source, count(&head))
+}
+
+/// The number of triangles in the header of a binary file; `None` if the file ends before it.
+fn count(head: &[u8]) -> Option<u32> {
+    head.get(80..).and_then(|count| count.first_chunk()).map(|&count| u32::from_le_bytes(count))
+}
+
+/// Whether the length of a file that begins with `head` is that of a binary STL with its number of triangles.
+pub(super) fn has_binary_length(head: &[u8], len: u64) -> bool {
+    count(head).is_some_and(|count| len == binary::HEADER + binary::RECORD * u64::from(count))
 }
 
 /// Whether the first bytes are those of a text file that holds something.

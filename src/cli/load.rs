@@ -145,15 +145,13 @@ impl MeshArgs {
                 output::significant(moves)
             ));
         }
-        if let Some(frames) =
-            scene.meshes.iter().map(|mesh| mesh.frames().len()).max().filter(|&count| count > 0)
-        {
-            // The mesh itself is the first frame.
-            let what = match self.weld {
-                Weld::None => return Ok(scene),
-                _ => "vertices are one only where they coincide in all of them",
-            };
-            output::say(format_args!("note: {}: {} frames; {what}", file.display(), frames + 1));
+        let frames = scene.meshes.iter().map(|mesh| mesh.frames().len()).max().unwrap_or(0);
+        if frames > 0 && self.weld != Weld::None {
+            output::say(format_args!(
+                "note: {}: {} frames; vertices are one only where they coincide in all of them",
+                file.display(),
+                frames + 1 // the mesh itself is the first one
+            ));
         }
         Ok(scene)
     }

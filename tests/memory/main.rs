@@ -36,12 +36,14 @@ fn memory_of_a_copy_more_is_seen() {
     let _alone = alone();
     let bytes = vec![7_u8; 1 << 20];
     let (one, held) = peak(|| bytes.clone());
-    assert!((1 << 20..(1 << 20) + 4096).contains(&held), "{held}");
+    // The threads of the test harness take and free some bytes meanwhile.
+    let about = |bytes: usize| bytes - 4096..bytes + 4096;
+    assert!(about(1 << 20).contains(&held), "{held}");
     drop(one);
     // The sabotage: a copy that is gone before the work ends.
     let (_, held) = peak(|| {
         drop(bytes.clone());
         (bytes.clone(), bytes.clone())
     });
-    assert!(held >= 2 << 20, "{held}");
+    assert!(held >= about(2 << 20).start, "{held}");
 }

@@ -21,6 +21,8 @@ mod sweep;
 #[cfg(test)]
 mod closed_tests;
 #[cfg(test)]
+mod judge_tests;
+#[cfg(test)]
 mod rational_tests;
 
 use std::borrow::Cow;

@@ -173,10 +173,10 @@ fn off(fraction: f64, hidden: &BigInt) -> f64 {
     i128::try_from(miss).map_or(f64::INFINITY, |miss| (miss as f64 * 2f64.powi(-120)).abs())
 }
 
-/// Scenes of which the bound over `divisor` does not hold, all scenes, and those in penumbra.
-fn beyond_bound(scenes: usize, seed: u64, divisor: f64) -> [usize; 3] {
+/// The largest error over the bound, and the number of scenes in penumbra.
+fn worst(scenes: usize, seed: u64) -> (f64, usize) {
     let mut random = SplitMix64(seed);
-    let [mut beyond, mut all, mut penumbra] = [0; 3];
+    let (mut worst, mut all, mut penumbra) = (0.0_f64, 0, 0);
     while all < scenes {
         let most = [4, 9, 1000][random.below(3)];
         let mut vector = || [(); 3].map(|()| random.below(2 * most + 1) as i32 - most as i32);
@@ -194,23 +194,14 @@ fn beyond_bound(scenes: usize, seed: u64, divisor: f64) -> [usize; 3] {
             faces.iter().map(|face| clipped(face, p, light)).filter(|x| !x.is_empty()).collect();
         penumbra += usize::from(found.fraction > 0.0 && found.fraction < 1.0);
         let off = off(found.fraction, &hidden(&polygons));
-        beyond += usize::from(off > found.bound / divisor);
-        assert!(off <= found.bound || divisor > 1.0, "{off} {found:?} of {faces:?} {light:?} {p:?}");
+        worst = worst.max(off / found.bound);
+        assert!(off <= found.bound, "{off} {found:?} of {faces:?} {light:?} {p:?}");
     }
-    [beyond, all, penumbra]
+    (worst, penumbra)
 }
 
 #[test]
 fn fraction_is_within_its_bound_of_whole_numbers_and_a_thousandth_of_the_bound_is_not() {
-    let [beyond, _, penumbra] = beyond_bound(60, 1, 1.0);
-    assert!(beyond == 0 && penumbra > 10, "{beyond} {penumbra}");
-    assert!(beyond_bound(60, 1, 1e3)[0] > 0);
-}
-
-#[test]
-#[ignore = "minutes"]
-fn fraction_is_within_its_bound_in_ten_thousand_scenes() {
-    let counts = beyond_bound(10_000, 2, 1.0);
-    println!("{counts:?}");
-    assert_eq!(counts[0], 0);
+    let (worst, penumbra) = worst(10_000, 2);
+    assert!(worst > 1e-3 && penumbra > 4000, "{worst} {penumbra}");
 }

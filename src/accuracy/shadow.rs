@@ -87,7 +87,7 @@ impl PartTimes {
 
     fn needed(self, technique: Technique) -> f64 {
         match technique {
-            Technique::Rays | Technique::Samples(_) => self.oracle,
+            Technique::Rays | Technique::Samples(_) | Technique::Area => self.oracle,
             Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
             Technique::None | Technique::Dark => 0.0,
         }

@@ -49,7 +49,7 @@ pub enum TechniqueError {
 }
 
 /// Names of planned techniques.
-const PLANNED: [&str; 28] = [
+const PLANNED: [&str; 27] = [
     "auto",
     "zpass-plus",
     "zpass-reversed",
@@ -71,7 +71,6 @@ const PLANNED: [&str; 28] = [
     "penumbra-map",
     "contact-blur",
     "soft-hybrid",
-    "area",
     "planar",
     "planar-blur",
     "planar-contact",

@@ -3,6 +3,7 @@
 use super::options::{self, Refusal};
 use super::plain::Plain;
 use super::rays::Rays;
+use super::soft::area::LampArea;
 use super::soft::samples::{LampSamples, SamplesOptions};
 use super::stencil::StencilCounting;
 use super::{Samples, Visibility};
@@ -37,6 +38,8 @@ pub enum Technique {
     ZPass,
     /// The mean of several exact shadow rays per sample, to points spread over the lamp.
     Samples(SamplesOptions),
+    /// The analytic fraction of the lamp that each sample sees.
+    Area,
     /// No shadows: every front-lit sample is lit.
     None,
     /// No light: every sample is dark.
@@ -80,12 +83,13 @@ pub enum PrepareError {
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
         Self::ZPass,
         Self::Samples(SamplesOptions::DEFAULT),
+        Self::Area,
         Self::None,
         Self::Dark,
     ];
@@ -99,6 +103,7 @@ impl Technique {
             Self::ZFail => "zfail",
             Self::ZPass => "zpass",
             Self::Samples(_) => "samples",
+            Self::Area => "area",
             Self::None => "none",
             Self::Dark => "dark",
         }
@@ -135,7 +140,7 @@ impl Technique {
     /// Whether the values of this technique take the lamp's extent into account, so that there are penumbrae.
     #[must_use]
     pub fn is_soft(self) -> bool {
-        matches!(self, Self::Samples(_))
+        matches!(self, Self::Samples(_) | Self::Area)
     }
 
     /// Prepares the data that stays valid while only the camera moves: shadow volumes, for the techniques
@@ -157,6 +162,7 @@ impl Technique {
             Self::ZFail => counting(Some(StencilMethod::ZFail)),
             Self::ZPass => counting(Some(StencilMethod::ZPass)),
             Self::Samples(options) => Step::Samples(LampSamples::prepare(casters, lamp, options)),
+            Self::Area => Step::Area(LampArea::prepare(casters, lamp)),
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
         };
@@ -186,6 +192,7 @@ enum Step<'a> {
     Rays(Rays<'a>),
     Counting(StencilCounting<'a>),
     Samples(LampSamples<'a>),
+    Area(LampArea<'a>),
     Plain(Plain),
 }
 
@@ -203,6 +210,7 @@ impl Prepared<'_> {
             Step::Rays(rays) => rays.shade(&self.light, samples),
             Step::Counting(counting) => counting.shade(samples),
             Step::Samples(rays) => rays.shade(samples),
+            Step::Area(area) => area.shade(samples),
             Step::Plain(plain) => plain.shade(&self.light, samples),
         }
     }
@@ -214,6 +222,7 @@ impl Prepared<'_> {
             Step::Rays(_) | Step::Plain(_) => 0,
             Step::Counting(counting) => counting.bytes(),
             Step::Samples(rays) => rays.bytes(),
+            Step::Area(area) => area.bytes(),
         }
     }
 

@@ -15,6 +15,7 @@ use glam::DVec3;
 
 use crate::geom::Light;
 use crate::geom::predicate::side_of_point;
+use crate::oracle::area::Visible;
 use crate::oracle::{Oracle, PrimaryHit, Verdict};
 use crate::shadow::{Claim, Request, Visibility};
 
@@ -38,7 +39,7 @@ pub struct Fraction {
 
 impl Truth {
     /// Exact verdicts for the samples of `request`: one exact shadow ray per front-lit sample, to the lamp's
-    /// center.
+    /// center. For a lamp with an extent also the analytic fractions.
     #[must_use]
     pub fn of(request: &Request<'_>) -> Self {
         let front_lit = |hit: &&PrimaryHit| crate::shadow::is_front_lit(hit, request.light());
@@ -48,7 +49,13 @@ impl Truth {
         let mut verdicts = vec![Verdict::Lit; points.len()];
         request.casters.oracle().verdicts_into(&points, request.light(), &mut verdicts);
         let mut next = verdicts.into_iter();
-        Self { verdicts: hits.iter().map(|hit| hit.and_then(|_| next.next())).collect(), fractions: None }
+        let verdicts = hits.iter().map(|hit| hit.and_then(|_| next.next())).collect();
+        let fraction = |seen: Option<Visible>| match seen {
+            Some(Visible { fraction, bound, .. }) => Fraction { visible: fraction, bound },
+            None => Fraction { visible: 0.5, bound: 0.5 },
+        };
+        let fractions = crate::shadow::soft::area::fractions(request);
+        Self { verdicts, fractions: fractions.map(|all| all.into_iter().map(fraction).collect()) }
     }
 
     /// The same truth with the fractions of a lamp with an extent.

@@ -24,6 +24,7 @@
 //! ```
 
 mod claim;
+pub mod map;
 mod plain;
 mod rays;
 mod samples;

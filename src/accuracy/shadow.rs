@@ -1,15 +1,15 @@
-//! Every technique's error and time, for one light and one view.
+//! Every technique's error and time, for one lamp and one view.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use super::Spread;
 use crate::caster::CasterGroup;
-use crate::geom::Light;
-use crate::shadow::{Claim, Request, Samples, Technique};
+use crate::scene::Lamp;
+use crate::shadow::{Claim, PrepareError, Request, Samples, Technique};
 use crate::verify::errors::{Errors, Made, Truth};
 
-/// Error and time of one technique under one light.
+/// Error and time of one technique under one lamp.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShadowRow {
@@ -41,12 +41,12 @@ pub struct ShadowRow {
     pub dominated_by: Option<Technique>,
 }
 
-/// Errors and times of all techniques under one light.
+/// Errors and times of all techniques under one lamp.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShadowAccuracy {
-    /// The light.
-    pub light: Light,
+    /// The lamp.
+    pub lamp: Lamp,
     /// One row per technique, in the order of [`Technique::ALL`].
     pub rows: Vec<ShadowRow>,
     /// What the parts of the casters took that counting needs, in milliseconds.
@@ -81,24 +81,26 @@ impl PartTimes {
 
     fn needed(self, technique: Technique) -> f64 {
         match technique {
-            Technique::Rays => self.oracle,
+            Technique::Rays | Technique::Samples(_) | Technique::Hybrid3x3(_) => self.oracle,
             Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
+            Technique::Map(_) | Technique::Pcf(_) | Technique::MapIds(_) => 0.0,
             Technique::None | Technique::Dark => 0.0,
         }
     }
 }
 
 impl ShadowAccuracy {
-    /// Number of steps that [`ShadowAccuracy::measure`] reports per light.
+    /// Number of steps that [`ShadowAccuracy::measure`] reports per lamp.
     pub const STEPS: u64 = 1 + Technique::ALL.len() as u64;
 
-    /// Measures all techniques for each light, on the CPU. A warm-up round is compared with the truth, then
+    /// Measures all techniques for each lamp, on the CPU. A warm-up round is compared with the truth, then
     /// `rounds` rounds are timed.
     ///
     /// `view` makes the samples after the ray cast over the casters has been built. `progress` is called with
     /// the number of steps done. Gives the samples too.
     ///
     /// ```
+    /// use std::error::Error;
     /// use umbrage::accuracy::ShadowAccuracy;
     /// use umbrage::caster::{Caster, CasterGroup};
     /// use umbrage::shadow::Samples;
@@ -109,42 +111,48 @@ impl ShadowAccuracy {
     /// let size = Size::new(32, 24)?;
     /// let camera = Camera::fit(&casters.bounds(), Up::Y, size.aspect());
     /// let projection = camera.projection(size, camera.near([caster.mesh()], size));
-    /// let view = |casters: &CasterGroup<'_>| Samples::of_view(casters, &projection, size, 1);
-    /// let (_, found) = ShadowAccuracy::measure(&casters, &["point:3,9,5".parse()?], view, 1, &|_| {})?;
+    /// let view = |casters: &CasterGroup<'_>| Ok(Samples::of_view(casters, &projection, size, 1)?);
+    /// let (_, found) =
+    ///     ShadowAccuracy::measure::<Box<dyn Error>>(&casters, &["point:3,9,5".parse()?], view, 1, &|_| {})?;
     /// assert!(found[0].rows.iter().all(|row| row.holds));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// # Ok::<(), Box<dyn Error>>(())
     /// ```
     ///
     /// # Errors
     ///
-    /// The error of `view`.
-    pub fn measure<E>(
+    /// The error of `view`, or [`PrepareError`] of a technique.
+    pub fn measure<E: From<PrepareError>>(
         casters: &CasterGroup<'_>,
-        lights: &[Light],
+        lamps: &[Lamp],
         view: impl FnOnce(&CasterGroup<'_>) -> Result<Samples, E>,
         rounds: u32,
         progress: &dyn Fn(u64),
     ) -> Result<(Samples, Vec<Self>), E> {
         let parts = PartTimes::of(casters);
         let samples = view(casters)?;
-        let measure = |light: &Light| {
-            let request = Request { casters, light, samples: &samples };
-            Self::of_light(&request, parts, rounds, progress)
+        let measure = |lamp: &Lamp| {
+            let request = Request { casters, lamp, samples: &samples };
+            Self::of_lamp(&request, parts, rounds, progress)
         };
-        let found = lights.iter().map(measure).collect();
+        let found = lamps.iter().map(measure).collect::<Result<_, PrepareError>>()?;
         Ok((samples, found))
     }
 
-    fn of_light(request: &Request<'_>, parts: PartTimes, rounds: u32, progress: &dyn Fn(u64)) -> Self {
+    fn of_lamp(
+        request: &Request<'_>,
+        parts: PartTimes,
+        rounds: u32,
+        progress: &dyn Fn(u64),
+    ) -> Result<Self, PrepareError> {
         let truth = Truth::of(request);
         progress(1);
         let mut rows = Vec::with_capacity(Technique::ALL.len());
         for technique in Technique::ALL {
-            rows.push(row(request, &truth, technique, parts.needed(technique), rounds));
+            rows.push(row(request, &truth, technique, parts.needed(technique), rounds)?);
             progress(1);
         }
         mark_dominated(&mut rows);
-        Self { light: *request.light, rows, counting_ms: parts.counting }
+        Ok(Self { lamp: request.lamp.clone(), rows, counting_ms: parts.counting })
     }
 
     /// Whether every claim holds.
@@ -154,25 +162,37 @@ impl ShadowAccuracy {
     }
 }
 
-fn row(request: &Request<'_>, truth: &Truth, technique: Technique, parts_ms: f64, rounds: u32) -> ShadowRow {
-    let (prepared, prepare_ms) = timed(|| technique.prepare(request.casters, request.light));
+fn row(
+    request: &Request<'_>,
+    truth: &Truth,
+    technique: Technique,
+    parts_ms: f64,
+    rounds: u32,
+) -> Result<ShadowRow, PrepareError> {
+    let (prepared, prepare_ms) = timed(|| technique.prepare(request.casters, request.lamp));
+    let prepared = prepared?;
     let visibility = prepared.shade(request.samples);
-    let errors = Errors::of(request, &visibility, truth, &Made::default());
+    let made = Made { texel: prepared.texel_world(), ..Made::default() };
+    let errors = Errors::of(request, &visibility, truth, &made);
     let frames = (0..rounds.max(1)).map(|_| timed(|| prepared.shade(request.samples)).1).collect();
-    ShadowRow {
+    Ok(ShadowRow {
         technique,
         device: None,
         claim: visibility.claim(),
         holds: errors.hold(visibility.claim()),
         errors,
-        asked_exactly: matches!(technique, Technique::Stencil | Technique::ZFail | Technique::ZPass)
-            .then_some(visibility.asked_exactly()),
+        asked_exactly: asks_exactly(technique).then_some(visibility.asked_exactly()),
         prepare_ms: parts_ms + prepare_ms,
         frame_ms: Spread::of(frames),
         readback_ms: None,
         bytes: (prepared.bytes() + visibility.bytes()) as u64,
         dominated_by: None,
-    }
+    })
+}
+
+/// Whether the technique passes samples to the exact ray cast.
+fn asks_exactly(technique: Technique) -> bool {
+    matches!(technique, Technique::Stencil | Technique::ZFail | Technique::ZPass | Technique::Hybrid3x3(_))
 }
 
 /// Finds for each row the technique that dominates it, by wrong samples and median frame time. Of several
@@ -229,12 +249,13 @@ mod tests {
         let size = Size::new(24, 18).unwrap();
         let camera = Camera::look_at([-4.0, -3.0, -5.0], [0.0; 3], 0.6, Up::Y).unwrap();
         let projection = camera.projection(size, 0.1);
-        let view = |casters: &CasterGroup<'_>| Samples::of_view(casters, &projection, size, 1);
+        let view = |casters: &CasterGroup<'_>| Ok(Samples::of_view(casters, &projection, size, 1).unwrap());
         let lights = ["point:9,7,11", "point:-9,-2,-11"].map(|light| light.parse().unwrap());
-        let (_, found) = ShadowAccuracy::measure(&casters, &lights, view, 1, &|_| {}).unwrap();
-        for of_light in &found {
-            assert_eq!(of_light.rows.iter().map(|row| row.technique).collect::<Vec<_>>(), Technique::ALL);
-            assert!(of_light.claims_hold(), "{of_light:?}");
+        let (_, found) =
+            ShadowAccuracy::measure::<PrepareError>(&casters, &lights, view, 1, &|_| {}).unwrap();
+        for of_lamp in &found {
+            assert_eq!(of_lamp.rows.iter().map(|row| row.technique).collect::<Vec<_>>(), Technique::ALL);
+            assert!(of_lamp.claims_hold(), "{of_lamp:?}");
         }
         assert!(found[1].rows[0].errors.judged > 100);
     }

@@ -24,12 +24,12 @@ impl Truth {
     /// Exact verdicts for the samples of `request`: one exact shadow ray per front-lit sample.
     #[must_use]
     pub fn of(request: &Request<'_>) -> Self {
-        let front_lit = |hit: &&PrimaryHit| crate::shadow::is_front_lit(hit, request.light);
+        let front_lit = |hit: &&PrimaryHit| crate::shadow::is_front_lit(hit, request.light());
         let hits: Vec<Option<&PrimaryHit>> =
             request.samples.hits().iter().map(|hit| hit.as_ref().filter(front_lit)).collect();
         let points: Vec<[f32; 3]> = hits.iter().flatten().map(|hit| hit.point).collect();
         let mut verdicts = vec![Verdict::Lit; points.len()];
-        request.casters.oracle().verdicts_into(&points, request.light, &mut verdicts);
+        request.casters.oracle().verdicts_into(&points, request.light(), &mut verdicts);
         let mut next = verdicts.into_iter();
         Self { verdicts: hits.iter().map(|hit| hit.and_then(|_| next.next())).collect() }
     }
@@ -100,7 +100,7 @@ impl Errors {
     ///
     /// ```
     /// use umbrage::caster::{Caster, CasterGroup};
-    /// use umbrage::geom::Light;
+    /// use umbrage::scene::Lamp;
     /// use umbrage::shadow::{Claim, Request, Samples, Technique};
     /// use umbrage::testing::shapes;
     /// use umbrage::verify::errors::{Errors, Made, Truth};
@@ -111,11 +111,11 @@ impl Errors {
     /// let size = Size::new(32, 24).unwrap();
     /// let projection = Camera::look_at([4.0, -6.0, 5.0], [0.0; 3], 0.9, Up::Z)?.projection(size, 0.1);
     /// let samples = Samples::of_view(&casters, &projection, size, 1)?;
-    /// let light = Light::point([2.0, -5.0, 8.0])?;
-    /// let request = Request { casters: &casters, light: &light, samples: &samples };
+    /// let lamp: Lamp = "point:2,-5,8".parse()?;
+    /// let request = Request { casters: &casters, lamp: &lamp, samples: &samples };
     ///
     /// let truth = Truth::of(&request);
-    /// let rays = Technique::Rays.shade(&request);
+    /// let rays = Technique::Rays.shade(&request)?;
     /// let errors = Errors::of(&request, &rays, &truth, &Made::default());
     /// assert_eq!(errors.wrong, 0);
     /// assert!(errors.hold(Claim::Exact));
@@ -148,7 +148,7 @@ impl Errors {
             if (value >= 0.5) != lit {
                 errors.wrong += 1;
                 let at_boundary = made.texel.is_some_and(|texel| {
-                    changes_nearby(request.casters.oracle(), request.light, hit, *verdict, texel)
+                    changes_nearby(request.casters.oracle(), request.light(), hit, *verdict, texel)
                 });
                 *match (lit, at_boundary) {
                     (true, true) => &mut errors.alias_dark,
@@ -245,7 +245,8 @@ mod tests {
         let camera = Camera::look_at([4.0, -6.0, 9.0], [4.0, 4.0, 0.0], 0.9, Up::Z).unwrap();
         let projection = camera.projection(size, 0.125);
         let samples = Samples::of_view(&casters, &projection, size, 1).unwrap();
-        work(&Request { casters: &casters, light, samples: &samples })
+        let lamp = (*light).into();
+        work(&Request { casters: &casters, lamp: &lamp, samples: &samples })
     }
 
     #[test]
@@ -253,7 +254,7 @@ mod tests {
         let light = Light::directional([0.2, 0.1, -1.0]).unwrap();
         with_request(&scene(), &light, |request| {
             let truth = Truth::of(request);
-            let rays = Technique::Rays.shade(request);
+            let rays = Technique::Rays.shade(request).unwrap();
             let errors = Errors::of(request, &rays, &truth, &Made::default());
             assert!(errors.hold(Claim::Exact) && errors.judged > 1000, "{errors:?}");
             let lit = rays.values().iter().position(|&value| value == 1.0).unwrap();
@@ -274,8 +275,8 @@ mod tests {
                 assert!(Errors::of(request, &spoiled, &truth, &made).hold(Claim::WithinFootprint));
             }
             // Negative test: a sample that turns from the light must have the value 0.
-            let away = Light::directional([0.0, 0.0, 1.0]).unwrap();
-            let turned = Request { light: &away, ..*request };
+            let away = Light::directional([0.0, 0.0, 1.0]).unwrap().into();
+            let turned = Request { lamp: &away, ..*request };
             let truth = Truth::of(&turned);
             assert!(!Errors::of(&turned, &rays, &truth, &Made::default()).hold(Claim::Approximate));
         });
@@ -289,7 +290,7 @@ mod tests {
             let truth = Truth::of(request);
             // The shadow of a slightly displaced light is wrong in stripes 0.3 wide along the shadow's
             // boundary.
-            let off = Technique::Rays.shade(&Request { light: &moved, ..*request });
+            let off = Technique::Rays.shade(&Request { lamp: &moved.into(), ..*request }).unwrap();
             let errors =
                 |texel| Errors::of(request, &off, &truth, &Made { texel: Some(texel), ..Made::default() });
             let found = errors(0.3);
@@ -302,8 +303,9 @@ mod tests {
             // With values 0 and 1 the mean error is the fraction of wrong samples. The signed mean is
             // positive if shadow is missing, negative if light is missing.
             assert!((found.mean - found.wrong as f64 / found.judged as f64).abs() < f64::EPSILON);
-            let lit = Errors::of(request, &Technique::None.shade(request), &truth, &Made::default());
-            let dark = Errors::of(request, &Technique::Dark.shade(request), &truth, &Made::default());
+            let lit = Errors::of(request, &Technique::None.shade(request).unwrap(), &truth, &Made::default());
+            let dark =
+                Errors::of(request, &Technique::Dark.shade(request).unwrap(), &truth, &Made::default());
             assert!(lit.mean_signed > 0.0 && dark.mean_signed < 0.0);
             assert_eq!(lit.wrong + dark.wrong, lit.judged);
         });

@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use umbrage::accuracy::{ShadowAccuracy, ShadowRow};
 use umbrage::caster::CasterGroup;
-use umbrage::geom::Light;
 use umbrage::scene::Lamp;
-use umbrage::shadow::{Claim, Samples};
+use umbrage::shadow::{Claim, Samples, Technique};
 use umbrage::verify::Tally;
 use umbrage::verify::errors::Errors;
 use umbrage::view::{Projection, Size};
@@ -82,15 +81,15 @@ fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
     let size = args.size.unwrap_or(Size::new(SIZE.0, SIZE.1).expect("in range"));
     let camera = args.view.choose(cameras, file, &bounds, up, size)?;
     let projection: Projection = camera.projection(size, camera.near([source.seen().mesh()], size));
-    let hard: Vec<Light> = lights.iter().map(|light| *light.light()).collect();
-    let steps = ShadowAccuracy::STEPS * hard.len() as u64;
+    let steps = ShadowAccuracy::STEPS * lights.len() as u64;
     let progress = Progress::bar(format!("measuring {}", file.display()), steps);
     let casters = source.group();
-    let view =
-        |casters: &CasterGroup<'_>| Samples::of_view(casters, &projection, size, args.samples.unwrap_or(1));
-    let (samples, mut found) =
-        ShadowAccuracy::measure(&casters, &hard, view, args.rounds, &|steps| progress.done(steps))
-            .map_err(|error| Failure::new(error, "use a smaller --size").in_file(file))?;
+    let view = |casters: &CasterGroup<'_>| {
+        Samples::of_view(casters, &projection, size, args.samples.unwrap_or(1))
+            .map_err(|error| Failure::new(error, "use a smaller --size").in_file(file))
+    };
+    let done = |steps| progress.done(steps);
+    let (samples, mut found) = ShadowAccuracy::measure(&casters, lights, view, args.rounds, &done)?;
     drop(progress);
     add_device(args, &casters, &samples, &mut found)?;
     Ok(Measured { file: file.to_owned(), size, samples: samples.len(), lights: lights.clone(), found })
@@ -189,7 +188,7 @@ impl Measured {
         for row in &found.rows {
             let errors = &row.errors;
             table.row(vec![
-                row.technique.name().to_owned(),
+                row.technique.to_string(),
                 if row.device.is_some() { "device" } else { "CPU" }.to_owned(),
                 row.claim.name().to_owned(),
                 percent(errors.wrong, errors.judged),
@@ -247,7 +246,7 @@ impl Measured {
                 let cells = [
                     file.clone(),
                     name.clone(),
-                    row.technique.name().to_owned(),
+                    row.technique.to_string(),
                     row.device.clone().unwrap_or_default(),
                     row.claim.name().to_owned(),
                     errors.judged.to_string(),
@@ -292,6 +291,16 @@ fn entry(row: &ShadowRow) -> Entry {
     }
 }
 
+/// The options as an object, numbers as numbers; null for a technique without options.
+fn parameters(technique: Technique) -> Value {
+    let parameters = technique.parameters();
+    let value = |text: String| text.parse::<u32>().map_or(Value::String(text), Value::from);
+    match parameters.is_empty() {
+        true => Value::Null,
+        false => parameters.into_iter().map(|(key, text)| (key.to_owned(), value(text))).collect(),
+    }
+}
+
 /// What does not apply to a technique, or is not built yet, is null.
 fn row_document(row: &ShadowRow) -> Value {
     let errors = &row.errors;
@@ -301,7 +310,7 @@ fn row_document(row: &ShadowRow) -> Value {
     };
     json!({
         "technique": row.technique.name(),
-        "parameters": Value::Null,
+        "parameters": parameters(row.technique),
         "device": row.device,
         "claim": bound,
         "judged": errors.judged,

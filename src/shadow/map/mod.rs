@@ -4,6 +4,8 @@
 //! decided exactly before a map is read, so that maps are asked about front-lit samples alone.
 
 mod bias;
+#[cfg(test)]
+mod bias_tests;
 mod clip;
 mod cpu;
 mod filter;
@@ -24,7 +26,7 @@ pub use cpu::MapShadow;
 pub use filter::Filter;
 pub use hybrid::HybridShadow;
 pub use ids::IdShadow;
-pub use options::{ExactOptions, Fit, MapOptions, OptionError, PcfOptions};
+pub use options::{ExactOptions, Fit, MapOptions, PcfOptions};
 pub use raster::{DepthSource, PolygonOffset, ShadowMap};
 pub use receiver::{Receiver, Tap};
 pub use space::{DepthPlane, Frame, LightSpace, Lookup, Spread};

@@ -39,6 +39,17 @@ pub enum DepthSource {
     Interpolated,
 }
 
+impl DepthSource {
+    /// Name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plane => "plane",
+            Self::Interpolated => "interpolated",
+        }
+    }
+}
+
 /// Polygon offset of the casters, as a device computes it with a floating-point depth buffer: depth moves
 /// away from the light by `constant·2^(e − 23) + slope_scale·max(|a|, |b|)`, with `e` the exponent of the
 /// triangle's greatest depth.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::options::{Fit, MapOptions};
-use super::receiver::Receiver;
+use super::receiver::{Receiver, Tap};
 use super::space::{LightSpace, unit_normal, wide};
 use super::{Bias, DepthSource, Filter, Layered, MapError, Rule, ShadowMap, Texel};
 use crate::caster::CasterGroup;
@@ -128,7 +128,7 @@ impl Drawn {
         Ok(Self { rule, filter: options.filter, texels })
     }
 
-    fn space(&self) -> &LightSpace {
+    pub(super) fn space(&self) -> &LightSpace {
         match &self.texels {
             Texels::Depth(map) => map.space(),
             Texels::Layered(map) => map.space(),
@@ -146,9 +146,14 @@ impl Drawn {
     /// The same at a point of a plane whose unit normal points to the light's side.
     pub(super) fn value_at(&self, point: DVec3, normal: DVec3) -> f32 {
         let space = self.space();
-        let frame = space.frame(space.layer_of(point));
-        let along = [normal.dot(frame.right), normal.dot(frame.up)];
-        let offset = self.rule.normal_offset(along, space.texel_world(point));
+        let offset_in = |layer| self.rule.normal_offset(layer, normal, point);
+        let layer = space.layer_of(point);
+        let mut offset = offset_in(layer);
+        // A lookup that moves across the seam of a cube is read along other axes.
+        let moved = space.layer_of(point + offset * normal);
+        if moved != layer {
+            offset = offset.max(offset_in(moved));
+        }
         let Some(receiver) = Receiver::new(space, point + offset * normal, normal) else { return 1.0 };
         let (mut lit, mut dark) = (0.0, 0.0);
         self.filter.for_each_texel(receiver.lookup().tx, receiver.lookup().ty, |i, j, weight| {
@@ -160,7 +165,10 @@ impl Drawn {
 
     /// Whether a texel shadows the receiver. What lies outside the map is lit.
     fn blocks(&self, receiver: &Receiver<'_>, i: i64, j: i64) -> bool {
-        let Some(tap) = receiver.tap(i, j) else { return false };
+        receiver.tap(i, j).is_some_and(|tap| self.blocks_tap(&tap))
+    }
+
+    pub(super) fn blocks_tap(&self, tap: &Tap) -> bool {
         let (stored, second) = match &self.texels {
             Texels::Depth(map) => (map.texel(tap.layer, tap.i, tap.j).map(Texel::depth), None),
             Texels::Layered(map) => {
@@ -168,6 +176,16 @@ impl Drawn {
                 (texel.map(Texel::depth), texel.map(Layered::second))
             }
         };
-        stored.is_some_and(|stored| self.rule.blocks(&tap, stored, second))
+        stored.is_some_and(|stored| self.rule.blocks(tap, stored, second))
+    }
+
+    /// The same texels, read in another space.
+    #[cfg(test)]
+    pub(super) fn clone_in(&self, space: LightSpace) -> Self {
+        let texels = match &self.texels {
+            Texels::Depth(map) => Texels::Depth(map.clone_in(space)),
+            Texels::Layered(map) => Texels::Layered(map.clone_in(space)),
+        };
+        Self { rule: self.rule, filter: self.filter, texels }
     }
 }

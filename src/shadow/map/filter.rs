@@ -37,6 +37,9 @@ const DISK_TEXELS: f64 = 2.0;
 /// that a value does not change with the camera.
 const SHIFTS_PER_TEXEL: f64 = 8.0;
 
+/// Lookups are moved to at most this far from the map's corner, in texels.
+const FARTHEST: f64 = (1_u64 << 32) as f64;
+
 impl Filter {
     /// All filters.
     pub const ALL: [Self; 8] = [
@@ -93,6 +96,8 @@ impl Filter {
     /// Calls `visit` with column, row and weight of each texel of a lookup. Weights are above 0; they add up
     /// to 1 but for rounding.
     pub fn for_each_texel(self, tx: f64, ty: f64, mut visit: impl FnMut(i64, i64, f64)) {
+        // What lies farther outside is outside here too, and rows have numbers.
+        let [tx, ty] = [tx, ty].map(|t| t.clamp(-FARTHEST, FARTHEST));
         let points = match self {
             Self::Nearest => return visit(tx.floor() as i64, ty.floor() as i64, 1.0),
             Self::Bilinear => return product(tx, ty, |x| part_of_box(x, 1.0), 1.0, visit),

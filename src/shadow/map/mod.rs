@@ -16,6 +16,8 @@ mod neighborhood;
 mod options;
 mod raster;
 mod receiver;
+#[cfg(test)]
+mod shadow_tests;
 mod space;
 #[cfg(test)]
 mod tests;

@@ -124,6 +124,11 @@ impl<T: Texel> ShadowMap<T> {
         inside.then(|| &self.texels[(layer * side as usize + j as usize) * side as usize + i as usize])
     }
 
+    #[cfg(test)]
+    pub(super) fn clone_in(&self, space: LightSpace) -> Self {
+        Self { space, texels: self.texels.clone() }
+    }
+
     /// Memory of the texels, in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {

@@ -34,6 +34,12 @@ pub struct ShadowRow {
     pub frame_ms: Spread,
     /// Time to read a device's result back, in milliseconds.
     pub readback_ms: Option<f64>,
+    /// Number of texels read per front-lit sample; `None` without a map.
+    pub reads: Option<f64>,
+    /// The shadow map's largest depth bias, as a distance along the light in mesh units.
+    pub bias_world: Option<f64>,
+    /// The size of the shadow map's texel at the center of the scene, in mesh units.
+    pub texel_world: Option<f64>,
     /// Memory held for the light, and for the visibility.
     pub bytes: u64,
     /// A technique that is at least as fast and at least as often right, and strictly better in one of the
@@ -172,8 +178,9 @@ fn row(
     let (prepared, prepare_ms) = timed(|| technique.prepare(request.casters, request.lamp));
     let prepared = prepared?;
     let visibility = prepared.shade(request.samples);
-    let made = Made { texel: prepared.texel_world(), ..Made::default() };
+    let made = Made { texel: prepared.texel_world(), is_soft: technique.is_soft(), ..Made::default() };
     let errors = Errors::of(request, &visibility, truth, &made);
+    let asked = visibility.asked().iter().filter(|asked| **asked).count().max(1);
     let frames = (0..rounds.max(1)).map(|_| timed(|| prepared.shade(request.samples)).1).collect();
     Ok(ShadowRow {
         technique,
@@ -185,6 +192,9 @@ fn row(
         prepare_ms: parts_ms + prepare_ms,
         frame_ms: Spread::of(frames),
         readback_ms: None,
+        reads: made.texel.map(|_| visibility.reads() as f64 / asked as f64),
+        bias_world: prepared.bias_world(),
+        texel_world: made.texel,
         bytes: (prepared.bytes() + visibility.bytes()) as u64,
         dominated_by: None,
     })
@@ -195,14 +205,20 @@ fn asks_exactly(technique: Technique) -> bool {
     matches!(technique, Technique::Stencil | Technique::ZFail | Technique::ZPass | Technique::Hybrid3x3(_))
 }
 
-/// Finds for each row the technique that dominates it, by wrong samples and median frame time. Of several
-/// dominating techniques the fastest is named.
+/// Finds for each row the technique that dominates it, by mean error (for a lamp without extent: wrong
+/// samples, then mean error) and median frame time. Of several dominating techniques the fastest is named.
 pub(super) fn mark_dominated(rows: &mut [ShadowRow]) {
-    let costs: Vec<(Technique, f64, u64)> =
-        rows.iter().map(|row| (row.technique, row.frame_ms.median, row.errors.wrong)).collect();
-    for (row, &(_, time, wrong)) in rows.iter_mut().zip(&costs) {
+    let costs: Vec<(Technique, f64, (u64, f64))> = rows
+        .iter()
+        .map(|row| {
+            // Under a lamp with extent the verdicts by its center are no error of the picture.
+            let wrong = if row.errors.has_fractions { 0 } else { row.errors.wrong };
+            (row.technique, row.frame_ms.median, (wrong, row.errors.mean))
+        })
+        .collect();
+    for (row, &(_, time, error)) in rows.iter_mut().zip(&costs) {
         let better = costs.iter().filter(|(_, other, errors)| {
-            *other <= time && *errors <= wrong && (*other < time || *errors < wrong)
+            *other <= time && *errors <= error && (*other < time || *errors < error)
         });
         row.dominated_by = better.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(technique, ..)| *technique);
     }
@@ -227,6 +243,9 @@ mod tests {
             prepare_ms: 0.0,
             frame_ms: Spread::of(vec![ms]),
             readback_ms: None,
+            reads: None,
+            bias_world: None,
+            texel_world: None,
             bytes: 0,
             dominated_by: None,
         };

@@ -88,6 +88,9 @@ impl ShadowAccuracy {
                 prepare_ms: self.counting_ms + upload_ms + volume_ms,
                 frame_ms: Spread::of(frames),
                 readback_ms: Some(readback_ms),
+                reads: None,
+                bias_world: None,
+                texel_world: None,
                 bytes: (volumes.volumes.iter().map(|(_, volume)| volume.bytes()).sum::<usize>()
                     + samples.len()) as u64,
                 dominated_by: None,

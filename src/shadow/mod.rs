@@ -43,4 +43,4 @@ pub use name::TechniqueError;
 pub use samples::{Samples, TooManySamples};
 pub use technique::{PrepareError, Prepared, Request, Technique};
 pub use visibility::Visibility;
-pub(crate) use visibility::is_front_lit;
+pub(crate) use visibility::{Answer, is_front_lit};

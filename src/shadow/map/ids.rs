@@ -14,6 +14,7 @@ use crate::geom::Light;
 use crate::mesh::FaceId;
 use crate::oracle::{Intersection, PrimaryHit, intersect};
 use crate::scene::Lamp;
+use crate::shadow::visibility::Answer;
 use crate::shadow::{Claim, Samples, Visibility};
 
 /// A map of face numbers of one lamp.
@@ -64,13 +65,15 @@ impl<'a> IdShadow<'a> {
 
     pub(super) fn shade_with(&self, samples: &Samples, interior: bool) -> Visibility {
         Visibility::of(samples, &self.light, Claim::Approximate, |hit| {
-            let dark = self.shadows(hit, interior);
-            (if dark { 0.0 } else { 1.0 }, false)
+            let Some(around) = Neighborhood::of(self.map.space(), hit, self.reach) else {
+                return Answer { is_outside: true, ..Answer::of(1.0) };
+            };
+            let value = if self.shadows(hit, &around, interior) { 0.0 } else { 1.0 };
+            Answer { reads: around.reads(), is_outside: around.is_outside(), ..Answer::of(value) }
         })
     }
 
-    fn shadows(&self, hit: &PrimaryHit, interior: bool) -> bool {
-        let Some(around) = Neighborhood::of(self.map.space(), hit, self.reach) else { return false };
+    fn shadows(&self, hit: &PrimaryHit, around: &Neighborhood<'_>, interior: bool) -> bool {
         let mut last = None;
         let mut crossed = false;
         let seen = around.look(|tap| {
@@ -105,21 +108,9 @@ impl<'a> IdShadow<'a> {
         self.map.bytes()
     }
 
-    /// Texels read per sample.
-    #[must_use]
-    pub fn reads(&self) -> u32 {
-        reads(self.reach)
-    }
-
     /// Side of a texel in mesh units, in the middle of what is seen.
     #[must_use]
     pub fn texel_world(&self) -> f64 {
         self.map.space().texel_world(wide(self.casters.bounds().center()))
     }
-}
-
-/// Texels of a neighborhood.
-pub(super) fn reads(reach: i64) -> u32 {
-    let side = 2 * reach as u32 + 1; // at most 33
-    side * side
 }

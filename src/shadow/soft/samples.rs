@@ -9,7 +9,7 @@ use crate::oracle::{Oracle, Verdict};
 use crate::random::r2;
 use crate::scene::Lamp;
 use crate::shadow::options::{Key, Options, set_number};
-use crate::shadow::{Claim, Samples, Visibility};
+use crate::shadow::{Answer, Claim, Samples, Visibility};
 
 /// Options of `samples`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -69,7 +69,7 @@ impl<'a> LampSamples<'a> {
                 None => u32::from(reaches(self.lamp.light())),
                 Some(patch) => self.points.iter().map(|&uv| u32::from(reaches(&patch.light(uv)))).sum(),
             };
-            (lit as f32 / self.points.len() as f32, false)
+            Answer::of(lit as f32 / self.points.len() as f32)
         })
     }
 

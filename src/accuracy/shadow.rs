@@ -91,8 +91,9 @@ impl PartTimes {
 
     fn needed(self, technique: Technique) -> f64 {
         match technique {
-            Technique::Rays | Technique::Samples(_) => self.oracle,
+            Technique::Rays | Technique::Samples(_) | Technique::Hybrid3x3(_) => self.oracle,
             Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
+            Technique::Map(_) | Technique::Pcf(_) | Technique::MapIds(_) => 0.0,
             Technique::None | Technique::Dark => 0.0,
         }
     }
@@ -191,8 +192,7 @@ fn row(
         claim: visibility.claim(),
         holds: errors.hold(visibility.claim()),
         errors,
-        asked_exactly: matches!(technique, Technique::Stencil | Technique::ZFail | Technique::ZPass)
-            .then_some(visibility.asked_exactly()),
+        asked_exactly: asks_exactly(technique).then_some(visibility.asked_exactly()),
         prepare_ms: parts_ms + prepare_ms,
         frame_ms: Spread::of(frames),
         readback_ms: None,
@@ -203,6 +203,11 @@ fn row(
         dominated_by: None,
         values: visibility.values().to_vec(),
     })
+}
+
+/// Whether the technique passes samples to the exact ray cast.
+fn asks_exactly(technique: Technique) -> bool {
+    matches!(technique, Technique::Stencil | Technique::ZFail | Technique::ZPass | Technique::Hybrid3x3(_))
 }
 
 /// Finds for each row the technique that dominates it, by mean error (for a lamp without extent: wrong

@@ -1,5 +1,6 @@
 //! The closed list of techniques, and the two steps of each: prepare for a lamp, shade samples.
 
+use super::map::{ExactOptions, HybridShadow, IdShadow, MapError, MapOptions, MapShadow, PcfOptions};
 use super::options::{self, Refusal};
 use super::plain::Plain;
 use super::rays::Rays;
@@ -37,6 +38,14 @@ pub enum Technique {
     ZPass,
     /// The mean of several exact shadow rays per sample, to points spread over the lamp.
     Samples(SamplesOptions),
+    /// A shadow map with a bilinear filter, or none.
+    Map(MapOptions),
+    /// A shadow map with a wider filter: percentage-closer filtering.
+    Pcf(PcfOptions),
+    /// A shadow map of face numbers; the faces around a sample are tested exactly.
+    MapIds(ExactOptions),
+    /// A shadow map where the texels around a sample agree, an exact shadow ray elsewhere.
+    Hybrid3x3(ExactOptions),
     /// No shadows: every front-lit sample is lit.
     None,
     /// No light: every sample is dark.
@@ -76,16 +85,28 @@ pub enum PrepareError {
         /// The option that decides about the memory.
         option: &'static str,
     },
+    /// The technique's shadow map cannot be made.
+    #[error("{technique}: {error}")]
+    Map {
+        /// The technique, with its options.
+        technique: Technique,
+        /// Why not.
+        error: MapError,
+    },
 }
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 11] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
         Self::ZPass,
         Self::Samples(SamplesOptions::DEFAULT),
+        Self::Map(MapOptions::DEFAULT),
+        Self::Pcf(PcfOptions::DEFAULT),
+        Self::MapIds(ExactOptions::DEFAULT),
+        Self::Hybrid3x3(ExactOptions::DEFAULT),
         Self::None,
         Self::Dark,
     ];
@@ -99,6 +120,10 @@ impl Technique {
             Self::ZFail => "zfail",
             Self::ZPass => "zpass",
             Self::Samples(_) => "samples",
+            Self::Map(_) => "map",
+            Self::Pcf(_) => "pcf",
+            Self::MapIds(_) => "map-ids",
+            Self::Hybrid3x3(_) => "hybrid-3x3",
             Self::None => "none",
             Self::Dark => "dark",
         }
@@ -115,6 +140,9 @@ impl Technique {
     pub fn parameters(self) -> Vec<(&'static str, String)> {
         match self {
             Self::Samples(options) => options::listed(&options),
+            Self::Map(options) => options::listed(&options),
+            Self::Pcf(options) => options::listed(&options),
+            Self::MapIds(options) | Self::Hybrid3x3(options) => options::listed(&options),
             _ => Vec::new(),
         }
     }
@@ -123,6 +151,10 @@ impl Technique {
     pub(super) fn with(self, key: &str, value: &str) -> Result<Self, Refusal> {
         match self {
             Self::Samples(options) => options::changed(options, key, value).map(Self::Samples),
+            Self::Map(options) => options::changed(options, key, value).map(Self::Map),
+            Self::Pcf(options) => options::changed(options, key, value).map(Self::Pcf),
+            Self::MapIds(options) => options::changed(options, key, value).map(Self::MapIds),
+            Self::Hybrid3x3(options) => options::changed(options, key, value).map(Self::Hybrid3x3),
             _ => Err(Refusal::Key),
         }
     }
@@ -138,12 +170,12 @@ impl Technique {
         matches!(self, Self::Samples(_))
     }
 
-    /// Prepares the data that stays valid while only the camera moves: shadow volumes, for the techniques
-    /// that use them.
+    /// Prepares the data that stays valid while only the camera moves: shadow volumes or shadow maps, for the
+    /// techniques that use them.
     ///
     /// # Errors
     ///
-    /// [`PrepareError`] if this data does not fit the memory.
+    /// [`PrepareError`] if this data does not fit the memory, or an option is out of range.
     pub fn prepare<'a>(
         self,
         casters: &'a CasterGroup<'a>,
@@ -151,12 +183,20 @@ impl Technique {
     ) -> Result<Prepared<'a>, PrepareError> {
         let light = lamp.light();
         let counting = |method| Step::Counting(StencilCounting::prepare(casters, light, method));
+        let refused = |error| PrepareError::Map { technique: self, error };
         let step = match self {
             Self::Rays => Step::Rays(Rays::prepare(casters)),
             Self::Stencil => counting(None),
             Self::ZFail => counting(Some(StencilMethod::ZFail)),
             Self::ZPass => counting(Some(StencilMethod::ZPass)),
             Self::Samples(options) => Step::Samples(LampSamples::prepare(casters, lamp, options)),
+            Self::Map(options) | Self::Pcf(PcfOptions(options)) => {
+                Step::Map(MapShadow::prepare(casters, lamp, &options).map_err(refused)?)
+            }
+            Self::MapIds(options) => Step::Ids(IdShadow::prepare(casters, lamp, &options).map_err(refused)?),
+            Self::Hybrid3x3(options) => {
+                Step::Hybrid(HybridShadow::prepare(casters, lamp, &options).map_err(refused)?)
+            }
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
         };
@@ -186,6 +226,9 @@ enum Step<'a> {
     Rays(Rays<'a>),
     Counting(StencilCounting<'a>),
     Samples(LampSamples<'a>),
+    Map(MapShadow<'a>),
+    Ids(IdShadow<'a>),
+    Hybrid(HybridShadow<'a>),
     Plain(Plain),
 }
 
@@ -203,6 +246,9 @@ impl Prepared<'_> {
             Step::Rays(rays) => rays.shade(&self.light, samples),
             Step::Counting(counting) => counting.shade(samples),
             Step::Samples(rays) => rays.shade(samples),
+            Step::Map(map) => map.shade(samples),
+            Step::Ids(map) => map.shade(samples),
+            Step::Hybrid(map) => map.shade(samples),
             Step::Plain(plain) => plain.shade(&self.light, samples),
         }
     }
@@ -214,18 +260,30 @@ impl Prepared<'_> {
             Step::Rays(_) | Step::Plain(_) => 0,
             Step::Counting(counting) => counting.bytes(),
             Step::Samples(rays) => rays.bytes(),
+            Step::Map(map) => map.bytes(),
+            Step::Ids(map) => map.bytes(),
+            Step::Hybrid(map) => map.bytes(),
         }
     }
 
     /// Size of a shadow map's texel at the center of the scene, in mesh units; `None` without a map.
     #[must_use]
     pub fn texel_world(&self) -> Option<f64> {
-        None
+        match &self.step {
+            Step::Map(map) => Some(map.texel_world()),
+            Step::Ids(map) => Some(map.texel_world()),
+            Step::Hybrid(map) => Some(map.texel_world()),
+            _ => None,
+        }
     }
 
-    /// Largest depth bias of a shadow map, as a distance along the light in mesh units; `None` without a map.
+    /// Depth bias of a shadow map for a plane that meets the light at 45°, as a distance along the light at the
+    /// center of the scene, in mesh units; `None` without a map that is filtered.
     #[must_use]
     pub fn bias_world(&self) -> Option<f64> {
-        None
+        match &self.step {
+            Step::Map(map) => Some(map.bias_world()),
+            _ => None,
+        }
     }
 }

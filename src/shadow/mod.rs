@@ -24,6 +24,7 @@
 //! ```
 
 mod claim;
+pub mod map;
 mod name;
 mod options;
 mod plain;

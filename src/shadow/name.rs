@@ -49,20 +49,16 @@ pub enum TechniqueError {
 }
 
 /// Names of planned techniques.
-const PLANNED: [&str; 27] = [
+const PLANNED: [&str; 23] = [
     "auto",
     "zpass-plus",
     "zpass-reversed",
     "hybrid",
-    "hybrid-3x3",
     "hybrid-2x2",
     "alias-free",
     "counter",
     "reconstruct",
     "lod",
-    "map",
-    "map-ids",
-    "pcf",
     "vsm",
     "msm",
     "pcss",

@@ -1,5 +1,6 @@
 //! The closed list of techniques, and the two steps of each: prepare for a lamp, shade samples.
 
+use super::map::{ExactOptions, HybridShadow, IdShadow, MapError, MapOptions, MapShadow, PcfOptions};
 use super::options::{self, Refusal};
 use super::plain::Plain;
 use super::rays::Rays;
@@ -40,6 +41,14 @@ pub enum Technique {
     Samples(SamplesOptions),
     /// The analytic fraction of the lamp that each sample sees.
     Area,
+    /// A shadow map with a bilinear filter, or none.
+    Map(MapOptions),
+    /// A shadow map with a wider filter: percentage-closer filtering.
+    Pcf(PcfOptions),
+    /// A shadow map of face numbers; the faces around a sample are tested exactly.
+    MapIds(ExactOptions),
+    /// A shadow map where the texels around a sample agree, an exact shadow ray elsewhere.
+    Hybrid3x3(ExactOptions),
     /// No shadows: every front-lit sample is lit.
     None,
     /// No light: every sample is dark.
@@ -79,17 +88,29 @@ pub enum PrepareError {
         /// The option that decides about the memory.
         option: &'static str,
     },
+    /// The technique's shadow map cannot be made.
+    #[error("{technique}: {error}")]
+    Map {
+        /// The technique, with its options.
+        technique: Technique,
+        /// Why not.
+        error: MapError,
+    },
 }
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 12] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
         Self::ZPass,
         Self::Samples(SamplesOptions::DEFAULT),
         Self::Area,
+        Self::Map(MapOptions::DEFAULT),
+        Self::Pcf(PcfOptions::DEFAULT),
+        Self::MapIds(ExactOptions::DEFAULT),
+        Self::Hybrid3x3(ExactOptions::DEFAULT),
         Self::None,
         Self::Dark,
     ];
@@ -104,6 +125,10 @@ impl Technique {
             Self::ZPass => "zpass",
             Self::Samples(_) => "samples",
             Self::Area => "area",
+            Self::Map(_) => "map",
+            Self::Pcf(_) => "pcf",
+            Self::MapIds(_) => "map-ids",
+            Self::Hybrid3x3(_) => "hybrid-3x3",
             Self::None => "none",
             Self::Dark => "dark",
         }
@@ -120,6 +145,9 @@ impl Technique {
     pub fn parameters(self) -> Vec<(&'static str, String)> {
         match self {
             Self::Samples(options) => options::listed(&options),
+            Self::Map(options) => options::listed(&options),
+            Self::Pcf(options) => options::listed(&options),
+            Self::MapIds(options) | Self::Hybrid3x3(options) => options::listed(&options),
             _ => Vec::new(),
         }
     }
@@ -128,6 +156,10 @@ impl Technique {
     pub(super) fn with(self, key: &str, value: &str) -> Result<Self, Refusal> {
         match self {
             Self::Samples(options) => options::changed(options, key, value).map(Self::Samples),
+            Self::Map(options) => options::changed(options, key, value).map(Self::Map),
+            Self::Pcf(options) => options::changed(options, key, value).map(Self::Pcf),
+            Self::MapIds(options) => options::changed(options, key, value).map(Self::MapIds),
+            Self::Hybrid3x3(options) => options::changed(options, key, value).map(Self::Hybrid3x3),
             _ => Err(Refusal::Key),
         }
     }
@@ -143,12 +175,12 @@ impl Technique {
         matches!(self, Self::Samples(_) | Self::Area)
     }
 
-    /// Prepares the data that stays valid while only the camera moves: shadow volumes, for the techniques
-    /// that use them.
+    /// Prepares the data that stays valid while only the camera moves: shadow volumes or shadow maps, for the
+    /// techniques that use them.
     ///
     /// # Errors
     ///
-    /// [`PrepareError`] if this data does not fit the memory.
+    /// [`PrepareError`] if this data does not fit the memory, or an option is out of range.
     pub fn prepare<'a>(
         self,
         casters: &'a CasterGroup<'a>,
@@ -156,6 +188,7 @@ impl Technique {
     ) -> Result<Prepared<'a>, PrepareError> {
         let light = lamp.light();
         let counting = |method| Step::Counting(StencilCounting::prepare(casters, light, method));
+        let refused = |error| PrepareError::Map { technique: self, error };
         let step = match self {
             Self::Rays => Step::Rays(Rays::prepare(casters)),
             Self::Stencil => counting(None),
@@ -163,6 +196,13 @@ impl Technique {
             Self::ZPass => counting(Some(StencilMethod::ZPass)),
             Self::Samples(options) => Step::Samples(LampSamples::prepare(casters, lamp, options)),
             Self::Area => Step::Area(LampArea::prepare(casters, lamp)),
+            Self::Map(options) | Self::Pcf(PcfOptions(options)) => {
+                Step::Map(MapShadow::prepare(casters, lamp, &options).map_err(refused)?)
+            }
+            Self::MapIds(options) => Step::Ids(IdShadow::prepare(casters, lamp, &options).map_err(refused)?),
+            Self::Hybrid3x3(options) => {
+                Step::Hybrid(HybridShadow::prepare(casters, lamp, &options).map_err(refused)?)
+            }
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
         };
@@ -193,6 +233,9 @@ enum Step<'a> {
     Counting(StencilCounting<'a>),
     Samples(LampSamples<'a>),
     Area(LampArea<'a>),
+    Map(MapShadow<'a>),
+    Ids(IdShadow<'a>),
+    Hybrid(HybridShadow<'a>),
     Plain(Plain),
 }
 
@@ -211,6 +254,9 @@ impl Prepared<'_> {
             Step::Counting(counting) => counting.shade(samples),
             Step::Samples(rays) => rays.shade(samples),
             Step::Area(area) => area.shade(samples),
+            Step::Map(map) => map.shade(samples),
+            Step::Ids(map) => map.shade(samples),
+            Step::Hybrid(map) => map.shade(samples),
             Step::Plain(plain) => plain.shade(&self.light, samples),
         }
     }
@@ -223,18 +269,30 @@ impl Prepared<'_> {
             Step::Counting(counting) => counting.bytes(),
             Step::Samples(rays) => rays.bytes(),
             Step::Area(area) => area.bytes(),
+            Step::Map(map) => map.bytes(),
+            Step::Ids(map) => map.bytes(),
+            Step::Hybrid(map) => map.bytes(),
         }
     }
 
     /// Size of a shadow map's texel at the center of the scene, in mesh units; `None` without a map.
     #[must_use]
     pub fn texel_world(&self) -> Option<f64> {
-        None
+        match &self.step {
+            Step::Map(map) => Some(map.texel_world()),
+            Step::Ids(map) => Some(map.texel_world()),
+            Step::Hybrid(map) => Some(map.texel_world()),
+            _ => None,
+        }
     }
 
-    /// Largest depth bias of a shadow map, as a distance along the light in mesh units; `None` without a map.
+    /// Depth bias of a shadow map for a plane that meets the light at 45°, as a distance along the light at the
+    /// center of the scene, in mesh units; `None` without a map that is filtered.
     #[must_use]
     pub fn bias_world(&self) -> Option<f64> {
-        None
+        match &self.step {
+            Step::Map(map) => Some(map.bias_world()),
+            _ => None,
+        }
     }
 }

@@ -1,0 +1,211 @@
+//! Fitting a light space to a scene.
+
+use glam::{DVec3, DVec4};
+
+use super::clip::clip;
+use super::space::{CUBE, Frame, LightSpace, Spread, frame_of, wide};
+use super::{MAX_SIZE, MapError};
+use crate::caster::CasterGroup;
+use crate::geom::Light;
+use crate::scene::Lamp;
+use crate::shadow::Samples;
+
+/// Texels left free around the scene, so that filters at its rim stay on the map.
+const PAD: u32 = 2;
+/// Part of the depth range left free at each end of a parallel projection.
+const SLACK: f64 = 0.001;
+/// Ratio of the near distance to the least depth of a caster.
+const NEAR: f64 = 0.99;
+
+impl LightSpace {
+    /// The space that shows all that casts or is seen, with `size` texels a side.
+    ///
+    /// A lamp with a cone gets one layer around the cone, unless that is so wide that a cube with texels as
+    /// small on the axis has fewer of them: from a half-angle of 67.8°, with a tangent of √6. Any other lamp
+    /// at a position gets a cube.
+    ///
+    /// # Errors
+    ///
+    /// [`MapError::Size`] if `size` is 0 or more than [`MAX_SIZE`].
+    pub fn of_scene(casters: &CasterGroup<'_>, lamp: &Lamp, size: u32) -> Result<Self, MapError> {
+        if !(1..=MAX_SIZE).contains(&size) {
+            return Err(MapError::Size { size });
+        }
+        let light = lamp.light();
+        Ok(if light.is_directional() { parallel(casters, light, size) } else { central(casters, lamp, size) })
+    }
+    /// The same central space with its near distance fitted to the casters.
+    fn with_near(self, casters: &CasterGroup<'_>) -> Self {
+        let Spread::Central { tan, .. } = self.spread else { return self };
+        let (mut least, mut farthest) = (f64::INFINITY, 0.0_f64);
+        for layer in 0..self.layers {
+            for_each_face(casters, |corners, casts| {
+                let at = corners.map(|p| DVec4::from(self.homogeneous(layer, p)));
+                if is_outside(at) {
+                    return;
+                }
+                for p in clip(at, 1.0, 0.0).corners() {
+                    farthest = farthest.max(p.z);
+                    if casts {
+                        least = least.min(p.z);
+                    }
+                }
+            });
+        }
+        // The near distance is a mere unit of depth, which floats of 24 bits hold at any scale; its lower
+        // bound leaves a device room to clip at it.
+        let lowest = farthest * (-12_f64).exp2();
+        let near = if least.is_finite() { (NEAR * least).max(lowest) } else { lowest };
+        Self { spread: Spread::Central { tan, near: positive(near, 1.0) }, ..self }
+    }
+}
+
+/// Whether a face lies beside the map's square pyramid, or behind the light, by one of its planes.
+pub(super) fn is_outside(corners: [DVec4; 3]) -> bool {
+    let all = |beyond: fn(DVec4) -> bool| corners.iter().all(|&p| beyond(p));
+    all(|p| p.z <= 0.0)
+        || all(|p| p.x > p.z)
+        || all(|p| -p.x > p.z)
+        || all(|p| p.y > p.z)
+        || all(|p| -p.y > p.z)
+}
+
+/// Side of the map over the side that the scene takes up.
+fn padding(size: u32) -> f64 {
+    let pad = PAD.min(size / 4);
+    f64::from(size) / f64::from(size - 2 * pad)
+}
+
+fn positive(x: f64, otherwise: f64) -> f64 {
+    if x > 0.0 && x.is_finite() { x } else { otherwise }
+}
+
+/// Calls `visit` with every face that casts or is seen, and whether it casts.
+fn for_each_face(casters: &CasterGroup<'_>, mut visit: impl FnMut([DVec3; 3], bool)) {
+    let casting = casters.casters().iter().map(|caster| (caster.mesh(), true));
+    let seen = casters.seen_caster().map(|caster| (caster.mesh(), false));
+    for (mesh, casts) in casting.chain(seen) {
+        for triangle in mesh.triangles() {
+            visit(triangle.map(|vertex| wide(mesh.positions()[vertex as usize])), casts);
+        }
+    }
+}
+
+/// A box along the axes of a frame.
+#[derive(Clone, Copy)]
+struct Extent {
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Extent {
+    const EMPTY: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+
+    fn add(&mut self, p: DVec3) {
+        (self.low, self.high) = (self.low.min(p), self.high.max(p));
+    }
+
+    fn is_empty(&self) -> bool {
+        self.low.x > self.high.x
+    }
+}
+
+fn central(casters: &CasterGroup<'_>, lamp: &Lamp, size: u32) -> LightSpace {
+    let tan = lamp.cone.map(|cone| f64::from(cone.outer_rad)).map_or(f64::INFINITY, |outer| {
+        if outer < std::f64::consts::FRAC_PI_2 { outer.tan().max(0.0) } else { f64::INFINITY }
+    });
+    let origin = wide(lamp.light().xyz());
+    let unfitted = |frames, layers, tan| {
+        let spread = Spread::Central { tan, near: 1.0 };
+        LightSpace { origin, frames, layers, spread, size }
+    };
+    let space = match lamp.cone {
+        Some(cone) if tan > 0.0 && tan * tan < 6.0 => {
+            let axis = wide(cone.direction).normalize_or(DVec3::NEG_Z);
+            unfitted([frame_of(axis, -1.0); 6], 1, tan * padding(size))
+        }
+        _ => unfitted(CUBE, 6, 1.0),
+    };
+    space.with_near(casters)
+}
+
+fn parallel(casters: &CasterGroup<'_>, light: &Light, size: u32) -> LightSpace {
+    let frame = frame_of(wide(light.xyz()).normalize(), 1.0);
+    let mut world = Extent::EMPTY;
+    for_each_face(casters, |corners, _| corners.into_iter().for_each(|p| world.add(p)));
+    if world.is_empty() {
+        world.add(DVec3::ZERO);
+    }
+    let middle = 0.5 * world.low + 0.5 * world.high;
+    let mut own = Extent::EMPTY;
+    for_each_face(casters, |corners, _| {
+        for p in corners {
+            let q = p - middle;
+            own.add(DVec3::new(q.dot(frame.right), q.dot(frame.up), q.dot(frame.axis)));
+        }
+    });
+    if own.is_empty() {
+        own.add(DVec3::ZERO);
+    }
+    let (center, extent) = (0.5 * (own.low + own.high), own.high - own.low);
+    let half = positive(0.5 * extent.x.max(extent.y) * padding(size), positive(extent.z, 1.0));
+    // Rows round coordinates as large as the map by 2⁻⁵³. A range of 2⁻²⁴ of the map's side keeps that far
+    // below the units of a depth of 24 bits, also where the scene is flat and faces the light.
+    let depth = extent.z.max(half * (-24_f64).exp2());
+    LightSpace {
+        origin: middle + center.x * frame.right + center.y * frame.up,
+        frames: [frame; 6],
+        layers: 1,
+        spread: Spread::Parallel {
+            half,
+            lowest: own.low.z - SLACK * depth,
+            range: (1.0 + 2.0 * SLACK) * depth,
+        },
+        size,
+    }
+}
+
+impl LightSpace {
+    /// The space around what a view may see, with the same rows and depth range; `None` if that is no smaller
+    /// than this one, or if this one is not parallel.
+    ///
+    /// Receivers bound the square, casters do not: the depth range is that of the whole scene, so that no
+    /// caster between the light and the square is lost, wherever the eye is. The square is around a sphere
+    /// that holds the visible part of the view's pyramid, and moves by whole texels of this space's origin:
+    /// turning and moving the camera neither scales nor shifts texels.
+    #[must_use]
+    pub fn of_view(&self, samples: &Samples) -> Option<Self> {
+        let Spread::Parallel { half: scene_half, lowest, range } = self.spread else { return None };
+        let projection = samples.projection();
+        let eye = wide(projection.eye);
+        let forward = wide(projection.forward);
+        let hits = samples.hits().iter().flatten();
+        let farthest = hits.fold(0.0_f64, |most, hit| most.max(forward.dot(wide(hit.point) - eye)));
+        let near = f64::from(projection.near);
+        if farthest <= near {
+            return None;
+        }
+        // The next half power of two, so that the radius is constant over most motions.
+        let far = (0.5 * (2.0 * farthest.log2()).ceil()).exp2();
+        let corners = projection.near_corners();
+        let center_of = |corners: [DVec3; 4]| corners.iter().sum::<DVec3>() / 4.0;
+        let ahead = corners.map(|corner| match projection.is_orthographic() {
+            true => corner + (far - near) * forward,
+            false => eye + (corner - eye) * (far / near),
+        });
+        let center = 0.5 * (center_of(corners) + center_of(ahead));
+        let radius = corners.iter().chain(&ahead).fold(0.0_f64, |most, p| most.max(p.distance(center)));
+        // Rounded up to 1/64, so that the rounding of the camera's rows does not scale the texels.
+        let unit = (radius.log2().floor() - 6.0).exp2();
+        let radius = (radius / unit).ceil() * unit;
+        let half = radius * padding(self.size);
+        if !(half.is_finite() && half < scene_half) {
+            return None;
+        }
+        let Frame { right, up, .. } = self.frames[0];
+        let texel = 2.0 * half / f64::from(self.size);
+        let whole = |row: DVec3| ((center - self.origin).dot(row) / texel).round() * texel * row;
+        let origin = self.origin + whole(right) + whole(up);
+        Some(Self { origin, spread: Spread::Parallel { half, lowest, range }, ..*self })
+    }
+}

@@ -1,0 +1,85 @@
+//! A map where its texels agree, the exact ray cast elsewhere: the technique `hybrid-3x3`.
+//!
+//! (Eric Chan and Frédo Durand, *An Efficient Hybrid Shadow Rendering Algorithm*, EGSR 2004; Pradeep Sen, Mike
+//! Cammarano and Pat Hanrahan, *Shadow Silhouette Maps*, SIGGRAPH 2003.) What errs are occluders that fall
+//! between texel centers: their shadows are lost.
+
+use super::neighborhood::{Neighborhood, Seen};
+use super::options::ExactOptions;
+use super::raster::{DepthSource, PolygonOffset};
+use super::space::{LightSpace, wide};
+use super::{MapError, ShadowMap};
+use crate::caster::CasterGroup;
+use crate::geom::Light;
+use crate::oracle::{Oracle, Verdict};
+use crate::scene::Lamp;
+use crate::shadow::visibility::Answer;
+use crate::shadow::{Claim, Samples, Visibility};
+
+/// A map of one lamp, and the exact ray cast.
+#[derive(Debug)]
+pub struct HybridShadow<'a> {
+    casters: &'a CasterGroup<'a>,
+    oracle: &'a Oracle,
+    light: Light,
+    reach: i64,
+    map: ShadowMap<f32>,
+}
+
+impl<'a> HybridShadow<'a> {
+    /// Draws the map of the scene, and builds the ray cast of the casters.
+    ///
+    /// # Errors
+    ///
+    /// [`MapError`] if an option is out of range, or the texels do not fit the memory.
+    pub fn prepare(
+        casters: &'a CasterGroup<'a>,
+        lamp: &Lamp,
+        options: &ExactOptions,
+    ) -> Result<Self, MapError> {
+        let reach = options.checked_reach()?;
+        let space = LightSpace::of_scene(casters, lamp, options.size)?;
+        let (light, offset) = (*lamp.light(), PolygonOffset::default());
+        let map = ShadowMap::draw(casters, &light, space, DepthSource::Plane, offset)?;
+        Ok(Self { casters, oracle: casters.oracle(), light, reach, map })
+    }
+
+    /// 0 or 1 at each front-lit sample: what all texels agree on, otherwise the exact verdict. Outside the
+    /// map the exact ray cast is asked. A grazing ray counts as lit.
+    #[must_use]
+    pub fn shade(&self, samples: &Samples) -> Visibility {
+        self.shade_within(samples, self.reach)
+    }
+
+    pub(super) fn shade_within(&self, samples: &Samples, reach: i64) -> Visibility {
+        Visibility::of(samples, &self.light, Claim::Approximate, |hit| {
+            let around = Neighborhood::of(self.map.space(), hit, reach);
+            let seen = around.map_or(Seen::Mixed, |around| {
+                around.look(|tap| self.map.texel(tap.layer, tap.i, tap.j).copied())
+            });
+            let is_dark = match seen {
+                Seen::Blocked => true,
+                Seen::Open => false,
+                Seen::Mixed => self.oracle.verdict(hit.point, &self.light) == Verdict::Shadowed,
+            };
+            Answer {
+                value: if is_dark { 0.0 } else { 1.0 },
+                is_exact: seen == Seen::Mixed,
+                reads: around.map_or(0, |around| around.reads()),
+                is_outside: false,
+            }
+        })
+    }
+
+    /// Memory of the texels, in bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.map.bytes()
+    }
+
+    /// Side of a texel in mesh units, in the middle of what is seen.
+    #[must_use]
+    pub fn texel_world(&self) -> f64 {
+        self.map.space().texel_world(wide(self.casters.bounds().center()))
+    }
+}

@@ -260,7 +260,7 @@ fn welded(triangles: &[[[f32; 3]; 3]], rounded: impl Fn([f32; 3]) -> [f32; 3]) -
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]
 fn gather(soft: &SoftOracle<'_>, pyramid: &Pyramid, reach: [f64; 3], chain: &mut Chain) {
     let (sides, count) = pyramid.sides(reach);
-    soft.oracle.tree.walk_within(pyramid.p, &sides[..count], |slot| {
+    soft.oracle.tree.walk_within(pyramid.p, reach, &sides[..count], |slot| {
         chain.add(pyramid, soft.oracle.triangles[slot], soft.corners[slot]);
     });
 }

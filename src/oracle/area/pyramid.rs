@@ -56,8 +56,8 @@ impl Pyramid {
     ///
     /// Error of the coordinates, with ε the rounding unit. Entries of e1, e2 and d err by at most 2ε of their
     /// bounds, a cross product by 6ε of its terms, the determinant D by ρ|D|, ρ = 16ε times its terms over |D|. A
-    /// row entry errs by (7ε + ρ) of its terms over |D|, and a coordinate, a dot product with x − P that is
-    /// rounded once, by (12ε + ρ) of its terms, times 1/(1 − ρ). Interpolation between two points adds 6ε, the
+    /// row entry errs by (8ε + ρ) of its terms over |D|, and a coordinate, a dot product with x − P that is
+    /// rounded once, by (13ε + ρ) of its terms, times 1/(1 − ρ). Interpolation between two points adds 6ε, the
     /// division by γ another ε. 24ε + 2ρ bounds it all if ρ ≤ ¼.
     pub(super) fn new(frame: Frame, p: [f32; 3], reach: [f64; 3]) -> Result<Self, Flat> {
         let side_of_p = frame.side(p);
@@ -75,8 +75,10 @@ impl Pyramid {
         if !(rho <= 0.25) {
             return Err(Flat::Unresolved); // also if the determinant is 0
         }
-        let rows = [alpha, beta, gamma].map(|row| row / determinant);
-        let terms = terms.map(|row| row / size);
+        let inverse = 1.0 / determinant;
+        let rows = [alpha * inverse, beta * inverse, gamma * inverse];
+        let size = inverse.abs();
+        let terms = [terms[0] * size, terms[1] * size, terms[2] * size];
         let error = 24.0 * EPSILON + 2.0 * rho;
         let doubt = if at_infinity { -1.0 } else { error * terms[2].dot(DVec3::from(reach)) };
         let mirrored = determinant < 0.0;

@@ -48,6 +48,7 @@ pub(super) struct Sides<F> {
 
 impl Sides<f64> {
     /// `unit`: the rounding unit of the numbers that the test will run in.
+    #[inline(always)]
     pub(super) fn new(p: [f32; 3], spaces: &[HalfSpace], reach: [f64; 3], unit: f64) -> Self {
         let mut sides = [([0.0; 3], 0.0); MOST_SIDES];
         for (side, space) in sides.iter_mut().zip(spaces) {

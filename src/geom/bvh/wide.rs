@@ -127,6 +127,7 @@ impl WideBvh {
 
     /// Bounds |x − p|, axis by axis, for every plane x of every box of the tree. A stored plane lies at most
     /// one grid step outside: 1/63 of the extent, or two units in the last place of the largest coordinate.
+    #[inline]
     pub(crate) fn reach(&self, p: [f32; 3]) -> [f64; 3] {
         let Aabb { low, high } = self.bounds;
         std::array::from_fn(|i| {

@@ -189,6 +189,7 @@ impl AreaLight {
     }
 
     /// The light as the receiver at `p` sees it; `None` at the center of a disk that faces its receiver.
+    #[inline(always)]
     pub(super) fn seen_from(&self, p: [f32; 3]) -> Option<(Frame, &Shape)> {
         match &self.kind {
             Kind::Fixed(frame, shape) => Some((*frame, shape)),

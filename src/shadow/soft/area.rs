@@ -5,7 +5,7 @@ use crate::geom::Light;
 use crate::oracle::area::{AreaLight, Receiver, SoftOracle, Visible};
 use crate::oracle::{Oracle, Verdict};
 use crate::scene::Lamp;
-use crate::shadow::{Claim, Request, Samples, Visibility, is_front_lit};
+use crate::shadow::{Claim, Samples, Visibility, is_front_lit};
 
 /// The lamp's surface and the ray cast over all casters, with their welded corners.
 #[derive(Debug)]
@@ -58,19 +58,6 @@ fn front_lit(samples: &Samples, light: &Light) -> Vec<(usize, [f32; 3])> {
         hit.as_ref().filter(|hit| is_front_lit(hit, light)).map(|hit| (index, hit.point))
     })
     .collect()
-}
-
-/// What each sample sees of the request's lamp: `None` for a lamp without extent; per sample `None` where the
-/// face turns from the lamp's center, or nothing can be told.
-pub(crate) fn fractions(request: &Request<'_>) -> Option<Vec<Option<Visible>>> {
-    let area = LampArea::prepare(request.casters, request.lamp);
-    area.soft.as_ref()?;
-    let points = front_lit(request.samples, request.light());
-    let mut all = vec![None; request.samples.len()];
-    for ((index, _), found) in points.iter().zip(area.fractions(&points)) {
-        all[*index] = found;
-    }
-    Some(all)
 }
 
 #[cfg(test)]

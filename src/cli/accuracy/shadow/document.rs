@@ -1,7 +1,7 @@
 //! The table of `accuracy shadow` as JSON.
 
 use serde_json::{Value, json};
-use umbrage::accuracy::ShadowRow;
+use umbrage::accuracy::{ShadowAccuracy, ShadowRow};
 use umbrage::shadow::{Claim, Technique};
 
 use super::Measured;
@@ -13,7 +13,7 @@ impl Measured {
         let lights = self.lights.iter().zip(&self.found).map(|(light, found)| {
             json!({
                 "name": lights::lamp_label(light),
-                "truth": { "method": "exact ray cast", "bound": 0.0 },
+                "truth": truth(found),
                 "rows": found.rows.iter().map(row_document).collect::<Vec<_>>(),
             })
         });
@@ -22,6 +22,13 @@ impl Measured {
             "samples": self.samples,
             "lights": lights.collect::<Vec<_>>(),
         })
+    }
+}
+
+fn truth(found: &ShadowAccuracy) -> Value {
+    match found.truth.bound() {
+        None => json!({ "method": "exact ray cast", "bound": 0.0 }),
+        Some(bound) => json!({ "method": "analytic visible fraction", "bound": number(bound) }),
     }
 }
 

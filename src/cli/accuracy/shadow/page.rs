@@ -82,10 +82,9 @@ fn section(of_file: &Measured, id: &str, found: &ShadowAccuracy, pictures: Optio
 }
 
 fn truth(found: &ShadowAccuracy) -> String {
-    match found.truth.fractions() {
+    match found.truth.bound() {
         None => "one exact shadow ray per sample".to_owned(),
-        Some(fractions) => {
-            let bound = fractions.iter().map(|fraction| fraction.bound).fold(0.0, f64::max);
+        Some(bound) => {
             format!("the visible fraction of the lamp, computed analytically, off by at most {bound:.1e}")
         }
     }

@@ -191,11 +191,13 @@ impl Technique {
             Self::ZPass => counting(Some(StencilMethod::ZPass)),
             Self::Samples(options) => Step::Samples(LampSamples::prepare(casters, lamp, options)),
             Self::Map(options) | Self::Pcf(PcfOptions(options)) => {
-                Step::Map(MapShadow::prepare(casters, lamp, &options).map_err(refused)?)
+                Step::Map(Box::new(MapShadow::prepare(casters, lamp, &options).map_err(refused)?))
             }
-            Self::MapIds(options) => Step::Ids(IdShadow::prepare(casters, lamp, &options).map_err(refused)?),
+            Self::MapIds(options) => {
+                Step::Ids(Box::new(IdShadow::prepare(casters, lamp, &options).map_err(refused)?))
+            }
             Self::Hybrid3x3(options) => {
-                Step::Hybrid(HybridShadow::prepare(casters, lamp, &options).map_err(refused)?)
+                Step::Hybrid(Box::new(HybridShadow::prepare(casters, lamp, &options).map_err(refused)?))
             }
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
@@ -226,9 +228,9 @@ enum Step<'a> {
     Rays(Rays<'a>),
     Counting(StencilCounting<'a>),
     Samples(LampSamples<'a>),
-    Map(MapShadow<'a>),
-    Ids(IdShadow<'a>),
-    Hybrid(HybridShadow<'a>),
+    Map(Box<MapShadow<'a>>),
+    Ids(Box<IdShadow<'a>>),
+    Hybrid(Box<HybridShadow<'a>>),
     Plain(Plain),
 }
 

@@ -91,7 +91,9 @@ impl PartTimes {
 
     fn needed(self, technique: Technique) -> f64 {
         match technique {
-            Technique::Rays | Technique::Samples(_) | Technique::Hybrid3x3(_) => self.oracle,
+            Technique::Rays | Technique::Samples(_) | Technique::Area | Technique::Hybrid3x3(_) => {
+                self.oracle
+            }
             Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
             Technique::Map(_) | Technique::Pcf(_) | Technique::MapIds(_) => 0.0,
             Technique::None | Technique::Dark => 0.0,

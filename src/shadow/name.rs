@@ -49,7 +49,7 @@ pub enum TechniqueError {
 }
 
 /// Names of planned techniques.
-const PLANNED: [&str; 24] = [
+const PLANNED: [&str; 23] = [
     "auto",
     "zpass-plus",
     "zpass-reversed",
@@ -67,7 +67,6 @@ const PLANNED: [&str; 24] = [
     "penumbra-map",
     "contact-blur",
     "soft-hybrid",
-    "area",
     "planar",
     "planar-blur",
     "planar-contact",

@@ -4,6 +4,7 @@ use super::map::{ExactOptions, HybridShadow, IdShadow, MapError, MapOptions, Map
 use super::options::{self, Refusal};
 use super::plain::Plain;
 use super::rays::Rays;
+use super::soft::area::LampArea;
 use super::soft::samples::{LampSamples, SamplesOptions};
 use super::stencil::StencilCounting;
 use super::{Samples, Visibility};
@@ -38,6 +39,8 @@ pub enum Technique {
     ZPass,
     /// The mean of several exact shadow rays per sample, to points spread over the lamp.
     Samples(SamplesOptions),
+    /// The analytic fraction of the lamp that each sample sees.
+    Area,
     /// A shadow map with a bilinear filter, or none.
     Map(MapOptions),
     /// A shadow map with a wider filter: percentage-closer filtering.
@@ -97,12 +100,13 @@ pub enum PrepareError {
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
         Self::ZPass,
         Self::Samples(SamplesOptions::DEFAULT),
+        Self::Area,
         Self::Map(MapOptions::DEFAULT),
         Self::Pcf(PcfOptions::DEFAULT),
         Self::MapIds(ExactOptions::DEFAULT),
@@ -120,6 +124,7 @@ impl Technique {
             Self::ZFail => "zfail",
             Self::ZPass => "zpass",
             Self::Samples(_) => "samples",
+            Self::Area => "area",
             Self::Map(_) => "map",
             Self::Pcf(_) => "pcf",
             Self::MapIds(_) => "map-ids",
@@ -167,7 +172,7 @@ impl Technique {
     /// Whether the values of this technique take the lamp's extent into account, so that there are penumbrae.
     #[must_use]
     pub fn is_soft(self) -> bool {
-        matches!(self, Self::Samples(_))
+        matches!(self, Self::Samples(_) | Self::Area)
     }
 
     /// Prepares the data that stays valid while only the camera moves: shadow volumes or shadow maps, for the
@@ -190,6 +195,7 @@ impl Technique {
             Self::ZFail => counting(Some(StencilMethod::ZFail)),
             Self::ZPass => counting(Some(StencilMethod::ZPass)),
             Self::Samples(options) => Step::Samples(LampSamples::prepare(casters, lamp, options)),
+            Self::Area => Step::Area(LampArea::prepare(casters, lamp)),
             Self::Map(options) | Self::Pcf(PcfOptions(options)) => {
                 Step::Map(Box::new(MapShadow::prepare(casters, lamp, &options).map_err(refused)?))
             }
@@ -228,6 +234,7 @@ enum Step<'a> {
     Rays(Rays<'a>),
     Counting(StencilCounting<'a>),
     Samples(LampSamples<'a>),
+    Area(LampArea<'a>),
     Map(Box<MapShadow<'a>>),
     Ids(Box<IdShadow<'a>>),
     Hybrid(Box<HybridShadow<'a>>),
@@ -248,6 +255,7 @@ impl Prepared<'_> {
             Step::Rays(rays) => rays.shade(&self.light, samples),
             Step::Counting(counting) => counting.shade(samples),
             Step::Samples(rays) => rays.shade(samples),
+            Step::Area(area) => area.shade(samples),
             Step::Map(map) => map.shade(samples),
             Step::Ids(map) => map.shade(samples),
             Step::Hybrid(map) => map.shade(samples),
@@ -262,6 +270,7 @@ impl Prepared<'_> {
             Step::Rays(_) | Step::Plain(_) => 0,
             Step::Counting(counting) => counting.bytes(),
             Step::Samples(rays) => rays.bytes(),
+            Step::Area(area) => area.bytes(),
             Step::Map(map) => map.bytes(),
             Step::Ids(map) => map.bytes(),
             Step::Hybrid(map) => map.bytes(),

@@ -1,5 +1,6 @@
 //! Soft shadows: how much of a lamp with extent reaches each sample.
 
+pub(super) mod area;
 pub(super) mod samples;
 
 pub use samples::SamplesOptions;

@@ -197,11 +197,13 @@ impl Technique {
             Self::Samples(options) => Step::Samples(LampSamples::prepare(casters, lamp, options)),
             Self::Area => Step::Area(LampArea::prepare(casters, lamp)),
             Self::Map(options) | Self::Pcf(PcfOptions(options)) => {
-                Step::Map(MapShadow::prepare(casters, lamp, &options).map_err(refused)?)
+                Step::Map(Box::new(MapShadow::prepare(casters, lamp, &options).map_err(refused)?))
             }
-            Self::MapIds(options) => Step::Ids(IdShadow::prepare(casters, lamp, &options).map_err(refused)?),
+            Self::MapIds(options) => {
+                Step::Ids(Box::new(IdShadow::prepare(casters, lamp, &options).map_err(refused)?))
+            }
             Self::Hybrid3x3(options) => {
-                Step::Hybrid(HybridShadow::prepare(casters, lamp, &options).map_err(refused)?)
+                Step::Hybrid(Box::new(HybridShadow::prepare(casters, lamp, &options).map_err(refused)?))
             }
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
@@ -233,9 +235,9 @@ enum Step<'a> {
     Counting(StencilCounting<'a>),
     Samples(LampSamples<'a>),
     Area(LampArea<'a>),
-    Map(MapShadow<'a>),
-    Ids(IdShadow<'a>),
-    Hybrid(HybridShadow<'a>),
+    Map(Box<MapShadow<'a>>),
+    Ids(Box<IdShadow<'a>>),
+    Hybrid(Box<HybridShadow<'a>>),
     Plain(Plain),
 }
 

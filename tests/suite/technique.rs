@@ -223,8 +223,8 @@ fn technique_area_is_the_fraction_within_its_bound_and_many_rays_come_close() {
             let (area, claim) = errors("area");
             assert!(claim == Claim::Exact && area.hold(claim), "{name} {lamp}: {area:?}");
             // Rays share no code with the fraction.
-            let (many, _) = errors("samples:n=1024");
-            assert!(many.mean < 0.002 && many.max < 0.03, "{name} {lamp}: {many:?}");
+            let (many, _) = errors("samples:n=256");
+            assert!(many.mean < 0.004 && many.max < 0.06, "{name} {lamp}: {many:?}");
             in_penumbra += usize::from(many.penumbra_mean.is_some());
             // False claims: the center alone, and few rays.
             for (count, technique) in off.iter_mut().zip(["rays", "samples:n=4"]) {

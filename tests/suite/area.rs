@@ -29,8 +29,10 @@ fn plus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [0, 1, 2].map(|i| a[i] + b[i])
 }
 
+type Vector = [f32; 3];
+
 /// Meshes with a radius of about 3, a light above them, and points below.
-fn scenes() -> Vec<(Mesh, [[f32; 3]; 3], Vec<[f32; 3]>)> {
+fn scenes() -> Vec<(Mesh, [Vector; 3], Vec<Vector>)> {
     let mut scatter = Scatter(5);
     let mut at = |z: f32| plus(scatter.vector(3.0), [0.0, 0.0, z]);
     [
@@ -253,7 +255,7 @@ fn area_fraction_of_all_real_meshes_agrees_with_many_rays() {
     let mut all = 0;
     for (name, mesh) in bakeable(&folder) {
         let (apart, penumbra, worst) = disagreements(&mesh, 8, 1 << 17);
-        println!(
+        eprintln!(
             "{name}: {} faces, {penumbra} in penumbra, {apart} apart, at most {worst:.1e}",
             mesh.face_count()
         );

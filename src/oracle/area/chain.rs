@@ -75,7 +75,7 @@ impl Chain {
         for i in 0..3 {
             let [a, b, g] = pyramid.coordinates(corners[i]);
             let out = [a <= 0.0, b <= 0.0, g <= a, g <= b, far && g >= 1.0, g <= 0.0];
-            codes[i] = (0..6).fold(0, |code, k| code | u32::from(out[k]) * OUT_OF_RANGE[k]);
+            codes[i] = (0..6).fold(0, |code, k| code | (u32::from(out[k]) * OUT_OF_RANGE[k]));
         }
         if codes[0] & codes[1] & codes[2] != 0 {
             return;

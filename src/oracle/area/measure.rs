@@ -124,7 +124,7 @@ fn inside(x: [f64; 2], y: [f64; 2]) -> [f64; 2] {
     // The distance of the line from the center, rather than a discriminant that cancels.
     let across = x[0] * dy - y[0] * dx;
     let half = size - across * across;
-    if !(half > 0.0) {
+    if half <= 0.0 {
         return [1.0; 2];
     }
     let root = half.sqrt();

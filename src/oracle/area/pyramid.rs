@@ -74,8 +74,9 @@ impl Pyramid {
         let terms = [permanent(size2, bound_of_d), permanent(bound_of_d, size1), permanent(size1, size2)];
         let size = determinant.abs();
         let rho = 16.0 * EPSILON * size1.dot(terms[0]) / size;
-        if !(rho <= 0.25) {
-            return Err(Flat::Unresolved); // also if the determinant is 0
+        let is_resolved = rho <= 0.25; // not if the determinant is 0
+        if !is_resolved {
+            return Err(Flat::Unresolved);
         }
         let inverse = 1.0 / determinant;
         let rows = [alpha * inverse, beta * inverse, gamma * inverse];

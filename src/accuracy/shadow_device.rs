@@ -31,7 +31,8 @@ impl ShadowAccuracy {
         rounds: u32,
     ) -> Result<(), GpuError> {
         let ([caster], 1) = (casters.casters(), samples.per_side()) else { return Ok(()) };
-        let request = Request { casters, light: &self.light, samples };
+        let light = *self.lamp.light();
+        let request = Request { casters, lamp: &self.lamp, samples };
         let truth = Truth::of(&request);
         let pass = StencilPass::new(gpu, Depth::Plane)?;
         let (on_device, upload_ms) =
@@ -41,7 +42,7 @@ impl ShadowAccuracy {
         let drawn = on_device.samples(projection, size, Depth::Plane)?;
         for (technique, method) in ON_DEVICE {
             let (volumes, volume_ms) = timed(|| {
-                let volumes = caster.stencil_volumes(&self.light, projection, None, method);
+                let volumes = caster.stencil_volumes(&light, projection, None, method);
                 volumes.upload(gpu).map(|uploaded| (volumes, uploaded))
             });
             let (volumes, uploaded) = volumes?;
@@ -60,13 +61,13 @@ impl ShadowAccuracy {
                 Some(StencilMethod::ZPass) => Claim::Approximate,
                 _ => Claim::WithinFootprint,
             };
-            let shown = Visibility::from_values(samples, &self.light, values?, claim);
+            let shown = Visibility::from_values(samples, &light, values?, claim);
             let mask = pass.mask(projection, size, &on_device, &draws, counting)?;
             let rendered = Rendered {
                 caster,
                 seen: casters.seen_caster(),
                 signs: &volumes.signs,
-                light: &self.light,
+                light: &light,
                 projection,
                 // Samples are cut at the near plane, too.
                 seen_from: projection.near,
@@ -87,6 +88,9 @@ impl ShadowAccuracy {
                 prepare_ms: self.counting_ms + upload_ms + volume_ms,
                 frame_ms: Spread::of(frames),
                 readback_ms: Some(readback_ms),
+                reads: None,
+                bias_world: None,
+                texel_world: None,
                 bytes: (volumes.volumes.iter().map(|(_, volume)| volume.bytes()).sum::<usize>()
                     + samples.len()) as u64,
                 dominated_by: None,

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use umbrage::read::{Format, ReadError};
+use umbrage::shadow::PrepareError;
 use umbrage::write::WriteError;
 
 /// Why a command could not run: file, location, problem and remedy on one line.
@@ -39,6 +40,12 @@ impl fmt::Display for Failure {
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
         Self::of(error.to_string(), error.format)
+    }
+}
+
+impl From<PrepareError> for Failure {
+    fn from(error: PrepareError) -> Self {
+        Self::new(error, "write it behind the technique, as in pcf:size=512")
     }
 }
 

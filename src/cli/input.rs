@@ -61,7 +61,6 @@ pub(crate) struct Source {
 impl SourceArgs {
     /// Reads, bakes, welds and joins the file, and chooses the lights. Notes go to standard error.
     pub(crate) fn load(&self) -> Result<Source, Failure> {
-        self.lights.refuse()?;
         let (baked, receivers) = self.mesh.read_visible(&self.file, &self.cast.no_cast)?;
         let up = baked.up;
         let mesh = self.mesh.joined(baked.meshes, &self.file)?;

@@ -2,10 +2,10 @@
 
 use serde_json::Value;
 use umbrage::geom::{Aabb, Light};
-use umbrage::scene::Lamp;
+use umbrage::scene::{Lamp, LampShape};
 use umbrage::view::Up;
 
-use super::{Failure, output};
+use super::output;
 
 /// The lights that were asked for.
 #[derive(Clone, Debug, clap::Args)]
@@ -15,8 +15,12 @@ pub(crate) struct LightArgs {
     ///
     /// `,range=D` behind a point or spot light ends it at that distance, in pictures with physical falloff.
     /// For example: --light spot:0,5,0:0,-1,0:30,20,range=12. Casting a shadow, a spot light is the point it
-    /// shines from. Lights with an extent (`,radius=R`, `,angle=DEG`, `rect:X,Y,Z:X,Y,Z:X,Y,Z`) are not built
-    /// yet.
+    /// shines from.
+    ///
+    /// A light with an extent has penumbrae: `,radius=R` behind a point or spot light (a sphere, taken as the
+    /// disk that faces the point it lights), `,angle=DEG` behind a directional one (half the angle that it
+    /// takes up in the sky; the sun: 0.266), or `rect:X,Y,Z:X,Y,Z:X,Y,Z` (a corner and two edges). Hard
+    /// shadows are those of its center.
     ///
     /// [default: the file's own lights; without those, a point light 1.5 diagonals of the bounding box away
     /// from its center, above and to the side, towards (1,2,1), or (1,-1,2) for stl, md2 and 3mf, where z is
@@ -29,17 +33,6 @@ impl LightArgs {
     /// Whether the command line names any, so that [`LightArgs::resolve`] gives those.
     pub(crate) fn were_asked_for(&self) -> bool {
         !self.lights.is_empty()
-    }
-
-    /// Refuses lights that no command can use yet.
-    pub(crate) fn refuse(&self) -> Result<(), Failure> {
-        match self.lights.iter().find(|lamp| lamp.has_extent()) {
-            None => Ok(()),
-            Some(lamp) => Err(Failure::new(
-                format_args!("not built yet: a light with an extent: {lamp}"),
-                "leave out radius or angle, or use a point light",
-            )),
-        }
     }
 
     /// The lights asked for; else those of the file; else one that is computed from `bounds` and announced.
@@ -56,9 +49,26 @@ impl LightArgs {
     }
 }
 
+/// Says which lights have an extent that hard shadows do not know of.
+pub(crate) fn note_centers<'a>(lamps: impl IntoIterator<Item = &'a Lamp>) {
+    for lamp in lamps.into_iter().filter(|lamp| lamp.has_extent()) {
+        let center = label(lamp.light(), "");
+        output::say(format_args!("note: {}: hard shadows, of its center: {center}", lamp_label(lamp)));
+    }
+}
+
 /// A lamp for a person: its light, as [`label`] gives it, but a spot light is called one.
 pub(crate) fn lamp_label(lamp: &Lamp) -> String {
-    spot_label(lamp.light(), lamp.cone.is_some(), &lamp.name)
+    let light = spot_label(lamp.light(), lamp.cone.is_some(), "");
+    let light = match &lamp.shape {
+        LampShape::Disk { radius, .. } => format!("{light},radius={radius}"),
+        LampShape::Sun { half_angle_rad, .. } => {
+            format!("{light},angle={}", f64::from(*half_angle_rad).to_degrees() as f32)
+        }
+        LampShape::Rectangle(_) => lamp.to_string(),
+        _ => light,
+    };
+    named(light, &lamp.name)
 }
 
 /// A light for a person: coordinates far from 1 with an exponent, then its name, if it has one. Without the
@@ -77,7 +87,10 @@ pub(crate) fn spot_label(light: &Light, spot: bool, name: &str) -> String {
         _ => text.to_owned(),
     };
     let coordinates: Vec<String> = coordinates.split(',').map(brief).collect();
-    let light = format!("{kind}:{}", coordinates.join(","));
+    named(format!("{kind}:{}", coordinates.join(",")), name)
+}
+
+fn named(light: String, name: &str) -> String {
     if name.is_empty() { light } else { format!("{light} ({})", output::short(name)) }
 }
 
@@ -111,16 +124,6 @@ mod tests {
     }
 
     #[test]
-    fn lights_with_an_extent_are_refused() {
-        let refuse = |text: &str| LightArgs { lights: vec![text.parse().unwrap()] }.refuse();
-        assert_eq!(refuse("spot:1,2,3:0,-1,0:30"), Ok(()));
-        for text in ["point:1,2,3,radius=1", "directional:0,-1,0,angle=0.266", "rect:0,0,0:1,0,0:0,1,0"] {
-            let line = refuse(text).unwrap_err().to_string();
-            assert!(line.starts_with(&format!("not built yet: a light with an extent: {text}; ")), "{line}");
-        }
-    }
-
-    #[test]
     fn label_of_a_light_is_short_and_reads_back() {
         for (text, wanted) in [
             ("point:1,2.5,-3", "point:1,2.5,-3"),
@@ -135,6 +138,9 @@ mod tests {
         let lamp = |text: &str| lamp_label(&text.parse().unwrap());
         assert_eq!(lamp("spot:1,2e8,3:0,-1,0:30"), "spot:1,2e8,3");
         assert_eq!(lamp("point:1,2,3,range=9"), "point:1,2,3");
+        for text in ["point:1,2,3,radius=0.25", "directional:0,-1,0,angle=0.266", "rect:0,0,0:1,0,0:0,1,0"] {
+            assert_eq!(lamp(text), text);
+        }
     }
 
     #[test]

@@ -10,10 +10,10 @@ use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::{FaceId, Mesh, Part};
 use umbrage::render;
 use umbrage::render::{CLAY, Picture, ShadedLight, View};
-use umbrage::scene::Material;
+use umbrage::scene::{Lamp, Material};
 #[cfg(feature = "gpu")]
 use umbrage::shadow::stencil::{StencilMethod, ZPassVerdict, zpass_verdict};
-use umbrage::shadow::{Request, Samples, Technique, Visibility};
+use umbrage::shadow::{PrepareError, Request, Samples, Technique, Visibility};
 #[cfg(feature = "gpu")]
 use umbrage::view::Projection;
 use umbrage::view::Size;
@@ -97,6 +97,12 @@ enum Renderer {
     Device(Box<Gpu>),
 }
 
+/// Whether a technique runs on the CPU alone, beside rays.
+fn is_of_samples(technique: Option<Technique>) -> bool {
+    let plain = matches!(technique, None | Some(Technique::Rays | Technique::None | Technique::Dark));
+    !plain && !counts(technique)
+}
+
 /// Whether a technique is counted in a stencil.
 fn counts(technique: Option<Technique>) -> bool {
     matches!(technique, Some(Technique::Stencil | Technique::ZFail | Technique::ZPass))
@@ -104,8 +110,12 @@ fn counts(technique: Option<Technique>) -> bool {
 
 impl ShadowArgs {
     /// A stencil pass if any lamp asks for one, or leaves it to us and no other asks for rays; else rays.
-    /// Where some lamps count and others cast rays, all is done on the CPU, on the same samples.
+    /// Where some lamps count and others cast rays, or one asks for a technique of the CPU, all is done on the
+    /// CPU, on the same samples.
     fn settle(&self, adapter: &AdapterArgs) -> Result<Renderer, Failure> {
+        if self.asks_for(is_of_samples) {
+            return Ok(Renderer::Samples);
+        }
         let rays = self.asks_for(|technique| technique == Some(Technique::Rays));
         match (self.asks_for(counts), self.asks_for(|technique| technique.is_none())) {
             (true, _) if rays => Ok(Renderer::Samples),
@@ -191,8 +201,11 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     };
     let lamps = shining_lamps(&args, &source, &techniques);
     // What is dark is not asked for.
-    let techniques: Vec<_> =
-        techniques.into_iter().filter(|&technique| technique != Some(Technique::Dark)).collect();
+    let casting: Vec<(Lamp, Option<Technique>)> = (source.lights.iter().cloned().zip(techniques))
+        .filter(|&(_, technique)| technique != Some(Technique::Dark))
+        .collect();
+    let is_hard = |technique: Option<Technique>| !technique.is_some_and(Technique::is_soft);
+    lights::note_centers(casting.iter().filter(|&&(_, technique)| is_hard(technique)).map(|(lamp, _)| lamp));
 
     let colors = colors(source.seen().mesh(), &source.materials);
     let paint = |face: FaceId| colors.get(face.index()).copied().unwrap_or(CLAY);
@@ -209,9 +222,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     };
     let picture = match renderer {
         Renderer::Rays => by_rays(source, view(RAYS_SAMPLES))?,
-        Renderer::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &techniques)?,
+        Renderer::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &casting)?,
         #[cfg(feature = "gpu")]
-        Renderer::Device(gpu) => match by_stencil(&gpu, &source, view(STENCIL_SAMPLES), &techniques) {
+        Renderer::Device(gpu) => match by_stencil(&gpu, &source, view(STENCIL_SAMPLES), &casting) {
             Ok(picture) => picture,
             // Anything but a defect of ours.
             Err(error) if !args.shadow.asks_for(counts) && !matches!(error, GpuError::Wgpu(_)) => {
@@ -274,23 +287,22 @@ fn by_rays(source: Source, view: View<'_>) -> Result<Picture, Failure> {
 fn by_samples(
     source: &Source,
     view: &View<'_>,
-    techniques: &[Option<Technique>],
+    casting: &[(Lamp, Option<Technique>)],
 ) -> Result<Picture, Failure> {
     let progress = Progress::spinner("rendering");
     let casters = source.group();
     let projection = view.camera.projection(view.size, view.camera.near([source.seen().mesh()], view.size));
     let samples = Samples::of_view(&casters, &projection, view.size, view.edge_samples)
         .map_err(|error| Failure::new(error, "choose a smaller --size"))?;
-    let shade = |(lamp, technique): (&ShadedLight, &Option<Technique>)| {
-        let request = Request { casters: &casters, light: &lamp.light, samples: &samples };
-        technique.unwrap_or(Technique::Rays).shade(&request)
+    let shade = |(lamp, technique): &(Lamp, Option<Technique>)| {
+        technique.unwrap_or(Technique::Rays).shade(&Request { casters: &casters, lamp, samples: &samples })
     };
-    let visibility: Vec<Visibility> = view.lamps.iter().zip(techniques).map(shade).collect();
+    let visibility: Vec<Visibility> = casting.iter().map(shade).collect::<Result<_, PrepareError>>()?;
     let picture = render::render_samples(&samples, view, &visibility);
     drop(progress);
-    for (lamp, technique) in view.lamps.iter().zip(techniques) {
+    for (lamp, technique) in casting {
         let name = technique.unwrap_or(Technique::Rays);
-        output::say(format_args!("note: {}: {name}, on the CPU", lights::label(&lamp.light, "")));
+        output::say(format_args!("note: {}: {name}, on the CPU", lights::lamp_label(lamp)));
     }
     picture.map_err(|error| Failure::new(error, "choose a smaller --size"))
 }
@@ -301,16 +313,16 @@ fn by_stencil(
     gpu: &Gpu,
     source: &Source,
     view: View<'_>,
-    techniques: &[Option<Technique>],
+    casting: &[(Lamp, Option<Technique>)],
 ) -> Result<Picture, GpuError> {
     let progress = Progress::spinner("rendering");
-    let shadowing = |technique: &Option<Technique>| match technique {
+    let shadowing = |(_, technique): &(Lamp, Option<Technique>)| match technique {
         Some(Technique::None) => Shadowing::Lit,
         Some(Technique::ZFail) => Shadowing::Counted(Some(StencilMethod::ZFail)),
         Some(Technique::ZPass) => Shadowing::Counted(Some(StencilMethod::ZPass)),
         _ => Shadowing::Counted(None),
     };
-    let shadows: Vec<Shadowing> = techniques.iter().map(shadowing).collect();
+    let shadows: Vec<Shadowing> = casting.iter().map(shadowing).collect();
     let stage = Stage::new(gpu, [&source.caster, source.seen()], view, &shadows)?;
     let picture = stage.picture()?;
     drop(progress);

@@ -154,6 +154,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     }
     refuse_overwriting("--output", args.output.as_deref(), &args.source.file)?;
     let Source { format, caster, lights, .. } = args.source.load()?;
+    lights::note_centers(&lights);
     let mesh = caster.mesh();
 
     let progress = Progress::spinner("finding silhouettes");

@@ -149,6 +149,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     }
     refuse_overwriting("--output", args.output.as_deref(), &args.source.file)?;
     let Source { format, caster, lights, .. } = args.source.load()?;
+    lights::note_centers(&lights);
 
     let progress = Progress::spinner("building shadow volumes");
     let mut built: Vec<Built> =

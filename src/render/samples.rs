@@ -26,7 +26,7 @@ use crate::view::Rays;
 ///
 /// ```
 /// use umbrage::caster::{Caster, CasterGroup};
-/// use umbrage::geom::Light;
+/// use umbrage::scene::Lamp;
 /// use umbrage::render::{CLAY, ShadedLight, View, render_samples};
 /// use umbrage::shadow::{Request, Samples, Technique};
 /// use umbrage::testing::shapes;
@@ -34,12 +34,12 @@ use crate::view::Rays;
 ///
 /// let caster = Caster::new(shapes::cube());
 /// let casters = CasterGroup::new(vec![&caster]);
-/// let (light, size) = (Light::point([3.0, 5.0, 4.0])?, Size::new(32, 24)?);
+/// let (lamp, size) = ("point:3,5,4".parse::<Lamp>()?, Size::new(32, 24)?);
 /// let camera = Camera::fit(&casters.bounds(), Up::Y, size.aspect());
 /// let projection = camera.projection(size, camera.near([caster.mesh()], size));
 /// let samples = Samples::of_view(&casters, &projection, size, 2)?;
-/// let dark = Technique::Dark.shade(&Request { casters: &casters, light: &light, samples: &samples });
-/// let lamps = ShadedLight::equal(&[light]);
+/// let dark = Technique::Dark.shade(&Request { casters: &casters, lamp: &lamp, samples: &samples })?;
+/// let lamps = ShadedLight::equal(&[*lamp.light()]);
 /// let view = View {
 ///     camera,
 ///     size,
@@ -101,7 +101,8 @@ mod tests {
         let camera = Camera::look_at([4.0, -6.0, 5.0], [0.0; 3], 0.9, Up::Z).unwrap();
         let samples = Samples::of_view(&casters, &camera.projection(size, 0.1), size, 1).unwrap();
         let light = Light::point([2.0, -3.0, 5.0]).unwrap();
-        let visibility = technique.shade(&Request { casters: &casters, light: &light, samples: &samples });
+        let request = Request { casters: &casters, lamp: &light.into(), samples: &samples };
+        let visibility = technique.shade(&request).unwrap();
         let mut lamps = ShadedLight::equal(&[light]);
         lamps[0].shadow = shadow;
         let view = View {
@@ -143,7 +144,8 @@ mod tests {
             Camera::look_at([4.0, -6.0, 0.0], [0.0; 3], 0.5, Up::Z).unwrap().projection(size, 0.1);
         let lit = |casters: &CasterGroup<'_>| {
             let samples = Samples::of_view(casters, &projection, size, 1).unwrap();
-            let visibility = Technique::Rays.shade(&Request { casters, light: &light, samples: &samples });
+            let request = Request { casters, lamp: &light.into(), samples: &samples };
+            let visibility = Technique::Rays.shade(&request).unwrap();
             visibility.values().iter().filter(|&&value| value == 1.0).count()
         };
         assert_eq!(lit(&CasterGroup::new(vec![&seen])), 0);

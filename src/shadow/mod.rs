@@ -1,12 +1,12 @@
 //! Shadows: one contract for every technique, one module per technique.
 //!
-//! A [`Technique`] answers a [`Request`]: how much of a light reaches each visible point ([`Samples`]), as a
+//! A [`Technique`] answers a [`Request`]: how much of a lamp's light reaches each visible point ([`Samples`]), as a
 //! [`Visibility`] with a [`Claim`]. [`Technique::ALL`] lists the built techniques. Measurements, pictures and
 //! tests iterate this list, so that every new technique is measured, rendered and compared with the truth.
 //!
 //! ```
 //! use umbrage::caster::{Caster, CasterGroup};
-//! use umbrage::geom::Light;
+//! use umbrage::scene::Lamp;
 //! use umbrage::shadow::{Request, Samples, Technique};
 //! use umbrage::testing::shapes;
 //! use umbrage::view::{Camera, Size, Up};
@@ -17,17 +17,20 @@
 //! let camera = Camera::fit(&casters.bounds(), Up::Y, size.aspect());
 //! let projection = camera.projection(size, camera.near([caster.mesh()], size));
 //! let samples = Samples::of_view(&casters, &projection, size, 1)?;
-//! let light = Light::point([3.0, 9.0, 5.0])?;
-//! let visibility = Technique::Rays.shade(&Request { casters: &casters, light: &light, samples: &samples });
+//! let lamp: Lamp = "point:3,9,5".parse()?;
+//! let visibility = Technique::Rays.shade(&Request { casters: &casters, lamp: &lamp, samples: &samples })?;
 //! assert!(visibility.values().iter().any(|&lit| lit == 1.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod claim;
 pub mod map;
+mod name;
+mod options;
 mod plain;
 mod rays;
 mod samples;
+pub mod soft;
 pub mod stencil;
 mod technique;
 mod visibility;
@@ -36,7 +39,8 @@ pub mod volume;
 #[cfg(feature = "gpu")]
 pub use crate::gpu::raster::{Depth, GpuSamples, GpuVisibility};
 pub use claim::Claim;
+pub use name::TechniqueError;
 pub use samples::{Samples, TooManySamples};
-pub use technique::{Prepared, Request, Technique, TechniqueError};
+pub use technique::{PrepareError, Prepared, Request, Technique};
 pub use visibility::Visibility;
-pub(crate) use visibility::is_front_lit;
+pub(crate) use visibility::{Answer, is_front_lit};

@@ -1,6 +1,6 @@
 //! Constant visibility: everything lit, or everything dark.
 
-use super::{Claim, Samples, Visibility};
+use super::{Answer, Claim, Samples, Visibility};
 use crate::geom::Light;
 
 /// One value for every front-lit sample.
@@ -13,6 +13,6 @@ pub(super) enum Plain {
 impl Plain {
     pub(super) fn shade(self, light: &Light, samples: &Samples) -> Visibility {
         let value = if self == Self::Lit { 1.0 } else { 0.0 };
-        Visibility::of(samples, light, Claim::Approximate, |_| (value, false))
+        Visibility::of(samples, light, Claim::Approximate, |_| Answer::of(value))
     }
 }

@@ -1,6 +1,6 @@
 //! An exact shadow ray per sample.
 
-use super::{Claim, Samples, Visibility};
+use super::{Answer, Claim, Samples, Visibility};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::oracle::{Oracle, Verdict};
@@ -18,7 +18,7 @@ impl<'a> Rays<'a> {
 
     /// One exact shadow ray per front-lit sample. A grazing ray counts as lit.
     pub(super) fn shade(&self, light: &Light, samples: &Samples) -> Visibility {
-        let mut visibility = Visibility::of(samples, light, Claim::Exact, |_| (1.0, false));
+        let mut visibility = Visibility::of(samples, light, Claim::Exact, |_| Answer::of(1.0));
         let points: Vec<[f32; 3]> = asked_points(&visibility, samples);
         let mut verdicts = vec![Verdict::Lit; points.len()];
         self.oracle.verdicts_into(&points, light, &mut verdicts);

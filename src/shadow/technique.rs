@@ -1,25 +1,27 @@
-//! The closed list of techniques, and the two steps of each: prepare for a light, shade samples.
+//! The closed list of techniques, and the two steps of each: prepare for a lamp, shade samples.
 
-use std::fmt;
-use std::str::FromStr;
-
+use super::options::{self, Refusal};
 use super::plain::Plain;
 use super::rays::Rays;
+use super::soft::samples::{LampSamples, SamplesOptions};
 use super::stencil::StencilCounting;
 use super::{Samples, Visibility};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
+use crate::scene::Lamp;
 use crate::shadow::stencil::StencilMethod;
 
-/// A technique that computes the shadows of one light.
+/// A technique that computes the shadows of one lamp, with its options.
 ///
-/// `Display` and `FromStr` use the name on the command line.
+/// `Display` and `FromStr` use the form of the command line: the name, and behind a colon the options.
 ///
 /// ```
 /// use umbrage::shadow::Technique;
 /// assert_eq!("zfail".parse(), Ok(Technique::ZFail));
+/// assert_eq!("samples:n=16".parse::<Technique>()?.to_string(), "samples:n=16");
 /// assert_eq!(Technique::Rays.to_string(), "rays");
 /// assert_eq!("msm".parse::<Technique>().unwrap_err().to_string(), "not built yet: msm");
+/// # Ok::<(), umbrage::shadow::TechniqueError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -33,89 +35,62 @@ pub enum Technique {
     /// Shadow volumes, counted by z-pass for every shell: wrong if the near rectangle of the camera is in a
     /// shadow.
     ZPass,
+    /// The mean of several exact shadow rays per sample, to points spread over the lamp.
+    Samples(SamplesOptions),
     /// No shadows: every front-lit sample is lit.
     None,
     /// No light: every sample is dark.
     Dark,
 }
 
-/// Input of a technique: casters, light and samples.
+/// Input of a technique: casters, lamp and samples.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
     /// The shadow casters.
     pub casters: &'a CasterGroup<'a>,
-    /// The light.
-    pub light: &'a Light,
+    /// The lamp. Techniques for hard shadows take its center.
+    pub lamp: &'a Lamp,
     /// The visible points.
     pub samples: &'a Samples,
 }
 
-/// Error of a text that names no [`Technique`].
+impl Request<'_> {
+    /// The light that casts hard shadows: the lamp's center.
+    #[must_use]
+    pub fn light(&self) -> &Light {
+        self.lamp.light()
+    }
+}
+
+/// Error of a technique that cannot be prepared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum TechniqueError {
-    /// The technique of this name is planned, but not built yet.
-    #[error("not built yet: {0}")]
-    NotBuilt(String),
-    /// No technique has this name.
-    #[error("`{0}` is not a technique; write one of {names}", names = names())]
-    Unknown(String),
-    /// The technique has no such option.
-    #[error("`{technique}` has no option `{key}`; {has}", has = keys(technique))]
-    UnknownKey {
-        /// The technique's name.
-        technique: &'static str,
-        /// The unknown key.
-        key: String,
+pub enum PrepareError {
+    /// The technique's data does not fit the memory.
+    #[error("{technique}: {bytes} bytes do not fit the memory; choose a smaller {option}")]
+    Memory {
+        /// The technique, with its options.
+        technique: Technique,
+        /// What was asked for.
+        bytes: usize,
+        /// The option that decides about the memory.
+        option: &'static str,
     },
 }
 
-/// Names of planned techniques.
-const PLANNED: [&str; 29] = [
-    "auto",
-    "zpass-plus",
-    "zpass-reversed",
-    "hybrid",
-    "hybrid-3x3",
-    "hybrid-2x2",
-    "alias-free",
-    "counter",
-    "reconstruct",
-    "lod",
-    "map",
-    "map-ids",
-    "pcf",
-    "vsm",
-    "msm",
-    "pcss",
-    "single-sample",
-    "smoothies",
-    "penumbra-map",
-    "contact-blur",
-    "soft-hybrid",
-    "samples",
-    "area",
-    "planar",
-    "planar-blur",
-    "planar-contact",
-    "planar-layers",
-    "blob",
-    "projective",
-];
-
-fn names() -> String {
-    Technique::ALL.map(Technique::name).join(", ")
-}
-
-fn keys(_technique: &str) -> &'static str {
-    "it has none" // no built technique has any option
-}
-
 impl Technique {
-    /// The built techniques.
-    pub const ALL: [Self; 6] = [Self::Rays, Self::Stencil, Self::ZFail, Self::ZPass, Self::None, Self::Dark];
+    /// The built techniques, with their default options.
+    pub const ALL: [Self; 7] = [
+        Self::Rays,
+        Self::Stencil,
+        Self::ZFail,
+        Self::ZPass,
+        Self::Samples(SamplesOptions::DEFAULT),
+        Self::None,
+        Self::Dark,
+    ];
 
-    /// Name on the command line and in reports.
+    /// Name on the command line and in reports, without options.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -123,35 +98,82 @@ impl Technique {
             Self::Stencil => "stencil",
             Self::ZFail => "zfail",
             Self::ZPass => "zpass",
+            Self::Samples(_) => "samples",
             Self::None => "none",
             Self::Dark => "dark",
         }
     }
 
+    /// The options with their values, in a fixed order; empty for a technique without options.
+    ///
+    /// ```
+    /// # use umbrage::shadow::Technique;
+    /// assert_eq!("samples".parse::<Technique>()?.parameters(), [("n", "64".to_owned())]);
+    /// # Ok::<(), umbrage::shadow::TechniqueError>(())
+    /// ```
+    #[must_use]
+    pub fn parameters(self) -> Vec<(&'static str, String)> {
+        match self {
+            Self::Samples(options) => options::listed(&options),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The technique with one option changed.
+    pub(super) fn with(self, key: &str, value: &str) -> Result<Self, Refusal> {
+        match self {
+            Self::Samples(options) => options::changed(options, key, value).map(Self::Samples),
+            _ => Err(Refusal::Key),
+        }
+    }
+
+    /// The technique as [`Technique::ALL`] lists it.
+    pub(super) fn with_default_options(self) -> Self {
+        Self::ALL.into_iter().find(|technique| technique.name() == self.name()).unwrap_or(self)
+    }
+
+    /// Whether the values of this technique take the lamp's extent into account, so that there are penumbrae.
+    #[must_use]
+    pub fn is_soft(self) -> bool {
+        matches!(self, Self::Samples(_))
+    }
+
     /// Prepares the data that stays valid while only the camera moves: shadow volumes, for the techniques
     /// that use them.
-    #[must_use]
-    pub fn prepare<'a>(self, casters: &'a CasterGroup<'a>, light: &Light) -> Prepared<'a> {
+    ///
+    /// # Errors
+    ///
+    /// [`PrepareError`] if this data does not fit the memory.
+    pub fn prepare<'a>(
+        self,
+        casters: &'a CasterGroup<'a>,
+        lamp: &Lamp,
+    ) -> Result<Prepared<'a>, PrepareError> {
+        let light = lamp.light();
         let counting = |method| Step::Counting(StencilCounting::prepare(casters, light, method));
         let step = match self {
             Self::Rays => Step::Rays(Rays::prepare(casters)),
             Self::Stencil => counting(None),
             Self::ZFail => counting(Some(StencilMethod::ZFail)),
             Self::ZPass => counting(Some(StencilMethod::ZPass)),
+            Self::Samples(options) => Step::Samples(LampSamples::prepare(casters, lamp, options)),
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
         };
-        Prepared { technique: self, light: *light, step }
+        Ok(Prepared { technique: self, light: *light, step })
     }
 
     /// Prepares and shades, on the CPU.
-    #[must_use]
-    pub fn shade(self, request: &Request<'_>) -> Visibility {
-        self.prepare(request.casters, request.light).shade(request.samples)
+    ///
+    /// # Errors
+    ///
+    /// [`PrepareError`] if the technique's data does not fit the memory.
+    pub fn shade(self, request: &Request<'_>) -> Result<Visibility, PrepareError> {
+        Ok(self.prepare(request.casters, request.lamp)?.shade(request.samples))
     }
 }
 
-/// A technique prepared for one light, ready for any number of views.
+/// A technique prepared for one lamp, ready for any number of views.
 #[derive(Debug)]
 pub struct Prepared<'a> {
     technique: Technique,
@@ -163,6 +185,7 @@ pub struct Prepared<'a> {
 enum Step<'a> {
     Rays(Rays<'a>),
     Counting(StencilCounting<'a>),
+    Samples(LampSamples<'a>),
     Plain(Plain),
 }
 
@@ -173,70 +196,36 @@ impl Prepared<'_> {
         self.technique
     }
 
-    /// Fraction of the light that reaches each sample.
+    /// Fraction of the lamp's light that reaches each sample.
     #[must_use]
     pub fn shade(&self, samples: &Samples) -> Visibility {
         match &self.step {
             Step::Rays(rays) => rays.shade(&self.light, samples),
             Step::Counting(counting) => counting.shade(samples),
+            Step::Samples(rays) => rays.shade(samples),
             Step::Plain(plain) => plain.shade(&self.light, samples),
         }
     }
 
-    /// Memory held for the light, in bytes, without the casters.
+    /// Memory held for the lamp, in bytes, without the casters.
     #[must_use]
     pub fn bytes(&self) -> usize {
         match &self.step {
             Step::Rays(_) | Step::Plain(_) => 0,
             Step::Counting(counting) => counting.bytes(),
+            Step::Samples(rays) => rays.bytes(),
         }
     }
-}
 
-impl fmt::Display for Technique {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+    /// Size of a shadow map's texel at the center of the scene, in mesh units; `None` without a map.
+    #[must_use]
+    pub fn texel_world(&self) -> Option<f64> {
+        None
     }
-}
 
-impl FromStr for Technique {
-    type Err = TechniqueError;
-
-    fn from_str(text: &str) -> Result<Self, TechniqueError> {
-        let (name, options) = text.split_once(':').unwrap_or((text, ""));
-        let found = Self::ALL.into_iter().find(|technique| technique.name() == name);
-        let Some(technique) = found else {
-            return Err(match PLANNED.contains(&name) {
-                true => TechniqueError::NotBuilt(name.to_owned()),
-                false => TechniqueError::Unknown(name.to_owned()),
-            });
-        };
-        match options.split(',').find(|option| !option.is_empty()) {
-            None => Ok(technique),
-            Some(option) => {
-                let key = option.split('=').next().unwrap_or(option).to_owned();
-                Err(TechniqueError::UnknownKey { technique: technique.name(), key })
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn technique_names_parse_back_and_others_are_told_apart() {
-        for technique in Technique::ALL {
-            assert_eq!(technique.to_string().parse(), Ok(technique));
-            assert!(!PLANNED.contains(&technique.name()));
-        }
-        let error = |text: &str| text.parse::<Technique>().unwrap_err().to_string();
-        assert_eq!(error("projective:size=64"), "not built yet: projective");
-        assert_eq!(
-            error("ray"),
-            "`ray` is not a technique; write one of rays, stencil, zfail, zpass, none, dark"
-        );
-        assert_eq!(error("zfail:size=3,x"), "`zfail` has no option `size`; it has none");
+    /// Largest depth bias of a shadow map, as a distance along the light in mesh units; `None` without a map.
+    #[must_use]
+    pub fn bias_world(&self) -> Option<f64> {
+        None
     }
 }

@@ -15,6 +15,29 @@ pub struct Visibility {
     asked: Vec<bool>,
     claim: Claim,
     asked_exactly: u64,
+    reads: u64,
+    /// In ascending order.
+    outside: Vec<usize>,
+}
+
+/// A technique's answer for one sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Answer {
+    /// The fraction of the light that reaches the sample.
+    pub(crate) value: f32,
+    /// Whether the exact ray cast had to decide.
+    pub(crate) is_exact: bool,
+    /// Number of texels read.
+    pub(crate) reads: u32,
+    /// Whether the sample lies outside the shadow map.
+    pub(crate) is_outside: bool,
+}
+
+impl Answer {
+    /// A value that no map and no exact ray cast was needed for.
+    pub(crate) fn of(value: f32) -> Self {
+        Self { value, ..Self::default() }
+    }
 }
 
 impl Visibility {
@@ -43,6 +66,18 @@ impl Visibility {
         self.asked_exactly
     }
 
+    /// Number of texels of shadow maps that were read for all samples.
+    #[must_use]
+    pub fn reads(&self) -> u64 {
+        self.reads
+    }
+
+    /// The samples that lie outside the shadow map, where light is assumed, in ascending order.
+    #[must_use]
+    pub fn outside(&self) -> &[usize] {
+        &self.outside
+    }
+
     /// Memory of this visibility, in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
@@ -65,7 +100,7 @@ impl Visibility {
         for (value, &asked) in values.iter_mut().zip(&asked) {
             *value *= f32::from(u8::from(asked));
         }
-        Self { values, asked, claim, asked_exactly: 0 }
+        Self { values, asked, claim, asked_exactly: 0, reads: 0, outside: Vec::new() }
     }
 
     /// Sets to 0 the front-lit samples for which `dark` yields true. `dark` yields one item per front-lit
@@ -79,26 +114,29 @@ impl Visibility {
         }
     }
 
-    /// Calls `answer` for every front-lit sample. `answer` returns the fraction of the light that reaches the
-    /// sample, and whether the exact ray cast had to decide. With the feature `parallel`, rows are shared
-    /// among threads.
+    /// Calls `answer` for every front-lit sample. With the feature `parallel`, rows are shared among threads.
     pub(crate) fn of(
         samples: &Samples,
         light: &Light,
         claim: Claim,
-        answer: impl Fn(&PrimaryHit) -> (f32, bool) + Sync,
+        answer: impl Fn(&PrimaryHit) -> Answer + Sync,
     ) -> Self {
-        let mut found = vec![None; samples.len()];
+        let mut found: Vec<Option<Answer>> = vec![None; samples.len()];
         crate::parallel::rows(&mut found, samples.row_len(), |row, found| {
             for (found, hit) in found.iter_mut().zip(samples.row(row)) {
                 *found = hit.as_ref().filter(|hit| is_front_lit(hit, light)).map(&answer);
             }
         });
         Self {
-            values: found.iter().map(|found| found.map_or(0.0, |(value, _)| value)).collect(),
+            values: found.iter().map(|found| found.map_or(0.0, |answer| answer.value)).collect(),
             asked: found.iter().map(Option::is_some).collect(),
             claim,
-            asked_exactly: found.iter().flatten().filter(|(_, exactly)| *exactly).count() as u64,
+            asked_exactly: found.iter().flatten().filter(|answer| answer.is_exact).count() as u64,
+            reads: found.iter().flatten().map(|answer| u64::from(answer.reads)).sum(),
+            outside: (found.iter().enumerate())
+                .filter(|(_, answer)| answer.is_some_and(|answer| answer.is_outside))
+                .map(|(index, _)| index)
+                .collect(),
         }
     }
 }

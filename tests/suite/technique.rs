@@ -4,6 +4,7 @@ use umbrage::caster::{Caster, CasterGroup};
 use umbrage::geom::{Facing, Light};
 use umbrage::mesh::Mesh;
 use umbrage::oracle::Verdict;
+use umbrage::scene::Lamp;
 use umbrage::shadow::{Claim, Request, Samples, Technique, Visibility};
 use umbrage::testing::shapes;
 use umbrage::verify::errors::{Errors, Made, Truth};
@@ -32,8 +33,8 @@ fn scenes() -> Vec<(&'static str, Vec<Caster>)> {
     ]
 }
 
-fn lights() -> [Light; 3] {
-    ["point:3,9,5", "directional:0.3,-1,0.2", "point:0.1,0.2,0.05"].map(|light| light.parse().unwrap())
+fn lamps() -> [Lamp; 3] {
+    ["point:3,9,5", "directional:0.3,-1,0.2", "point:0.1,0.2,0.05"].map(|lamp| lamp.parse().unwrap())
 }
 
 /// Runs `work` on every scene, light and view: from afar, and from within, where z-pass is wrong.
@@ -46,8 +47,8 @@ fn for_each_request(mut work: impl FnMut(&str, &Request<'_>)) {
         for camera in [Camera::fit(&bounds, Up::Y, size.aspect()), within] {
             let projection = camera.projection(size, camera.near(scene.iter().map(Caster::mesh), size));
             let samples = Samples::of_view(&casters, &projection, size, 1).unwrap();
-            for light in &lights() {
-                work(name, &Request { casters: &casters, light, samples: &samples });
+            for lamp in &lamps() {
+                work(name, &Request { casters: &casters, lamp, samples: &samples });
             }
         }
     }
@@ -59,9 +60,9 @@ fn technique_claims_hold_on_every_scene() {
     for_each_request(|name, request| {
         let truth = Truth::of(request);
         for technique in Technique::ALL {
-            let visibility = technique.shade(request);
+            let visibility = technique.shade(request).unwrap();
             let errors = Errors::of(request, &visibility, &truth, &Made::default());
-            assert!(errors.hold(visibility.claim()), "{name} {technique} {}: {errors:?}", request.light);
+            assert!(errors.hold(visibility.claim()), "{name} {technique} {}: {errors:?}", request.light());
             judged += errors.judged;
             if technique == Technique::ZPass {
                 zpass_wrong += errors.wrong;
@@ -82,18 +83,18 @@ fn technique_claims_that_are_false_are_seen() {
             Errors::of(request, visibility, &truth, &Made::default()).hold(claim)
         };
         // False claim: z-pass everywhere, claimed exact.
-        let zpass = Technique::ZPass.shade(request);
+        let zpass = Technique::ZPass.shade(request).unwrap();
         seen[0] += usize::from(!holds(&zpass, Claim::Exact));
         // False claim: no shadows, claimed to be wrong at one sample in a thousand at most.
-        let none = Technique::None.shade(request);
+        let none = Technique::None.shade(request).unwrap();
         seen[1] += usize::from(!holds(&none, Claim::Bounded(0.001)));
         // Fault injected: one sample of the rays is flipped.
-        let rays = Technique::Rays.shade(request);
+        let rays = Technique::Rays.shade(request).unwrap();
         let judged = truth.verdicts().iter().position(|verdict| *verdict == Some(Verdict::Lit));
         if let Some(at) = judged {
             let mut values = rays.values().to_vec();
             values[at] = 0.0;
-            let turned = Visibility::from_values(request.samples, request.light, values, Claim::Exact);
+            let turned = Visibility::from_values(request.samples, request.light(), values, Claim::Exact);
             assert!(!holds(&turned, Claim::Exact) && !holds(&turned, Claim::WithinFootprint));
             seen[2] += 1;
         }
@@ -105,20 +106,20 @@ fn technique_claims_that_are_false_are_seen() {
 #[test]
 fn technique_rays_equal_the_loop_over_all_faces() {
     for_each_request(|name, request| {
-        let rays = Technique::Rays.shade(request);
+        let rays = Technique::Rays.shade(request).unwrap();
         for (index, hit) in request.samples.hits().iter().enumerate() {
             let Some(hit) = hit else {
                 assert_eq!((rays.values()[index], rays.asked()[index]), (0.0, false));
                 continue;
             };
-            let side = umbrage::geom::predicate::side_of_light(hit.corners, request.light);
+            let side = umbrage::geom::predicate::side_of_light(hit.corners, request.light());
             let front_lit = side == hit.side;
             let crossed = || {
                 request.casters.casters().iter().any(|caster| {
                     let mut faces = caster.topology().faces();
                     faces.any(|face| {
                         let corners = caster.mesh().corners(face);
-                        let met = umbrage::oracle::intersect(hit.point, request.light, corners);
+                        let met = umbrage::oracle::intersect(hit.point, request.light(), corners);
                         matches!(met, umbrage::oracle::Intersection::Crossing(Facing::Front | Facing::Back))
                     })
                 })

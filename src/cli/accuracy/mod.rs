@@ -25,7 +25,7 @@ use super::progress::Progress;
 use super::render::parse_samples;
 use super::resources::{AdapterArgs, ThreadArgs};
 use super::view::ViewArgs;
-use super::{Failure, Outcome};
+use super::{Failure, Outcome, lights};
 
 /// Help of `--threads` where times are measured.
 const THREADS: &str =
@@ -270,6 +270,7 @@ fn refuse_outputs(args: &Args) -> Result<(), Failure> {
 fn measure(file: &Path, args: &Args, asked: &Asked) -> Result<Measured, Failure> {
     let Asked { question, options } = asked;
     let Source { format, caster, lights, .. } = args.source(file).load()?;
+    lights::note_centers(&lights);
     let mesh = caster.into_mesh();
     if lights.len() > MOST_LIGHTS {
         let (file, count) = (file.display(), lights.len());

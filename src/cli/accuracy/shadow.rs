@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use umbrage::accuracy::{ShadowAccuracy, ShadowRow};
 use umbrage::caster::CasterGroup;
-use umbrage::geom::Light;
 use umbrage::scene::Lamp;
-use umbrage::shadow::{Claim, Samples};
+use umbrage::shadow::{Claim, Samples, Technique};
 use umbrage::verify::Tally;
 use umbrage::verify::errors::Errors;
 use umbrage::view::{Projection, Size};
@@ -82,15 +81,15 @@ fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
     let size = args.size.unwrap_or(Size::new(SIZE.0, SIZE.1).expect("in range"));
     let camera = args.view.choose(cameras, file, &bounds, up, size)?;
     let projection: Projection = camera.projection(size, camera.near([source.seen().mesh()], size));
-    let hard: Vec<Light> = lights.iter().map(|light| *light.light()).collect();
-    let steps = ShadowAccuracy::STEPS * hard.len() as u64;
+    let steps = ShadowAccuracy::STEPS * lights.len() as u64;
     let progress = Progress::bar(format!("measuring {}", file.display()), steps);
     let casters = source.group();
-    let view =
-        |casters: &CasterGroup<'_>| Samples::of_view(casters, &projection, size, args.samples.unwrap_or(1));
-    let (samples, mut found) =
-        ShadowAccuracy::measure(&casters, &hard, view, args.rounds, &|steps| progress.done(steps))
-            .map_err(|error| Failure::new(error, "use a smaller --size").in_file(file))?;
+    let view = |casters: &CasterGroup<'_>| {
+        Samples::of_view(casters, &projection, size, args.samples.unwrap_or(1))
+            .map_err(|error| Failure::new(error, "use a smaller --size").in_file(file))
+    };
+    let done = |steps| progress.done(steps);
+    let (samples, mut found) = ShadowAccuracy::measure(&casters, lights, view, args.rounds, &done)?;
     drop(progress);
     add_device(args, &casters, &samples, &mut found)?;
     Ok(Measured { file: file.to_owned(), size, samples: samples.len(), lights: lights.clone(), found })
@@ -189,12 +188,12 @@ impl Measured {
         for row in &found.rows {
             let errors = &row.errors;
             table.row(vec![
-                row.technique.name().to_owned(),
+                row.technique.to_string(),
                 if row.device.is_some() { "device" } else { "CPU" }.to_owned(),
                 row.claim.name().to_owned(),
-                percent(errors.wrong, errors.judged),
-                errors.acne.to_string(),
-                errors.leak.to_string(),
+                verdicts(errors, || percent(errors.wrong, errors.judged)),
+                verdicts(errors, || errors.acne.to_string()),
+                verdicts(errors, || errors.leak.to_string()),
                 significant(errors.mean),
                 milliseconds(row.prepare_ms),
                 milliseconds(row.frame_ms.median),
@@ -244,18 +243,19 @@ impl Measured {
             let file = file.clone();
             found.rows.iter().map(move |row| {
                 let errors = &row.errors;
+                let count = |count: u64| if errors.is_soft { String::new() } else { count.to_string() };
                 let cells = [
                     file.clone(),
                     name.clone(),
-                    row.technique.name().to_owned(),
+                    row.technique.to_string(),
                     row.device.clone().unwrap_or_default(),
                     row.claim.name().to_owned(),
                     errors.judged.to_string(),
-                    errors.wrong.to_string(),
-                    errors.acne.to_string(),
-                    errors.leak.to_string(),
-                    errors.alias_dark.to_string(),
-                    errors.alias_lit.to_string(),
+                    count(errors.wrong),
+                    count(errors.acne),
+                    count(errors.leak),
+                    count(errors.alias_dark),
+                    count(errors.alias_lit),
                     format!("{:e}", errors.mean),
                     format!("{:.4}", row.prepare_ms),
                     format!("{:.4}", row.frame_ms.median),
@@ -292,34 +292,51 @@ fn entry(row: &ShadowRow) -> Entry {
     }
 }
 
+/// What is told of verdicts; nothing where magnitudes count.
+fn verdicts(errors: &Errors, text: impl Fn() -> String) -> String {
+    if errors.is_soft { "-".to_owned() } else { text() }
+}
+
+/// The options as an object, numbers as numbers; null for a technique without options.
+fn parameters(technique: Technique) -> Value {
+    let parameters = technique.parameters();
+    let value = |text: String| text.parse::<u32>().map_or(Value::String(text), Value::from);
+    match parameters.is_empty() {
+        true => Value::Null,
+        false => parameters.into_iter().map(|(key, text)| (key.to_owned(), value(text))).collect(),
+    }
+}
+
 /// What does not apply to a technique, or is not built yet, is null.
 fn row_document(row: &ShadowRow) -> Value {
     let errors = &row.errors;
+    let verdict = |count: u64| (!errors.is_soft).then_some(count);
+    let of_texels = |count: u64| verdict(count).filter(|_| row.texel_world.is_some());
     let bound = match row.claim {
         Claim::Bounded(bound) => json!({ "name": row.claim.name(), "bound": bound }),
         _ => row.claim.name().into(),
     };
     json!({
         "technique": row.technique.name(),
-        "parameters": Value::Null,
+        "parameters": parameters(row.technique),
         "device": row.device,
         "claim": bound,
         "judged": errors.judged,
-        "wrong": errors.wrong,
-        "acne": errors.acne,
-        "leak": errors.leak,
-        "alias_dark": Value::Null,
-        "alias_lit": Value::Null,
-        "outside": Value::Null,
+        "wrong": verdict(errors.wrong),
+        "acne": verdict(errors.acne),
+        "leak": verdict(errors.leak),
+        "alias_dark": of_texels(errors.alias_dark),
+        "alias_lit": of_texels(errors.alias_lit),
+        "outside": of_texels(errors.outside),
         "asked_exactly": row.asked_exactly,
         "mean_error": number(errors.mean),
         "mean_signed_error": number(errors.mean_signed),
         "p99_error": number(errors.p99),
         "max_error": number(errors.max),
-        "penumbra_mean_error": Value::Null,
-        "reads": Value::Null,
-        "bias_world": Value::Null,
-        "texel_world": Value::Null,
+        "penumbra_mean_error": errors.penumbra_mean.map(number),
+        "reads": row.reads.map(number),
+        "bias_world": row.bias_world.map(number),
+        "texel_world": row.texel_world.map(number),
         "prepare_ms": number(row.prepare_ms),
         "frame_ms": number(row.frame_ms.median),
         "readback_ms": row.readback_ms.map(number),

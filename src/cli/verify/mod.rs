@@ -18,7 +18,7 @@ use super::progress::Progress;
 use super::render::require_png;
 use super::resources::{AdapterArgs, ThreadArgs};
 use super::view::ViewArgs;
-use super::{Failure, Outcome};
+use super::{Failure, Outcome, lights};
 use pixels::Pixels;
 #[cfg(feature = "gpu")]
 use stencil::Graphics;
@@ -116,6 +116,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     args.threads.apply()?;
     let graphics = if args.gpu { Some(Graphics::open(&args.adapter)?) } else { None };
     let source = args.source.load()?;
+    lights::note_centers(&source.lights);
     let Source { format, caster, lights, .. } = &source;
 
     let progress = Progress::spinner("topology, proofs and tree");

@@ -10,7 +10,7 @@ use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
-use crate::shadow::{Claim, Samples, Visibility};
+use crate::shadow::{Answer, Claim, Samples, Visibility};
 
 /// A map of one lamp with the rule that reads it.
 #[derive(Debug)]
@@ -74,7 +74,7 @@ impl<'a> MapShadow<'a> {
             Drawn::draw(self.casters, &self.light, &self.options, space, rule).ok()
         });
         let drawn = of_view.as_ref().unwrap_or(&self.scene);
-        Visibility::of(samples, &self.light, Claim::Approximate, |hit| (drawn.value(hit), false))
+        Visibility::of(samples, &self.light, Claim::Approximate, |hit| Answer::of(drawn.value(hit)))
     }
 
     /// The space of the map of the scene.

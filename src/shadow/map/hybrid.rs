@@ -14,7 +14,7 @@ use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::oracle::{Oracle, PrimaryHit, Verdict};
 use crate::scene::Lamp;
-use crate::shadow::{Claim, Samples, Visibility};
+use crate::shadow::{Answer, Claim, Samples, Visibility};
 
 /// A map of one lamp, and the exact ray cast.
 #[derive(Debug)]
@@ -59,7 +59,7 @@ impl<'a> HybridShadow<'a> {
                 Seen::Open => false,
                 Seen::Mixed => self.oracle.verdict(hit.point, &self.light) == Verdict::Shadowed,
             };
-            (if dark { 0.0 } else { 1.0 }, seen == Seen::Mixed)
+            Answer { is_exact: seen == Seen::Mixed, ..Answer::of(if dark { 0.0 } else { 1.0 }) }
         })
     }
 

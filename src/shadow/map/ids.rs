@@ -14,7 +14,7 @@ use crate::geom::Light;
 use crate::mesh::FaceId;
 use crate::oracle::{Intersection, PrimaryHit, intersect};
 use crate::scene::Lamp;
-use crate::shadow::{Claim, Samples, Visibility};
+use crate::shadow::{Answer, Claim, Samples, Visibility};
 
 /// A map of face numbers of one lamp.
 #[derive(Debug)]
@@ -63,7 +63,7 @@ impl<'a> IdShadow<'a> {
     pub(super) fn shade_with(&self, samples: &Samples, interior: bool) -> Visibility {
         Visibility::of(samples, &self.light, Claim::Approximate, |hit| {
             let dark = self.shadows(hit, interior);
-            (if dark { 0.0 } else { 1.0 }, false)
+            Answer::of(if dark { 0.0 } else { 1.0 })
         })
     }
 

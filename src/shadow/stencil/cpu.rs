@@ -10,7 +10,7 @@ use crate::caster::{Caster, CasterGroup};
 use crate::geom::{Aabb, Light};
 use crate::oracle::{PrimaryHit, Verdict};
 use crate::shadow::volume::{Caps, ShadowVolume, WindingIndex};
-use crate::shadow::{Claim, Samples, Visibility};
+use crate::shadow::{Answer, Claim, Samples, Visibility};
 use crate::view::Projection;
 
 /// The casting faces of each caster, and the parts of their volumes that do not depend on the camera.
@@ -76,10 +76,10 @@ impl<'a> StencilCounting<'a> {
         Visibility::of(samples, &self.light, claim, |hit| {
             let counts = counted.iter().map(|volume| volume.count(projection, hit));
             match counts.collect::<Option<Vec<i32>>>() {
-                Some(counts) => (f32::from(u8::from(counts.iter().all(|&count| count == 0))), false),
+                Some(counts) => Answer::of(f32::from(u8::from(counts.iter().all(|&count| count == 0)))),
                 None => {
                     let dark = self.casters.oracle().verdict(hit.point, &self.light) == Verdict::Shadowed;
-                    (f32::from(u8::from(!dark)), true)
+                    Answer { is_exact: true, ..Answer::of(f32::from(u8::from(!dark))) }
                 }
             }
         })

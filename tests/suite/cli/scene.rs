@@ -172,7 +172,7 @@ fn falloff_is_plain_unless_asked_for() {
 }
 
 #[test]
-fn light_that_is_wrong_is_refused_by_its_part_and_one_with_an_extent_is_not_built_yet() {
+fn light_that_is_wrong_is_refused_by_its_part() {
     let folder = Folder::with_cubes();
     for (light, wanted) in [
         (
@@ -181,12 +181,8 @@ fn light_that_is_wrong_is_refused_by_its_part_and_one_with_an_extent_is_not_buil
         ),
         ("spot:1,2,3:0,-1,0:95", "the outer angle 95 is not above 0 and at most 90 degrees; write spot:"),
         ("point:1,2,3,range=x", "range `x` is not a number of mesh units above 0; write point:"),
-        ("point:1,2,3,radius=1", "not built yet: a light with an extent: point:1,2,3,radius=1; "),
-        (
-            "directional:0,-1,0,angle=0.266",
-            "not built yet: a light with an extent: directional:0,-1,0,angle=0.266",
-        ),
-        ("rect:0,3,0:1,0,0:0,0,1", "not built yet: a light with an extent: rect:0,3,0:1,0,0:0,0,1"),
+        ("point:1,2,3,radius=-1", "radius `-1` is not a number of mesh units, 0 or more; write point:"),
+        ("rect:0,3,0:1,0,0:2,0,0", "the edges [1.0, 0.0, 0.0] and [2.0, 0.0, 0.0] span no area"),
     ] {
         for command in
             ["silhouette cube.obj", "volume cube.obj", "verify cube.obj", "render cube.obj -o a.png"]
@@ -196,6 +192,38 @@ fn light_that_is_wrong_is_refused_by_its_part_and_one_with_an_extent_is_not_buil
             assert!(run.stderr.contains(wanted), "{light}: {}", run.stderr);
         }
     }
+}
+
+#[test]
+fn light_with_an_extent_casts_hard_shadows_from_its_center_and_says_so() {
+    let folder = Folder::with_cubes();
+    for (light, center) in [
+        ("point:1,2,3,radius=1", "point:1,2,3"),
+        ("directional:0,-1,0,angle=0.266", "directional:0,-1,0"),
+        ("rect:0,3,0:1,0,0:0,0,1", "point:0.5,3,0.5"),
+    ] {
+        for command in ["silhouette cube.obj --json", "render cube.obj --shadow rays --size 40x30 -o a.png"] {
+            let [soft, hard] = [light, center].map(|light| {
+                let run = folder.run(&format!("{command} --light {light}"));
+                assert_eq!(run.code, 0, "{}", run.stderr);
+                (run.stdout, png_bytes(&folder, command), run.stderr)
+            });
+            assert_eq!((soft.0, soft.1), (hard.0, hard.1), "{light}");
+            let note = format!("note: {light}: hard shadows, of its center: {center}");
+            assert!(soft.2.contains(&note) && !hard.2.contains("of its center"), "{}", soft.2);
+        }
+        // A soft technique does not say so, and makes another picture.
+        let run = folder.run(&format!(
+            "render cube.obj --ground --shadow samples:n=9 --size 40x30 -o s.png --light {light}"
+        ));
+        assert!(run.code == 0 && !run.stderr.contains("of its center"), "{}", run.stderr);
+        assert!(run.stderr.contains(&format!("note: {light}: samples:n=9, on the CPU")), "{}", run.stderr);
+    }
+}
+
+/// What a command wrote as `a.png`, if it draws.
+fn png_bytes(folder: &Folder, command: &str) -> Option<Vec<u8>> {
+    command.contains("a.png").then(|| png(folder, "a.png").2)
 }
 
 #[test]

@@ -87,9 +87,14 @@ impl PartTimes {
 
     fn needed(self, technique: Technique) -> f64 {
         match technique {
-            Technique::Rays | Technique::Samples(_) => self.oracle,
+            Technique::Rays
+            | Technique::Samples(_)
+            | Technique::SoftHybrid(_)
+            | Technique::PenumbraMap(_)
+            | Technique::Smoothies(_)
+            | Technique::ContactBlur(_) => self.oracle,
             Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
-            Technique::None | Technique::Dark => 0.0,
+            _ => 0.0,
         }
     }
 }

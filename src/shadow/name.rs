@@ -49,7 +49,7 @@ pub enum TechniqueError {
 }
 
 /// Names of planned techniques.
-const PLANNED: [&str; 28] = [
+const PLANNED: [&str; 20] = [
     "auto",
     "zpass-plus",
     "zpass-reversed",
@@ -63,14 +63,6 @@ const PLANNED: [&str; 28] = [
     "map",
     "map-ids",
     "pcf",
-    "vsm",
-    "msm",
-    "pcss",
-    "single-sample",
-    "smoothies",
-    "penumbra-map",
-    "contact-blur",
-    "soft-hybrid",
     "area",
     "planar",
     "planar-blur",

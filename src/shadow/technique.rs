@@ -1,9 +1,13 @@
 //! The closed list of techniques, and the two steps of each: prepare for a lamp, shade samples.
 
+use super::map::MapError;
 use super::options::{self, Refusal};
 use super::plain::Plain;
 use super::rays::Rays;
 use super::soft::samples::{LampSamples, SamplesOptions};
+use super::soft::{
+    self, PcssOptions, SilhouetteOptions, SingleSampleOptions, SoftHybridOptions, SoftMapOptions, SoftShadow,
+};
 use super::stencil::StencilCounting;
 use super::{Samples, Visibility};
 use crate::caster::CasterGroup;
@@ -37,6 +41,22 @@ pub enum Technique {
     ZPass,
     /// The mean of several exact shadow rays per sample, to points spread over the lamp.
     Samples(SamplesOptions),
+    /// A shadow map, filtered as wide as the penumbra of the mean blocker: percentage-closer soft shadows.
+    Pcss(PcssOptions),
+    /// A shadow map; the distance to the nearest edge in it gives the penumbra: Brabec and Seidel.
+    SingleSample(SingleSampleOptions),
+    /// Exact shadow rays to points of the lamp where a shadow map is not sure.
+    SoftHybrid(SoftHybridOptions),
+    /// Two filtered moments of depth: variance shadow maps.
+    Vsm(SoftMapOptions),
+    /// Four filtered moments of depth: moment shadow maps.
+    Msm(SoftMapOptions),
+    /// Exact silhouette edges, each with its own penumbra: penumbra maps.
+    PenumbraMap(SilhouetteOptions),
+    /// Exact silhouette edges with one width in the map: smoothies.
+    Smoothies(SilhouetteOptions),
+    /// The exact hard shadow, blurred in the picture as wide as the penumbra.
+    ContactBlur(SoftMapOptions),
     /// No shadows: every front-lit sample is lit.
     None,
     /// No light: every sample is dark.
@@ -76,16 +96,32 @@ pub enum PrepareError {
         /// The option that decides about the memory.
         option: &'static str,
     },
+    /// The technique's shadow map cannot be made.
+    #[error("{technique}: {error}")]
+    Map {
+        /// The technique, with its options.
+        technique: Technique,
+        /// Why not.
+        error: MapError,
+    },
 }
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 15] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
         Self::ZPass,
         Self::Samples(SamplesOptions::DEFAULT),
+        Self::Pcss(PcssOptions::DEFAULT),
+        Self::SingleSample(SingleSampleOptions::DEFAULT),
+        Self::SoftHybrid(SoftHybridOptions::DEFAULT),
+        Self::Vsm(SoftMapOptions::DEFAULT),
+        Self::Msm(SoftMapOptions::DEFAULT),
+        Self::PenumbraMap(SilhouetteOptions::DEFAULT),
+        Self::Smoothies(SilhouetteOptions::DEFAULT),
+        Self::ContactBlur(SoftMapOptions::DEFAULT),
         Self::None,
         Self::Dark,
     ];
@@ -99,6 +135,14 @@ impl Technique {
             Self::ZFail => "zfail",
             Self::ZPass => "zpass",
             Self::Samples(_) => "samples",
+            Self::Pcss(_) => "pcss",
+            Self::SingleSample(_) => "single-sample",
+            Self::SoftHybrid(_) => "soft-hybrid",
+            Self::Vsm(_) => "vsm",
+            Self::Msm(_) => "msm",
+            Self::PenumbraMap(_) => "penumbra-map",
+            Self::Smoothies(_) => "smoothies",
+            Self::ContactBlur(_) => "contact-blur",
             Self::None => "none",
             Self::Dark => "dark",
         }
@@ -115,6 +159,14 @@ impl Technique {
     pub fn parameters(self) -> Vec<(&'static str, String)> {
         match self {
             Self::Samples(options) => options::listed(&options),
+            Self::Pcss(options) => options::listed(&options),
+            Self::SingleSample(options) => options::listed(&options),
+            Self::SoftHybrid(options) => options::listed(&options),
+            Self::Vsm(options) => options::listed(&options),
+            Self::Msm(options) => options::listed(&options),
+            Self::PenumbraMap(options) => options::listed(&options),
+            Self::Smoothies(options) => options::listed(&options),
+            Self::ContactBlur(options) => options::listed(&options),
             _ => Vec::new(),
         }
     }
@@ -123,6 +175,14 @@ impl Technique {
     pub(super) fn with(self, key: &str, value: &str) -> Result<Self, Refusal> {
         match self {
             Self::Samples(options) => options::changed(options, key, value).map(Self::Samples),
+            Self::Pcss(options) => options::changed(options, key, value).map(Self::Pcss),
+            Self::SingleSample(options) => options::changed(options, key, value).map(Self::SingleSample),
+            Self::SoftHybrid(options) => options::changed(options, key, value).map(Self::SoftHybrid),
+            Self::Vsm(options) => options::changed(options, key, value).map(Self::Vsm),
+            Self::Msm(options) => options::changed(options, key, value).map(Self::Msm),
+            Self::PenumbraMap(options) => options::changed(options, key, value).map(Self::PenumbraMap),
+            Self::Smoothies(options) => options::changed(options, key, value).map(Self::Smoothies),
+            Self::ContactBlur(options) => options::changed(options, key, value).map(Self::ContactBlur),
             _ => Err(Refusal::Key),
         }
     }
@@ -135,7 +195,18 @@ impl Technique {
     /// Whether the values of this technique take the lamp's extent into account, so that there are penumbrae.
     #[must_use]
     pub fn is_soft(self) -> bool {
-        matches!(self, Self::Samples(_))
+        match self {
+            Self::Samples(_)
+            | Self::Pcss(_)
+            | Self::SingleSample(_)
+            | Self::SoftHybrid(_)
+            | Self::Vsm(_)
+            | Self::Msm(_)
+            | Self::PenumbraMap(_)
+            | Self::Smoothies(_)
+            | Self::ContactBlur(_) => true,
+            Self::Rays | Self::Stencil | Self::ZFail | Self::ZPass | Self::None | Self::Dark => false,
+        }
     }
 
     /// Prepares the data that stays valid while only the camera moves: shadow volumes, for the techniques
@@ -151,12 +222,29 @@ impl Technique {
     ) -> Result<Prepared<'a>, PrepareError> {
         let light = lamp.light();
         let counting = |method| Step::Counting(StencilCounting::prepare(casters, light, method));
+        let refused = |error| PrepareError::Map { technique: self, error };
         let step = match self {
             Self::Rays => Step::Rays(Rays::prepare(casters)),
             Self::Stencil => counting(None),
             Self::ZFail => counting(Some(StencilMethod::ZFail)),
             Self::ZPass => counting(Some(StencilMethod::ZPass)),
             Self::Samples(options) => Step::Samples(LampSamples::prepare(casters, lamp, options)),
+            Self::Pcss(options) => Step::Soft(soft::pcss(casters, lamp, options).map_err(refused)?),
+            Self::SingleSample(options) => {
+                Step::Soft(soft::single_sample(casters, lamp, options).map_err(refused)?)
+            }
+            Self::SoftHybrid(options) => {
+                Step::Soft(soft::soft_hybrid(casters, lamp, options).map_err(refused)?)
+            }
+            Self::Vsm(options) => Step::Soft(soft::vsm(casters, lamp, options).map_err(refused)?),
+            Self::Msm(options) => Step::Soft(soft::msm(casters, lamp, options).map_err(refused)?),
+            Self::PenumbraMap(options) => {
+                Step::Soft(soft::penumbra_map(casters, lamp, options).map_err(refused)?)
+            }
+            Self::Smoothies(options) => Step::Soft(soft::smoothies(casters, lamp, options).map_err(refused)?),
+            Self::ContactBlur(options) => {
+                Step::Soft(soft::contact_blur(casters, lamp, options).map_err(refused)?)
+            }
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
         };
@@ -186,6 +274,7 @@ enum Step<'a> {
     Rays(Rays<'a>),
     Counting(StencilCounting<'a>),
     Samples(LampSamples<'a>),
+    Soft(Box<dyn SoftShadow + 'a>),
     Plain(Plain),
 }
 
@@ -203,6 +292,7 @@ impl Prepared<'_> {
             Step::Rays(rays) => rays.shade(&self.light, samples),
             Step::Counting(counting) => counting.shade(samples),
             Step::Samples(rays) => rays.shade(samples),
+            Step::Soft(map) => map.shade(samples),
             Step::Plain(plain) => plain.shade(&self.light, samples),
         }
     }
@@ -214,18 +304,25 @@ impl Prepared<'_> {
             Step::Rays(_) | Step::Plain(_) => 0,
             Step::Counting(counting) => counting.bytes(),
             Step::Samples(rays) => rays.bytes(),
+            Step::Soft(map) => map.bytes(),
         }
     }
 
     /// Size of a shadow map's texel at the center of the scene, in mesh units; `None` without a map.
     #[must_use]
     pub fn texel_world(&self) -> Option<f64> {
-        None
+        match &self.step {
+            Step::Soft(map) => Some(map.texel_world()),
+            _ => None,
+        }
     }
 
     /// Largest depth bias of a shadow map, as a distance along the light in mesh units; `None` without a map.
     #[must_use]
     pub fn bias_world(&self) -> Option<f64> {
-        None
+        match &self.step {
+            Step::Soft(map) => Some(map.bias_world()),
+            _ => None,
+        }
     }
 }

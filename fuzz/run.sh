@@ -36,6 +36,12 @@ options=(-max_total_time="$seconds" -max_len="$largest" -len_control=$control -t
     -malloc_limit_mb="$allocation" -rss_limit_mb="$process" -print_final_stats=1)
 [ -f "fuzz/dictionaries/$target" ] && options+=(-dict="fuzz/dictionaries/$target")
 
+# smoke.sh has built it already; where finds go, cargo-fuzz says otherwise.
+if [ -n "${FUZZ_BUILT:-}" ]; then
+    mkdir -p "fuzz/artifacts/$target"
+    exec "$FUZZ_BUILT" "${folders[@]}" "${options[@]}" -artifact_prefix="fuzz/artifacts/$target/" "$@"
+fi
+
 build=()
 [ "${SANITIZER:-address}" = none ] && build=(-s none --no-trace-compares --target-dir fuzz/target/none)
 

@@ -1,5 +1,6 @@
 //! Benches of every stage on generated meshes, with asserted answers. `benches/README.md` explains the rows.
 
+mod area;
 #[cfg(feature = "gpu")]
 mod canvas;
 #[cfg(feature = "gpu")]
@@ -98,6 +99,7 @@ fn run(options: &Options) -> Result<(), String> {
         shadow::run,
         light::run,
         visibility::run,
+        area::run,
         read::run,
     ];
     for stage in stages {

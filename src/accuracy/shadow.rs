@@ -45,6 +45,8 @@ pub struct ShadowRow {
     /// A technique that is at least as fast and at least as often right, and strictly better in one of the
     /// two.
     pub dominated_by: Option<Technique>,
+    /// The fraction of the lamp that reaches each sample, as the technique has it.
+    pub values: Vec<f32>,
 }
 
 /// Errors and times of all techniques under one lamp.
@@ -53,8 +55,10 @@ pub struct ShadowRow {
 pub struct ShadowAccuracy {
     /// The lamp.
     pub lamp: Lamp,
-    /// One row per technique, in the order of [`Technique::ALL`].
+    /// One row per technique, in the order asked for, and then those of a device.
     pub rows: Vec<ShadowRow>,
+    /// What is true at each sample.
+    pub truth: Truth,
     /// What the parts of the casters took that counting needs, in milliseconds.
     pub(super) counting_ms: f64,
 }
@@ -89,25 +93,31 @@ impl PartTimes {
         match technique {
             Technique::Rays
             | Technique::Samples(_)
+            | Technique::Hybrid3x3(_)
             | Technique::SoftHybrid(_)
             | Technique::PenumbraMap(_)
             | Technique::Smoothies(_)
             | Technique::ContactBlur(_) => self.oracle,
             Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
-            _ => 0.0,
+            Technique::Map(_)
+            | Technique::Pcf(_)
+            | Technique::MapIds(_)
+            | Technique::Pcss(_)
+            | Technique::SingleSample(_)
+            | Technique::Vsm(_)
+            | Technique::Msm(_)
+            | Technique::None
+            | Technique::Dark => 0.0,
         }
     }
 }
 
 impl ShadowAccuracy {
-    /// Number of steps that [`ShadowAccuracy::measure`] reports per lamp.
-    pub const STEPS: u64 = 1 + Technique::ALL.len() as u64;
-
-    /// Measures all techniques for each lamp, on the CPU. A warm-up round is compared with the truth, then
+    /// Measures techniques for each lamp, on the CPU. A warm-up round is compared with the truth, then
     /// `rounds` rounds are timed.
     ///
     /// `view` makes the samples after the ray cast over the casters has been built. `progress` is called with
-    /// the number of steps done. Gives the samples too.
+    /// the number of steps done: per lamp one, and one per technique. Gives the samples too.
     ///
     /// ```
     /// use std::error::Error;
@@ -122,8 +132,9 @@ impl ShadowAccuracy {
     /// let camera = Camera::fit(&casters.bounds(), Up::Y, size.aspect());
     /// let projection = camera.projection(size, camera.near([caster.mesh()], size));
     /// let view = |casters: &CasterGroup<'_>| Ok(Samples::of_view(casters, &projection, size, 1)?);
+    /// let (lamps, techniques) = (["point:3,9,5".parse()?], ["rays".parse()?, "samples:n=4".parse()?]);
     /// let (_, found) =
-    ///     ShadowAccuracy::measure::<Box<dyn Error>>(&casters, &["point:3,9,5".parse()?], view, 1, &|_| {})?;
+    ///     ShadowAccuracy::measure::<Box<dyn Error>>(&casters, &lamps, &techniques, view, 1, &|_| {})?;
     /// assert!(found[0].rows.iter().all(|row| row.holds));
     /// # Ok::<(), Box<dyn Error>>(())
     /// ```
@@ -134,6 +145,7 @@ impl ShadowAccuracy {
     pub fn measure<E: From<PrepareError>>(
         casters: &CasterGroup<'_>,
         lamps: &[Lamp],
+        techniques: &[Technique],
         view: impl FnOnce(&CasterGroup<'_>) -> Result<Samples, E>,
         rounds: u32,
         progress: &dyn Fn(u64),
@@ -142,7 +154,7 @@ impl ShadowAccuracy {
         let samples = view(casters)?;
         let measure = |lamp: &Lamp| {
             let request = Request { casters, lamp, samples: &samples };
-            Self::of_lamp(&request, parts, rounds, progress)
+            Self::of_lamp(&request, techniques, parts, rounds, progress)
         };
         let found = lamps.iter().map(measure).collect::<Result<_, PrepareError>>()?;
         Ok((samples, found))
@@ -150,19 +162,20 @@ impl ShadowAccuracy {
 
     fn of_lamp(
         request: &Request<'_>,
+        techniques: &[Technique],
         parts: PartTimes,
         rounds: u32,
         progress: &dyn Fn(u64),
     ) -> Result<Self, PrepareError> {
         let truth = Truth::of(request);
         progress(1);
-        let mut rows = Vec::with_capacity(Technique::ALL.len());
-        for technique in Technique::ALL {
+        let mut rows = Vec::with_capacity(techniques.len());
+        for &technique in techniques {
             rows.push(row(request, &truth, technique, parts.needed(technique), rounds)?);
             progress(1);
         }
         mark_dominated(&mut rows);
-        Ok(Self { lamp: request.lamp.clone(), rows, counting_ms: parts.counting })
+        Ok(Self { lamp: request.lamp.clone(), rows, truth, counting_ms: parts.counting })
     }
 
     /// Whether every claim holds.
@@ -192,8 +205,7 @@ fn row(
         claim: visibility.claim(),
         holds: errors.hold(visibility.claim()),
         errors,
-        asked_exactly: matches!(technique, Technique::Stencil | Technique::ZFail | Technique::ZPass)
-            .then_some(visibility.asked_exactly()),
+        asked_exactly: asks_exactly(technique).then_some(visibility.asked_exactly()),
         prepare_ms: parts_ms + prepare_ms,
         frame_ms: Spread::of(frames),
         readback_ms: None,
@@ -202,7 +214,23 @@ fn row(
         texel_world: made.texel,
         bytes: (prepared.bytes() + visibility.bytes()) as u64,
         dominated_by: None,
+        values: visibility.values().to_vec(),
     })
+}
+
+/// Whether the technique passes samples to the exact ray cast.
+fn asks_exactly(technique: Technique) -> bool {
+    matches!(
+        technique,
+        Technique::Stencil
+            | Technique::ZFail
+            | Technique::ZPass
+            | Technique::Hybrid3x3(_)
+            | Technique::SoftHybrid(_)
+            | Technique::PenumbraMap(_)
+            | Technique::Smoothies(_)
+            | Technique::ContactBlur(_)
+    )
 }
 
 /// Finds for each row the technique that dominates it, by mean error (for a lamp without extent: wrong
@@ -248,6 +276,7 @@ mod tests {
             texel_world: None,
             bytes: 0,
             dominated_by: None,
+            values: Vec::new(),
         };
         let mut rows = [
             row(Technique::Rays, 2.0, 0),
@@ -271,7 +300,8 @@ mod tests {
         let view = |casters: &CasterGroup<'_>| Ok(Samples::of_view(casters, &projection, size, 1).unwrap());
         let lights = ["point:9,7,11", "point:-9,-2,-11"].map(|light| light.parse().unwrap());
         let (_, found) =
-            ShadowAccuracy::measure::<PrepareError>(&casters, &lights, view, 1, &|_| {}).unwrap();
+            ShadowAccuracy::measure::<PrepareError>(&casters, &lights, &Technique::ALL, view, 1, &|_| {})
+                .unwrap();
         for of_lamp in &found {
             assert_eq!(of_lamp.rows.iter().map(|row| row.technique).collect::<Vec<_>>(), Technique::ALL);
             assert!(of_lamp.claims_hold(), "{of_lamp:?}");

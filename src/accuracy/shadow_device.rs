@@ -94,6 +94,7 @@ impl ShadowAccuracy {
                 bytes: (volumes.volumes.iter().map(|(_, volume)| volume.bytes()).sum::<usize>()
                     + samples.len()) as u64,
                 dominated_by: None,
+                values: shown.values().to_vec(),
             });
         }
         mark_dominated(&mut self.rows);

@@ -259,7 +259,7 @@ fn shining_lamps(args: &Args, source: &Source, techniques: &[Option<Technique>])
 }
 
 /// The base color of each face; empty if no material states one, so that all faces are of clay.
-fn colors(mesh: &Mesh, materials: &[Material]) -> Vec<[f32; 3]> {
+pub(crate) fn colors(mesh: &Mesh, materials: &[Material]) -> Vec<[f32; 3]> {
     let color = |part: &Part| materials.get(part.material? as usize)?.base_color;
     if mesh.parts().iter().all(|part| color(part).is_none()) {
         return Vec::new();

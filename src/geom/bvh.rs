@@ -11,10 +11,12 @@ use std::ops::Range;
 use super::{Aabb, Segment};
 
 mod collapse;
+mod halfspaces;
 mod node;
 mod split;
 mod wide;
 
+pub(crate) use halfspaces::{HalfSpace, MOST_SIDES};
 use split::{Hull, Item, split};
 pub(crate) use wide::{Step, WideBvh};
 

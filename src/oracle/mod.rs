@@ -6,6 +6,7 @@
 //! no ray slips between two triangles. A ray that only touches the surface is reported as such, never
 //! guessed.
 
+pub mod area;
 mod batch;
 mod primary_hit;
 pub(crate) mod segment_filter;

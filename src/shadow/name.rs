@@ -49,20 +49,16 @@ pub enum TechniqueError {
 }
 
 /// Names of planned techniques.
-const PLANNED: [&str; 20] = [
+const PLANNED: [&str; 16] = [
     "auto",
     "zpass-plus",
     "zpass-reversed",
     "hybrid",
-    "hybrid-3x3",
     "hybrid-2x2",
     "alias-free",
     "counter",
     "reconstruct",
     "lod",
-    "map",
-    "map-ids",
-    "pcf",
     "area",
     "planar",
     "planar-blur",

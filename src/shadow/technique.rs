@@ -1,6 +1,6 @@
 //! The closed list of techniques, and the two steps of each: prepare for a lamp, shade samples.
 
-use super::map::MapError;
+use super::map::{ExactOptions, HybridShadow, IdShadow, MapError, MapOptions, MapShadow, PcfOptions};
 use super::options::{self, Refusal};
 use super::plain::Plain;
 use super::rays::Rays;
@@ -41,6 +41,14 @@ pub enum Technique {
     ZPass,
     /// The mean of several exact shadow rays per sample, to points spread over the lamp.
     Samples(SamplesOptions),
+    /// A shadow map with a bilinear filter, or none.
+    Map(MapOptions),
+    /// A shadow map with a wider filter: percentage-closer filtering.
+    Pcf(PcfOptions),
+    /// A shadow map of face numbers; the faces around a sample are tested exactly.
+    MapIds(ExactOptions),
+    /// A shadow map where the texels around a sample agree, an exact shadow ray elsewhere.
+    Hybrid3x3(ExactOptions),
     /// A shadow map, filtered as wide as the penumbra of the mean blocker: percentage-closer soft shadows.
     Pcss(PcssOptions),
     /// A shadow map; the distance to the nearest edge in it gives the penumbra: Brabec and Seidel.
@@ -108,12 +116,16 @@ pub enum PrepareError {
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 19] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
         Self::ZPass,
         Self::Samples(SamplesOptions::DEFAULT),
+        Self::Map(MapOptions::DEFAULT),
+        Self::Pcf(PcfOptions::DEFAULT),
+        Self::MapIds(ExactOptions::DEFAULT),
+        Self::Hybrid3x3(ExactOptions::DEFAULT),
         Self::Pcss(PcssOptions::DEFAULT),
         Self::SingleSample(SingleSampleOptions::DEFAULT),
         Self::SoftHybrid(SoftHybridOptions::DEFAULT),
@@ -135,6 +147,10 @@ impl Technique {
             Self::ZFail => "zfail",
             Self::ZPass => "zpass",
             Self::Samples(_) => "samples",
+            Self::Map(_) => "map",
+            Self::Pcf(_) => "pcf",
+            Self::MapIds(_) => "map-ids",
+            Self::Hybrid3x3(_) => "hybrid-3x3",
             Self::Pcss(_) => "pcss",
             Self::SingleSample(_) => "single-sample",
             Self::SoftHybrid(_) => "soft-hybrid",
@@ -159,6 +175,9 @@ impl Technique {
     pub fn parameters(self) -> Vec<(&'static str, String)> {
         match self {
             Self::Samples(options) => options::listed(&options),
+            Self::Map(options) => options::listed(&options),
+            Self::Pcf(options) => options::listed(&options),
+            Self::MapIds(options) | Self::Hybrid3x3(options) => options::listed(&options),
             Self::Pcss(options) => options::listed(&options),
             Self::SingleSample(options) => options::listed(&options),
             Self::SoftHybrid(options) => options::listed(&options),
@@ -175,6 +194,10 @@ impl Technique {
     pub(super) fn with(self, key: &str, value: &str) -> Result<Self, Refusal> {
         match self {
             Self::Samples(options) => options::changed(options, key, value).map(Self::Samples),
+            Self::Map(options) => options::changed(options, key, value).map(Self::Map),
+            Self::Pcf(options) => options::changed(options, key, value).map(Self::Pcf),
+            Self::MapIds(options) => options::changed(options, key, value).map(Self::MapIds),
+            Self::Hybrid3x3(options) => options::changed(options, key, value).map(Self::Hybrid3x3),
             Self::Pcss(options) => options::changed(options, key, value).map(Self::Pcss),
             Self::SingleSample(options) => options::changed(options, key, value).map(Self::SingleSample),
             Self::SoftHybrid(options) => options::changed(options, key, value).map(Self::SoftHybrid),
@@ -205,16 +228,25 @@ impl Technique {
             | Self::PenumbraMap(_)
             | Self::Smoothies(_)
             | Self::ContactBlur(_) => true,
-            Self::Rays | Self::Stencil | Self::ZFail | Self::ZPass | Self::None | Self::Dark => false,
+            Self::Rays
+            | Self::Stencil
+            | Self::ZFail
+            | Self::ZPass
+            | Self::Map(_)
+            | Self::Pcf(_)
+            | Self::MapIds(_)
+            | Self::Hybrid3x3(_)
+            | Self::None
+            | Self::Dark => false,
         }
     }
 
-    /// Prepares the data that stays valid while only the camera moves: shadow volumes, for the techniques
-    /// that use them.
+    /// Prepares the data that stays valid while only the camera moves: shadow volumes or shadow maps, for the
+    /// techniques that use them.
     ///
     /// # Errors
     ///
-    /// [`PrepareError`] if this data does not fit the memory.
+    /// [`PrepareError`] if this data does not fit the memory, or an option is out of range.
     pub fn prepare<'a>(
         self,
         casters: &'a CasterGroup<'a>,
@@ -229,6 +261,13 @@ impl Technique {
             Self::ZFail => counting(Some(StencilMethod::ZFail)),
             Self::ZPass => counting(Some(StencilMethod::ZPass)),
             Self::Samples(options) => Step::Samples(LampSamples::prepare(casters, lamp, options)),
+            Self::Map(options) | Self::Pcf(PcfOptions(options)) => {
+                Step::Map(MapShadow::prepare(casters, lamp, &options).map_err(refused)?)
+            }
+            Self::MapIds(options) => Step::Ids(IdShadow::prepare(casters, lamp, &options).map_err(refused)?),
+            Self::Hybrid3x3(options) => {
+                Step::Hybrid(HybridShadow::prepare(casters, lamp, &options).map_err(refused)?)
+            }
             Self::Pcss(options) => Step::Soft(soft::pcss(casters, lamp, options).map_err(refused)?),
             Self::SingleSample(options) => {
                 Step::Soft(soft::single_sample(casters, lamp, options).map_err(refused)?)
@@ -274,6 +313,9 @@ enum Step<'a> {
     Rays(Rays<'a>),
     Counting(StencilCounting<'a>),
     Samples(LampSamples<'a>),
+    Map(MapShadow<'a>),
+    Ids(IdShadow<'a>),
+    Hybrid(HybridShadow<'a>),
     Soft(Box<dyn SoftShadow + 'a>),
     Plain(Plain),
 }
@@ -292,6 +334,9 @@ impl Prepared<'_> {
             Step::Rays(rays) => rays.shade(&self.light, samples),
             Step::Counting(counting) => counting.shade(samples),
             Step::Samples(rays) => rays.shade(samples),
+            Step::Map(map) => map.shade(samples),
+            Step::Ids(map) => map.shade(samples),
+            Step::Hybrid(map) => map.shade(samples),
             Step::Soft(map) => map.shade(samples),
             Step::Plain(plain) => plain.shade(&self.light, samples),
         }
@@ -304,6 +349,9 @@ impl Prepared<'_> {
             Step::Rays(_) | Step::Plain(_) => 0,
             Step::Counting(counting) => counting.bytes(),
             Step::Samples(rays) => rays.bytes(),
+            Step::Map(map) => map.bytes(),
+            Step::Ids(map) => map.bytes(),
+            Step::Hybrid(map) => map.bytes(),
             Step::Soft(map) => map.bytes(),
         }
     }
@@ -312,15 +360,20 @@ impl Prepared<'_> {
     #[must_use]
     pub fn texel_world(&self) -> Option<f64> {
         match &self.step {
+            Step::Map(map) => Some(map.texel_world()),
+            Step::Ids(map) => Some(map.texel_world()),
+            Step::Hybrid(map) => Some(map.texel_world()),
             Step::Soft(map) => Some(map.texel_world()),
             _ => None,
         }
     }
 
-    /// Largest depth bias of a shadow map, as a distance along the light in mesh units; `None` without a map.
+    /// Depth bias of a shadow map for a plane that meets the light at 45°, as a distance along the light at the
+    /// center of the scene, in mesh units; `None` without a map that is filtered.
     #[must_use]
     pub fn bias_world(&self) -> Option<f64> {
         match &self.step {
+            Step::Map(map) => Some(map.bias_world()),
             Step::Soft(map) => Some(map.bias_world()),
             _ => None,
         }

@@ -15,6 +15,7 @@ use glam::DVec3;
 
 use crate::geom::Light;
 use crate::geom::predicate::side_of_point;
+use crate::oracle::area::{AreaLight, Receiver, SoftOracle};
 use crate::oracle::{Oracle, PrimaryHit, Verdict};
 use crate::shadow::{Claim, Request, Visibility};
 
@@ -28,6 +29,9 @@ pub struct Truth {
 }
 
 /// The fraction of a lamp that a sample sees, and the largest error of this fraction.
+///
+/// A bound of ½ or more says that nothing is known: the sample lies in the plane of the lamp, for example.
+/// Such a sample is not judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fraction {
     /// From 0, nothing of the lamp, to 1.
@@ -38,7 +42,9 @@ pub struct Fraction {
 
 impl Truth {
     /// Exact verdicts for the samples of `request`: one exact shadow ray per front-lit sample, to the lamp's
-    /// center.
+    /// center. For a lamp with an extent also the visible fraction of the lamp, computed analytically.
+    ///
+    /// A lamp whose area is too small for `f64` is taken as its center.
     #[must_use]
     pub fn of(request: &Request<'_>) -> Self {
         let front_lit = |hit: &&PrimaryHit| crate::shadow::is_front_lit(hit, request.light());
@@ -48,7 +54,9 @@ impl Truth {
         let mut verdicts = vec![Verdict::Lit; points.len()];
         request.casters.oracle().verdicts_into(&points, request.light(), &mut verdicts);
         let mut next = verdicts.into_iter();
-        Self { verdicts: hits.iter().map(|hit| hit.and_then(|_| next.next())).collect(), fractions: None }
+        let verdicts = hits.iter().map(|hit| hit.and_then(|_| next.next())).collect();
+        let light = AreaLight::of_lamp(request.lamp).ok().flatten();
+        Self { verdicts, fractions: light.map(|light| fractions(request, &hits, &points, &light)) }
     }
 
     /// The same truth with the fractions of a lamp with an extent.
@@ -74,6 +82,14 @@ impl Truth {
         self.fractions.as_deref()
     }
 
+    /// The largest bound among the fractions that are known; `None` for a lamp without extent.
+    #[must_use]
+    pub fn bound(&self) -> Option<f64> {
+        let known = |fraction: &&Fraction| fraction.bound < 0.5;
+        let bounds = |all: &[Fraction]| all.iter().filter(known).map(|it| it.bound).fold(0.0, f64::max);
+        self.fractions.as_deref().map(bounds)
+    }
+
     /// The fraction of the lamp that sample `index` sees: of a lamp without extent 0 or 1, exactly.
     fn fraction(&self, index: usize, verdict: Verdict) -> Fraction {
         match &self.fractions {
@@ -81,6 +97,26 @@ impl Truth {
             None => Fraction { visible: if verdict == Verdict::Shadowed { 0.0 } else { 1.0 }, bound: 0.0 },
         }
     }
+}
+
+/// The visible fraction at each sample that is `Some`, of which `points` are the positions.
+fn fractions(
+    request: &Request<'_>,
+    hits: &[Option<&PrimaryHit>],
+    points: &[[f32; 3]],
+    light: &AreaLight,
+) -> Vec<Fraction> {
+    let receivers: Vec<Receiver> = points.iter().map(|&point| point.into()).collect();
+    let mut visible = vec![None; receivers.len()];
+    SoftOracle::new(request.casters.oracle()).visible_into(&receivers, light, &mut visible);
+    let mut next = visible.into_iter();
+    let fraction = |hit: &Option<&PrimaryHit>| match hit.and_then(|_| next.next()) {
+        // Not asked for.
+        None => Fraction::default(),
+        Some(None) => Fraction { visible: 0.5, bound: 0.5 },
+        Some(Some(seen)) => Fraction { visible: seen.fraction, bound: seen.bound },
+    };
+    hits.iter().map(fraction).collect()
 }
 
 /// What [`Errors::of`] has to know about the technique that made a visibility.
@@ -104,8 +140,8 @@ pub struct Errors {
     pub samples: u64,
     /// Number of judged samples: the denominator of every rate.
     pub judged: u64,
-    /// Front-lit samples that are not judged: their exact verdict is grazing, or they lie within the
-    /// footprint.
+    /// Front-lit samples that are not judged: their exact verdict is grazing, their fraction is not known, or
+    /// they lie within the footprint.
     pub excused: u64,
     /// Judged samples whose value lies on the wrong side of one half. Always 0 for a soft technique under a
     /// lamp with an extent, as are the counts by kind.
@@ -183,6 +219,7 @@ impl Errors {
         let samples = request.samples;
         assert_eq!(visibility.values().len(), samples.len(), "the visibility is of other samples");
         assert_eq!(truth.verdicts.len(), samples.len(), "the truth is of other samples");
+        assert!(truth.fractions.as_ref().is_none_or(|all| all.len() == samples.len()), "of other samples");
         assert!(made.footprint.is_empty() || made.footprint.len() == samples.len(), "one entry per sample");
         let is_soft = made.is_soft && truth.fractions.is_some();
         let mut errors = Self {
@@ -199,12 +236,13 @@ impl Errors {
                 continue;
             };
             let is_grazing = verdict == Verdict::Grazing && !is_soft;
-            if is_grazing || made.footprint.get(index) == Some(&true) {
+            let truth = truth.fraction(index, verdict);
+            if is_grazing || truth.bound >= 0.5 || made.footprint.get(index) == Some(&true) {
                 errors.excused += 1;
                 continue;
             }
             errors.judged += 1;
-            magnitudes.add(value, truth.fraction(index, verdict));
+            magnitudes.add(value, truth);
             if is_soft {
                 continue;
             }

@@ -1,5 +1,6 @@
 //! All integration tests, one file per stage, named as in `src`.
 
+mod area;
 mod chart;
 #[path = "../../src/cli/chart.rs"]
 mod svg;

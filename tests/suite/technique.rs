@@ -7,7 +7,7 @@ use umbrage::oracle::Verdict;
 use umbrage::scene::Lamp;
 use umbrage::shadow::{Claim, Request, Samples, Technique, Visibility};
 use umbrage::testing::shapes;
-use umbrage::verify::errors::{Errors, Made, Truth};
+use umbrage::verify::errors::{Errors, Fraction, Made, Truth};
 use umbrage::view::{Camera, Size, Up};
 
 /// Named casters: sound, inside out, open, not orientable, nested, self-intersecting, and several at once.
@@ -37,6 +37,14 @@ fn lamps() -> [Lamp; 3] {
     ["point:3,9,5", "directional:0.3,-1,0.2", "point:0.1,0.2,0.05"].map(|lamp| lamp.parse().unwrap())
 }
 
+/// Every technique with its default options, but for small maps.
+fn small() -> impl Iterator<Item = Technique> {
+    Technique::ALL.into_iter().map(|technique| {
+        let has_size = technique.parameters().iter().any(|(key, _)| *key == "size");
+        if has_size { format!("{}:size=64", technique.name()).parse().unwrap() } else { technique }
+    })
+}
+
 /// Runs `work` on every scene, light and view: from afar, and from within, where z-pass is wrong.
 fn for_each_request(mut work: impl FnMut(&str, &Request<'_>)) {
     let size = Size::new(40, 30).unwrap();
@@ -59,7 +67,7 @@ fn technique_claims_hold_on_every_scene() {
     let (mut judged, mut zpass_wrong) = (0, 0);
     for_each_request(|name, request| {
         let truth = Truth::of(request);
-        for technique in Technique::ALL {
+        for technique in small() {
             let visibility = technique.shade(request).unwrap();
             let errors = Errors::of(request, &visibility, &truth, &Made::default());
             assert!(errors.hold(visibility.claim()), "{name} {technique} {}: {errors:?}", request.light());
@@ -72,6 +80,43 @@ fn technique_claims_hold_on_every_scene() {
     assert!(judged > 50_000, "{judged}");
     // The views include those where z-pass, which claims nothing, is wrong.
     assert!(zpass_wrong > 100, "{zpass_wrong}");
+}
+
+/// The analytic fraction and the mean of exact rays share nothing but predicates: near to each other, and the
+/// nearer the more rays there are. A lamp of another size is told apart.
+#[test]
+fn technique_of_many_rays_comes_near_to_the_analytic_fraction() {
+    let size = Size::new(24, 18).unwrap();
+    for (name, scene) in scenes() {
+        let casters = CasterGroup::new(scene.iter().collect());
+        let camera = Camera::fit(&casters.bounds(), Up::Y, size.aspect());
+        let projection = camera.projection(size, camera.near(scene.iter().map(Caster::mesh), size));
+        let samples = Samples::of_view(&casters, &projection, size, 1).unwrap();
+        for lamp in ["point:3,9,5,radius=2", "directional:0.3,-1,0.2,angle=12", "rect:-2,9,2:3,0,0:0,1,3"] {
+            let lamp: Lamp = lamp.parse().unwrap();
+            let request = Request { casters: &casters, lamp: &lamp, samples: &samples };
+            let truth = Truth::of(&request);
+            assert!(truth.bound().unwrap() < 1e-9, "{name} {lamp}: {:?}", truth.bound());
+            let mean = |technique: &str, truth: &Truth| {
+                let technique: Technique = technique.parse().unwrap();
+                let visibility = technique.shade(&request).unwrap();
+                let made = Made { is_soft: technique.is_soft(), ..Made::default() };
+                Errors::of(&request, &visibility, truth, &made).mean
+            };
+            let [few, many] = ["samples:n=16", "samples:n=512"].map(|technique| mean(technique, &truth));
+            assert!(many <= 0.003 && (many < 0.5 * few || few < 1e-6), "{name} {lamp}: {few} {many}");
+            // Fault injected: the truth about the lamp's center alone.
+            let center = (*lamp.light()).into();
+            let hard = Truth::of(&Request { lamp: &center, ..request });
+            let off = hard.verdicts().iter().map(|verdict| Fraction {
+                visible: f64::from(u8::from(*verdict == Some(Verdict::Lit))),
+                bound: 0.0,
+            });
+            let hard = truth.with_fractions(off.collect());
+            let soft = mean("samples:n=512", &hard);
+            assert!(soft > 3.0 * many || soft < 1e-6, "{name} {lamp}: {soft} {many}");
+        }
+    }
 }
 
 #[test]

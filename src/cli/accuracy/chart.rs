@@ -1,4 +1,4 @@
-//! Charts of error against time, a panel for each file or light.
+//! Charts of error against cost, a panel for each file or light.
 
 use crate::cli::chart::{Axis, COLOR_COUNT, Mark, Svg, escaped, number, significant};
 use umbrage::accuracy::{Method, Spread};
@@ -19,12 +19,21 @@ const LEADER: f64 = 40.0;
 /// Room below the panels, for notes.
 const NOTES: f64 = 56.0;
 
+/// Notes below charts whose errors are counts.
+pub(super) const NOTES_OF_COUNTS: &[&str] = &[
+    "Filled: wrong answers, of those with one right answer. Hollow: none was found; the mark is drawn at 3/n,",
+    "which the rate is below with 95 % confidence, if answers are independent. Bars: the fastest and the slowest round.",
+    "Thick line: what nothing else dominates, being as fast and as often right.",
+];
+
 /// One chart of several, below each other.
 pub(super) struct Panel {
     pub(super) heading: String,
     pub(super) second_line: String,
     /// Titles of the two axes.
     pub(super) titles: [&'static str; 2],
+    /// What a hollow mark means, and what the bars and the thick line do.
+    pub(super) notes: &'static [&'static str],
     pub(super) entries: Vec<Entry>,
 }
 
@@ -33,9 +42,12 @@ pub(super) struct Entry {
     pub(super) name: String,
     /// Second line of the label.
     pub(super) said: String,
-    /// In the unit of the axis.
-    pub(super) time: Spread,
-    pub(super) tally: Tally,
+    /// Time or memory, in the unit of the axis.
+    pub(super) cost: Spread,
+    /// Height of the mark, from 0 to 1.
+    pub(super) error: f64,
+    /// Whether the mark is hollow: no error was found, and `error` is only a bound.
+    pub(super) is_hollow: bool,
     pub(super) dominated: bool,
 }
 
@@ -64,14 +76,16 @@ fn of_file(result: &FileResult, measured: &Measured, asked: &Asked) -> Panel {
     let entry = |method: &Method| Entry {
         name: method.name.to_owned(),
         said: said(method.total.time.median, "ns", &method.total.tally()),
-        time: method.total.time,
-        tally: method.total.tally(),
+        cost: method.total.time,
+        error: height(&method.total.tally()),
+        is_hollow: method.total.tally().wrong == 0,
         dominated: method.dominated,
     };
     Panel {
         heading: format!("Error against time: {}", asked.question.name()),
         second_line: format!("{}, {} faces, {} queries", shortened(&name), number(faces), number(queries)),
         titles: ["nanoseconds a query, median of the rounds", "wrong answers a query"],
+        notes: NOTES_OF_COUNTS,
         entries: measured.found.methods.iter().map(entry).collect(),
     }
 }
@@ -83,12 +97,11 @@ pub(super) fn svg(panels: &[Panel]) -> String {
         panel(&mut svg, PANEL * index as f64, chart);
     }
     let below = PANEL * panels.len() as f64 + 10.0;
-    let notes = [
-        "Filled: wrong answers, of those with one right answer. Hollow: none was found; the mark is drawn at 3/n,",
-        "which the rate is below with 95 % confidence, if answers are independent. Bars: the fastest and the slowest round.",
-        "Thick line: what nothing else dominates, being as fast and as often right.",
-    ];
-    for (note, y) in notes.iter().zip([below, below + 16.0, below + 32.0]) {
+    for (note, y) in panels.last().map_or(NOTES_OF_COUNTS, |panel| panel.notes).iter().zip([
+        below,
+        below + 16.0,
+        below + 32.0,
+    ]) {
         svg.add(format_args!("<text class=\"faint\" x=\"{LEFT}\" y=\"{y}\" font-size=\"11\">{note}</text>"));
     }
     svg.finish()
@@ -105,9 +118,9 @@ fn panel(svg: &mut Svg, top: f64, panel: &Panel) {
 
     // 2. The axes.
     let entries = &panel.entries;
-    let times = entries.iter().flat_map(|entry| [entry.time.min, entry.time.max]);
+    let times = entries.iter().flat_map(|entry| [entry.cost.min, entry.cost.max]);
     let x = Axis::around(times.map(above_zero), [LEFT, RIGHT]);
-    let y = Axis::decades(entries.iter().map(|entry| height(&entry.tally)), [top + BOTTOM, top + TOP]);
+    let y = Axis::decades(entries.iter().map(|entry| entry.error), [top + BOTTOM, top + TOP]);
     svg.grid(&x, &y, [tick, power], panel.titles);
 
     // 3. The front that nothing beats, then the marks over it.
@@ -140,18 +153,18 @@ fn panel(svg: &mut Svg, top: f64, panel: &Panel) {
 }
 
 fn spot<'a>(entry: &'a Entry, index: usize, x: &Axis, y: &Axis) -> Spot<'a> {
-    let time = entry.time;
+    let time = entry.cost;
     let [place, low, high] = [time.median, time.min, time.max].map(|time| x.place(above_zero(time)));
     // Two entries of one color differ in shape.
     let look = [index % COLOR_COUNT, (index + index / COLOR_COUNT) % COLOR_COUNT];
-    Spot { entry, look, place: [place, y.place(height(&entry.tally))], spread: [low, high] }
+    Spot { entry, look, place: [place, y.place(entry.error)], spread: [low, high] }
 }
 
 /// A mark with its spread, hollow where nothing is wrong.
 fn draw(svg: &mut Svg, spot: &Spot<'_>) {
     let Spot { entry, look: [color, shape], place: [x, y], spread: [low, high] } = *spot;
     let path = Mark::ALL[shape].path([x, y]);
-    let inside = if entry.tally.wrong == 0 { " class=\"paper\" style=\"stroke:currentColor\"" } else { "" };
+    let inside = if entry.is_hollow { " class=\"paper\" style=\"stroke:currentColor\"" } else { "" };
     let title = escaped(&format!("{}: {}", entry.name, entry.said));
     svg.add(format_args!(
         "<g class=\"c{color}\" fill=\"currentColor\" stroke=\"currentColor\"><path d=\"M{low:.1} {y:.1}H{high:.1}\"/><path \
@@ -221,7 +234,7 @@ pub(super) fn said(time: f64, unit: &str, tally: &Tally) -> String {
 }
 
 /// Wrong answers per query; if there are none, the upper bound.
-fn height(tally: &Tally) -> f64 {
+pub(super) fn height(tally: &Tally) -> f64 {
     tally.bound_95().unwrap_or(tally.error()).clamp(1e-12, 1.0)
 }
 

@@ -12,6 +12,7 @@ use serde_json::Value;
 use umbrage::accuracy::{Accuracy, MOST_LIGHTS, Method, Options, Question};
 use umbrage::geom::Light;
 use umbrage::scene::Lamp;
+use umbrage::shadow::Technique;
 use umbrage::view::Size;
 use umbrage::write::write_atomic;
 
@@ -93,6 +94,23 @@ pub(crate) struct Args {
     #[arg(long, value_name = "OUT.svg")]
     svg: Option<PathBuf>,
 
+    /// Write a page with charts, the table, and what each technique draws beside the truth; for shadow
+    /// [default: nothing is written]
+    #[arg(long, value_name = "OUT.html")]
+    html: Option<PathBuf>,
+
+    /// A technique to measure, with options if need be; may be repeated; for shadow [default: all techniques
+    /// with their default options, and those with a device form on an adapter too]
+    ///
+    /// For example: --shadow rays --shadow samples:n=16 --shadow samples:n=256.
+    #[arg(long, value_name = "TECHNIQUE")]
+    shadow: Vec<Technique>,
+
+    /// Add a large floor below everything: lowest in z for stl, md2 and 3mf, lowest in y for others; for
+    /// shadow
+    #[arg(long)]
+    ground: bool,
+
     /// Print one JSON document instead of text
     #[arg(long)]
     json: bool,
@@ -141,6 +159,9 @@ impl Args {
         let asked = [
             ("--size", self.size.is_some()),
             ("--samples", self.samples.is_some()),
+            ("--html", self.html.is_some()),
+            ("--shadow", !self.shadow.is_empty()),
+            ("--ground", self.ground),
             ("--adapter", self.adapter.was_asked_for()),
             ("--eye, --target, --fov, --ortho, --camera and --near", self.view.was_asked_for()),
         ];
@@ -253,7 +274,9 @@ fn refuse(args: &Args, question: Question) -> Result<Asked, Failure> {
 
 /// Refuses outputs that cannot be written, judging by their names.
 fn refuse_outputs(args: &Args) -> Result<(), Failure> {
-    for (option, path, extension) in [("--csv", &args.csv, "csv"), ("--svg", &args.svg, "svg")] {
+    for (option, path, extension) in
+        [("--csv", &args.csv, "csv"), ("--svg", &args.svg, "svg"), ("--html", &args.html, "html")]
+    {
         let Some(path) = path else { continue };
         if path.extension().is_none_or(|found| !found.eq_ignore_ascii_case(extension)) {
             let remedy = format!("name a file that ends in .{extension}");

@@ -5,6 +5,7 @@ use glam::Vec4;
 
 use super::Bvh;
 use super::collapse::{Child, Plan};
+use super::halfspaces::{HalfSpace, Sides};
 use super::node::{Node, WIDTH};
 use super::split::half_area;
 use crate::geom::segment::Narrow;
@@ -124,6 +125,35 @@ impl WideBvh {
         }
     }
 
+    /// Bounds |x − p|, axis by axis, for every plane x of every box of the tree. A stored plane lies at most
+    /// one grid step outside: 1/63 of the extent, or two units in the last place of the largest coordinate.
+    pub(crate) fn reach(&self, p: [f32; 3]) -> [f64; 3] {
+        let Aabb { low, high } = self.bounds;
+        std::array::from_fn(|i| {
+            let [low, high, p] = [low[i], high[i], p[i]].map(f64::from);
+            let step = ((high - low) / 63.0).max(low.abs().max(high.abs()) * 2f64.powi(-21));
+            (high - p).max(p - low).max(0.0) + step + f64::from(f32::MIN_POSITIVE)
+        })
+    }
+
+    /// Visits every slot whose leaf box may have a point in all of the half-spaces, which are given around
+    /// `p`; at most [`super::MOST_SIDES`] of them.
+    #[inline(always)]
+    pub(crate) fn walk_within(&self, p: [f32; 3], spaces: &[HalfSpace], mut visit: impl FnMut(usize)) {
+        let visit = |slot| {
+            visit(slot);
+            Step::On
+        };
+        let reach = self.reach(p);
+        let within = |x: &f32| x.abs() < (1_u64 << 60) as f32;
+        if self.narrow && p.iter().all(within) && self.most_put_off < SHORT {
+            let mut sides = Sides::new(p, spaces, reach, 2f64.powi(-24)).narrow();
+            self.walk_by::<false>(&mut sides, &mut [(0, 0); SHORT], visit);
+        } else {
+            self.walk_far(Sides::new(p, spaces, reach, 2f64.powi(-53)), visit);
+        }
+    }
+
     #[cold]
     #[inline(never)]
     fn walk_far(&self, mut way: impl Enter, visit: impl FnMut(usize) -> Step) {
@@ -196,8 +226,8 @@ pub(crate) enum Step {
     Stop,
 }
 
-/// Interface of a segment to the traversal.
-trait Enter {
+/// Interface of a segment, or of another region, to the traversal.
+pub(super) trait Enter {
     /// Rounded parameters at which the children's boxes are entered, and one bit per child that the segment
     /// may meet.
     fn entries(&self, node: &Node) -> ([f32; WIDTH], u32);

@@ -6,6 +6,8 @@
 
 use std::fmt;
 
+use glam::DVec3;
+
 use super::raster::{DepthSource, PolygonOffset};
 use super::receiver::Tap;
 use super::space::{LightSpace, Spread};
@@ -148,14 +150,28 @@ impl Rule {
         }
     }
 
-    /// By how much a lookup moves along the unit normal that points to the light's side, in mesh units, where
-    /// texels have this side.
+    /// By how much a lookup moves along the unit normal that points to the light's side, in mesh units; 0 but
+    /// for [`Bias::Normal`].
+    ///
+    /// The clearance of a point that moves by `o` is `o / (n·l)` along the light, the bound for a slope of
+    /// `(n·u, n·v)` per mesh unit is that of the filter times a texel over `n·l`: `o` is the filter's bound
+    /// times a texel. A central texel grows with the distance to which the point moves.
     #[must_use]
-    pub fn normal_offset(&self, along: [f64; 2], texel_world: f64) -> f64 {
-        match self.bias {
-            // The bound for a slope of (n·u, n·v), in mesh units: its clearance along the light is that over n·l.
-            Bias::Normal => self.factor * texel_world * self.reach.bound(along),
-            _ => 0.0,
+    pub fn normal_offset(&self, layer: usize, normal: DVec3, point: DVec3) -> f64 {
+        if self.bias != Bias::Normal {
+            return 0.0;
+        }
+        let frame = self.space.frame(layer);
+        let along = [normal.dot(frame.right), normal.dot(frame.up)];
+        let bound = self.factor * self.reach.bound(along) / f64::from(self.space.size());
+        match self.space.spread() {
+            Spread::Parallel { half, .. } => bound * 2.0 * half,
+            Spread::Central { tan, .. } => {
+                let part = bound * 2.0 * tan;
+                // Below 1 for all but the coarsest maps.
+                let left = (1.0 - part * normal.dot(frame.axis)).max(1.0 / 16.0);
+                part * (point - self.space.origin()).dot(frame.axis).max(0.0) / left
+            }
         }
     }
 

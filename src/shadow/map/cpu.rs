@@ -3,14 +3,15 @@
 use glam::DVec3;
 
 use super::options::{Fit, MapOptions};
-use super::receiver::Receiver;
+use super::receiver::{Receiver, Tap};
 use super::space::{LightSpace, unit_normal, wide};
 use super::{Bias, DepthSource, Filter, Layered, MapError, Rule, ShadowMap, Texel};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
-use crate::shadow::{Answer, Claim, Samples, Visibility};
+use crate::shadow::visibility::Answer;
+use crate::shadow::{Claim, Samples, Visibility};
 
 /// A map of one lamp with the rule that reads it.
 #[derive(Debug)]
@@ -74,7 +75,7 @@ impl<'a> MapShadow<'a> {
             Drawn::draw(self.casters, &self.light, &self.options, space, rule).ok()
         });
         let drawn = of_view.as_ref().unwrap_or(&self.scene);
-        Visibility::of(samples, &self.light, Claim::Approximate, |hit| Answer::of(drawn.value(hit)))
+        Visibility::of(samples, &self.light, Claim::Approximate, |hit| drawn.answer(hit))
     }
 
     /// The space of the map of the scene.
@@ -90,12 +91,6 @@ impl<'a> MapShadow<'a> {
             Texels::Depth(map) => map.bytes(),
             Texels::Layered(map) => map.bytes(),
         }
-    }
-
-    /// Most texels read per sample.
-    #[must_use]
-    pub fn reads(&self) -> u32 {
-        self.scene.filter.reads()
     }
 
     /// Side of a texel in mesh units, in the middle of what is seen.
@@ -128,39 +123,55 @@ impl Drawn {
         Ok(Self { rule, filter: options.filter, texels })
     }
 
-    fn space(&self) -> &LightSpace {
+    pub(super) fn space(&self) -> &LightSpace {
         match &self.texels {
             Texels::Depth(map) => map.space(),
             Texels::Layered(map) => map.space(),
         }
     }
 
-    /// Part of the filter that is lit at a visible point.
-    fn value(&self, hit: &PrimaryHit) -> f32 {
+    /// The answer at a visible point.
+    fn answer(&self, hit: &PrimaryHit) -> Answer {
         // A face of which rounding leaves no normal is edge-on to everything.
-        let Some(normal) = unit_normal(hit.corners) else { return 1.0 };
-        let normal = normal * f64::from(hit.side.value());
-        self.value_at(wide(hit.point), normal)
+        let Some(normal) = unit_normal(hit.corners) else { return Answer::of(1.0) };
+        self.answer_at(wide(hit.point), normal * f64::from(hit.side.value()))
     }
 
-    /// The same at a point of a plane whose unit normal points to the light's side.
-    pub(super) fn value_at(&self, point: DVec3, normal: DVec3) -> f32 {
+    /// Part of the filter that is lit at a point of a plane whose unit normal points to the light's side. What
+    /// lies outside the map is lit.
+    fn answer_at(&self, point: DVec3, normal: DVec3) -> Answer {
         let space = self.space();
-        let frame = space.frame(space.layer_of(point));
-        let along = [normal.dot(frame.right), normal.dot(frame.up)];
-        let offset = self.rule.normal_offset(along, space.texel_world(point));
-        let Some(receiver) = Receiver::new(space, point + offset * normal, normal) else { return 1.0 };
-        let (mut lit, mut dark) = (0.0, 0.0);
+        let outside = Answer { is_outside: true, ..Answer::of(1.0) };
+        let offset_in = |layer| self.rule.normal_offset(layer, normal, point);
+        let layer = space.layer_of(point);
+        let mut offset = offset_in(layer);
+        // A lookup that moves across the seam of a cube is read along other axes.
+        let moved = space.layer_of(point + offset * normal);
+        if moved != layer {
+            offset = offset.max(offset_in(moved));
+        }
+        let Some(receiver) = Receiver::new(space, point + offset * normal, normal) else { return outside };
+        let (mut lit, mut dark, mut reads) = (0.0, 0.0, 0);
         self.filter.for_each_texel(receiver.lookup().tx, receiver.lookup().ty, |i, j, weight| {
             *(if self.blocks(&receiver, i, j) { &mut dark } else { &mut lit }) += weight;
+            reads += 1;
         });
         // Exactly 0 or 1 where all texels agree.
-        if dark == 0.0 { 1.0 } else { (lit / (lit + dark)) as f32 }
+        let value = if dark == 0.0 { 1.0 } else { (lit / (lit + dark)) as f32 };
+        Answer { reads, is_outside: !space.shows(receiver.lookup()), ..Answer::of(value) }
+    }
+
+    #[cfg(test)]
+    pub(super) fn value_at(&self, point: DVec3, normal: DVec3) -> f32 {
+        self.answer_at(point, normal).value
     }
 
     /// Whether a texel shadows the receiver. What lies outside the map is lit.
     fn blocks(&self, receiver: &Receiver<'_>, i: i64, j: i64) -> bool {
-        let Some(tap) = receiver.tap(i, j) else { return false };
+        receiver.tap(i, j).is_some_and(|tap| self.blocks_tap(&tap))
+    }
+
+    pub(super) fn blocks_tap(&self, tap: &Tap) -> bool {
         let (stored, second) = match &self.texels {
             Texels::Depth(map) => (map.texel(tap.layer, tap.i, tap.j).map(Texel::depth), None),
             Texels::Layered(map) => {
@@ -168,6 +179,16 @@ impl Drawn {
                 (texel.map(Texel::depth), texel.map(Layered::second))
             }
         };
-        stored.is_some_and(|stored| self.rule.blocks(&tap, stored, second))
+        stored.is_some_and(|stored| self.rule.blocks(tap, stored, second))
+    }
+
+    /// The same texels, read in another space.
+    #[cfg(test)]
+    pub(super) fn clone_in(&self, space: LightSpace) -> Self {
+        let texels = match &self.texels {
+            Texels::Depth(map) => Texels::Depth(map.clone_in(space)),
+            Texels::Layered(map) => Texels::Layered(map.clone_in(space)),
+        };
+        Self { rule: self.rule, filter: self.filter, texels }
     }
 }

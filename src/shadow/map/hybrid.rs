@@ -4,7 +4,6 @@
 //! Cammarano and Pat Hanrahan, *Shadow Silhouette Maps*, SIGGRAPH 2003.) What errs are occluders that fall
 //! between texel centers: their shadows are lost.
 
-use super::ids::reads;
 use super::neighborhood::{Neighborhood, Seen};
 use super::options::ExactOptions;
 use super::raster::{DepthSource, PolygonOffset};
@@ -12,9 +11,10 @@ use super::space::{LightSpace, wide};
 use super::{MapError, ShadowMap};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
-use crate::oracle::{Oracle, PrimaryHit, Verdict};
+use crate::oracle::{Oracle, Verdict};
 use crate::scene::Lamp;
-use crate::shadow::{Answer, Claim, Samples, Visibility};
+use crate::shadow::visibility::Answer;
+use crate::shadow::{Claim, Samples, Visibility};
 
 /// A map of one lamp, and the exact ray cast.
 #[derive(Debug)]
@@ -53,32 +53,28 @@ impl<'a> HybridShadow<'a> {
 
     pub(super) fn shade_within(&self, samples: &Samples, reach: i64) -> Visibility {
         Visibility::of(samples, &self.light, Claim::Approximate, |hit| {
-            let seen = self.seen(hit, reach);
-            let dark = match seen {
+            let around = Neighborhood::of(self.map.space(), hit, reach);
+            let seen = around.map_or(Seen::Mixed, |around| {
+                around.look(|tap| self.map.texel(tap.layer, tap.i, tap.j).copied())
+            });
+            let is_dark = match seen {
                 Seen::Blocked => true,
                 Seen::Open => false,
                 Seen::Mixed => self.oracle.verdict(hit.point, &self.light) == Verdict::Shadowed,
             };
-            Answer { is_exact: seen == Seen::Mixed, ..Answer::of(if dark { 0.0 } else { 1.0 }) }
+            Answer {
+                value: if is_dark { 0.0 } else { 1.0 },
+                is_exact: seen == Seen::Mixed,
+                reads: around.map_or(0, |around| around.reads()),
+                is_outside: false,
+            }
         })
-    }
-
-    fn seen(&self, hit: &PrimaryHit, reach: i64) -> Seen {
-        let around = Neighborhood::of(self.map.space(), hit, reach);
-        around
-            .map_or(Seen::Mixed, |around| around.look(|tap| self.map.texel(tap.layer, tap.i, tap.j).copied()))
     }
 
     /// Memory of the texels, in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.map.bytes()
-    }
-
-    /// Texels read per sample.
-    #[must_use]
-    pub fn reads(&self) -> u32 {
-        reads(self.reach)
     }
 
     /// Side of a texel in mesh units, in the middle of what is seen.

@@ -14,7 +14,8 @@ use crate::geom::Light;
 use crate::mesh::FaceId;
 use crate::oracle::{Intersection, PrimaryHit, intersect};
 use crate::scene::Lamp;
-use crate::shadow::{Answer, Claim, Samples, Visibility};
+use crate::shadow::visibility::Answer;
+use crate::shadow::{Claim, Samples, Visibility};
 
 /// A map of face numbers of one lamp.
 #[derive(Debug)]
@@ -25,6 +26,8 @@ pub struct IdShadow<'a> {
     light: Light,
     reach: i64,
     map: ShadowMap<Named>,
+    /// False where a test injects a fault.
+    tests_faces: bool,
 }
 
 impl<'a> IdShadow<'a> {
@@ -47,7 +50,7 @@ impl<'a> IdShadow<'a> {
             *next += caster.mesh().face_count() as u32; // the rasterizer has counted them
             Some(first)
         });
-        Ok(Self { casters, first_faces: first_faces.collect(), light, reach, map })
+        Ok(Self { casters, first_faces: first_faces.collect(), light, reach, map, tests_faces: true })
     }
 
     /// 0 or 1 at each front-lit sample.
@@ -62,13 +65,15 @@ impl<'a> IdShadow<'a> {
 
     pub(super) fn shade_with(&self, samples: &Samples, interior: bool) -> Visibility {
         Visibility::of(samples, &self.light, Claim::Approximate, |hit| {
-            let dark = self.shadows(hit, interior);
-            Answer::of(if dark { 0.0 } else { 1.0 })
+            let Some(around) = Neighborhood::of(self.map.space(), hit, self.reach) else {
+                return Answer { is_outside: true, ..Answer::of(1.0) };
+            };
+            let value = if self.shadows(hit, &around, interior) { 0.0 } else { 1.0 };
+            Answer { reads: around.reads(), is_outside: around.is_outside(), ..Answer::of(value) }
         })
     }
 
-    fn shadows(&self, hit: &PrimaryHit, interior: bool) -> bool {
-        let Some(around) = Neighborhood::of(self.map.space(), hit, self.reach) else { return false };
+    fn shadows(&self, hit: &PrimaryHit, around: &Neighborhood<'_>, interior: bool) -> bool {
         let mut last = None;
         let mut crossed = false;
         let seen = around.look(|tap| {
@@ -83,10 +88,18 @@ impl<'a> IdShadow<'a> {
     }
 
     fn crosses(&self, hit: &PrimaryHit, face: u32) -> bool {
+        if !self.tests_faces {
+            return true;
+        }
         let caster = self.first_faces.partition_point(|&first| first <= face) - 1;
         let face = FaceId(face - self.first_faces[caster]);
         let corners = self.casters.casters()[caster].mesh().corners(face);
         matches!(intersect(hit.point, &self.light, corners), Intersection::Crossing(_))
+    }
+
+    #[cfg(test)]
+    pub(super) fn without_test(self) -> Self {
+        Self { tests_faces: false, ..self }
     }
 
     /// Memory of the texels, in bytes.
@@ -95,21 +108,9 @@ impl<'a> IdShadow<'a> {
         self.map.bytes()
     }
 
-    /// Texels read per sample.
-    #[must_use]
-    pub fn reads(&self) -> u32 {
-        reads(self.reach)
-    }
-
     /// Side of a texel in mesh units, in the middle of what is seen.
     #[must_use]
     pub fn texel_world(&self) -> f64 {
         self.map.space().texel_world(wide(self.casters.bounds().center()))
     }
-}
-
-/// Texels of a neighborhood.
-pub(super) fn reads(reach: i64) -> u32 {
-    let side = 2 * reach as u32 + 1; // at most 33
-    side * side
 }

@@ -4,6 +4,8 @@
 //! decided exactly before a map is read, so that maps are asked about front-lit samples alone.
 
 mod bias;
+#[cfg(test)]
+mod bias_tests;
 mod clip;
 mod cpu;
 mod filter;
@@ -14,6 +16,8 @@ mod neighborhood;
 mod options;
 mod raster;
 mod receiver;
+#[cfg(test)]
+mod shadow_tests;
 mod space;
 #[cfg(test)]
 mod tests;
@@ -25,7 +29,7 @@ pub use filter::Filter;
 pub(in crate::shadow) use filter::shift;
 pub use hybrid::HybridShadow;
 pub use ids::IdShadow;
-pub use options::{ExactOptions, Fit, MapOptions, OptionError, PcfOptions};
+pub use options::{ExactOptions, Fit, MapOptions, PcfOptions};
 pub use raster::{DepthSource, PolygonOffset, ShadowMap};
 pub use receiver::{Receiver, Tap};
 pub use space::{DepthPlane, Frame, LightSpace, Lookup, Spread};

@@ -30,6 +30,17 @@ impl<'a> Neighborhood<'a> {
         (a + b).is_finite().then_some(Self { receiver, reach })
     }
 
+    /// Whether the lookup lies outside the map.
+    pub(super) fn is_outside(&self) -> bool {
+        !self.receiver.space().shows(self.receiver.lookup())
+    }
+
+    /// Number of texels.
+    pub(super) fn reads(&self) -> u32 {
+        let side = 2 * self.reach as u32 + 1; // at most 33
+        side * side
+    }
+
     /// Reads all texels; `depth` is `None` outside the map. A texel blocks if its depth is above the
     /// receiver's plane at its center by more than the plane changes over one texel, and rounding.
     pub(super) fn look(&self, mut depth: impl FnMut(&Tap) -> Option<f32>) -> Seen {

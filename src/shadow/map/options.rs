@@ -1,8 +1,7 @@
-//! Options of the map techniques, as the command line writes them: `key=value`.
-
-use std::fmt;
+//! Options of the map techniques.
 
 use super::{Bias, DepthSource, Filter, MAX_SIZE, MapError};
+use crate::shadow::options::{Key, Options, set_number};
 
 /// What a map covers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -14,6 +13,17 @@ pub enum Fit {
     /// What the camera sees, for a directional light; drawn for every view. The map of a lamp at a position
     /// is that of the scene.
     View,
+}
+
+impl Fit {
+    /// Name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scene => "scene",
+            Self::View => "view",
+        }
+    }
 }
 
 /// Options of the technique `map`.
@@ -49,274 +59,184 @@ pub struct ExactOptions {
 
 /// Side of a map by default.
 const SIZE: u32 = 1024;
-/// Largest reach.
+/// Largest reach in texels.
 const MAX_REACH: u32 = 16;
+
+impl MapOptions {
+    /// 1024², fitted to the scene, receiver bias, bilinear.
+    pub const DEFAULT: Self = Self {
+        size: SIZE,
+        fit: Fit::Scene,
+        bias: Bias::Receiver,
+        depth: DepthSource::Plane,
+        filter: Filter::Bilinear,
+    };
+}
+
+impl PcfOptions {
+    /// Those of [`MapOptions::DEFAULT`], with a box of 3 × 3.
+    pub const DEFAULT: Self = Self(MapOptions { filter: Filter::Box3, ..MapOptions::DEFAULT });
+}
+
+impl ExactOptions {
+    /// 1024², 3 × 3 texels.
+    pub const DEFAULT: Self = Self { size: SIZE, reach: 1 };
+
+    pub(super) fn checked_reach(&self) -> Result<i64, MapError> {
+        let Self { reach, .. } = *self;
+        (1..=MAX_REACH).contains(&reach).then_some(i64::from(reach)).ok_or(MapError::Reach { reach })
+    }
+}
 
 impl Default for MapOptions {
     fn default() -> Self {
-        Self {
-            size: SIZE,
-            fit: Fit::Scene,
-            bias: Bias::Receiver,
-            depth: DepthSource::Plane,
-            filter: Filter::Bilinear,
-        }
+        Self::DEFAULT
     }
 }
 
 impl Default for PcfOptions {
     fn default() -> Self {
-        Self(MapOptions { filter: Filter::Box3, ..MapOptions::default() })
+        Self::DEFAULT
     }
 }
 
 impl Default for ExactOptions {
     fn default() -> Self {
-        Self { size: SIZE, reach: 1 }
+        Self::DEFAULT
     }
 }
 
-/// Why a key and a value are no option.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum OptionError {
-    /// There is no such key.
-    #[error("no option `{key}`; there are {keys}")]
-    UnknownKey {
-        /// The key.
-        key: String,
-        /// All keys.
-        keys: &'static str,
-    },
-    /// The key has no such value.
-    #[error("`{key}={value}`: write {key}={values}")]
-    Value {
-        /// The key.
-        key: &'static str,
-        /// The value.
-        value: String,
-        /// All values.
-        values: &'static str,
-    },
-}
+const SIZE_KEY: Key = Key { name: "size", takes: "a number from 1 to 16384" };
+const FIT_KEY: Key = Key { name: "fit", takes: "scene or view" };
+const BIAS_KEY: Key =
+    Key { name: "bias", takes: "receiver, texel, constant, offset, range, normal or second" };
+const DEPTH_KEY: Key = Key { name: "depth", takes: "plane or interpolated (with bias=offset: interpolated)" };
 
-const SIZES: &str = "1 to 16384";
-const BIASES: &str = "receiver, texel, constant, offset, range, normal or second";
-const FILTERS: [Filter; 2] = [Filter::Nearest, Filter::Bilinear];
-const KERNELS: [Filter; 6] =
-    [Filter::Box3, Filter::Box5, Filter::Tent3, Filter::Tent5, Filter::Poisson16, Filter::Poisson64];
+impl Options for MapOptions {
+    const KEYS: &'static [Key] =
+        &[SIZE_KEY, FIT_KEY, BIAS_KEY, DEPTH_KEY, Key { name: "filter", takes: "nearest or bilinear" }];
 
-impl MapOptions {
-    /// The keys.
-    pub const KEYS: &'static str = "size, fit, bias, depth, filter";
-
-    /// Sets the value of a key. `bias=offset` also sets `depth=interpolated`, which it needs.
-    ///
-    /// ```
-    /// use umbrage::shadow::map::{Bias, MapOptions};
-    /// let mut options = MapOptions::default();
-    /// options.set("bias", "texel")?;
-    /// assert_eq!(options.bias, Bias::Texel);
-    /// assert_eq!(options.to_string(), "size=1024,fit=scene,bias=texel,depth=plane,filter=bilinear");
-    /// let error = options.set("size", "0").unwrap_err().to_string();
-    /// assert_eq!(error, "`size=0`: write size=1 to 16384");
-    /// # Ok::<(), umbrage::shadow::map::OptionError>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// [`OptionError`] if there is no such key, or the key has no such value.
-    pub fn set(&mut self, key: &str, value: &str) -> Result<(), OptionError> {
+    fn get(&self, key: &str) -> String {
         match key {
-            "filter" => self.filter = filter("filter", value, &FILTERS, "nearest or bilinear")?,
-            _ => self.set_shared(key, value, Self::KEYS)?,
+            "size" => self.size.to_string(),
+            "fit" => self.fit.name().to_owned(),
+            "bias" => self.bias.to_string(),
+            "depth" => self.depth.name().to_owned(),
+            _ => self.filter.to_string(),
         }
-        Ok(())
     }
 
-    fn set_shared(&mut self, key: &str, value: &str, keys: &'static str) -> Result<(), OptionError> {
-        let error = |key, values| OptionError::Value { key, value: value.to_owned(), values };
+    /// `bias=offset` also sets `depth=interpolated`, which it needs.
+    fn set(&mut self, key: &str, value: &str) -> bool {
         match key {
-            "size" => self.size = number("size", value, MAX_SIZE, SIZES)?,
-            "fit" => {
-                self.fit = match value {
-                    "scene" => Fit::Scene,
-                    "view" => Fit::View,
-                    _ => return Err(error("fit", "scene or view")),
-                }
-            }
+            "size" => set_number(&mut self.size, value, 1..=MAX_SIZE),
+            "fit" => choose(&mut self.fit, value, &[Fit::Scene, Fit::View], Fit::name),
             "bias" => {
-                let found = Bias::ALL.into_iter().find(|bias| bias.name() == value);
-                self.bias = found.ok_or_else(|| error("bias", BIASES))?;
+                let is_set = choose(&mut self.bias, value, &Bias::ALL, Bias::name);
                 if self.bias == Bias::Offset {
                     self.depth = DepthSource::Interpolated;
                 }
+                is_set
             }
+            "depth" if self.bias == Bias::Offset => value == DepthSource::Interpolated.name(),
             "depth" => {
-                self.depth = match value {
-                    "interpolated" => DepthSource::Interpolated,
-                    "plane" if self.bias != Bias::Offset => DepthSource::Plane,
-                    "plane" => return Err(error("depth", "interpolated, which bias=offset needs")),
-                    _ => return Err(error("depth", "plane or interpolated")),
-                }
+                let sources = [DepthSource::Plane, DepthSource::Interpolated];
+                choose(&mut self.depth, value, &sources, DepthSource::name)
             }
-            _ => return Err(OptionError::UnknownKey { key: key.to_owned(), keys }),
+            _ => choose(&mut self.filter, value, &[Filter::Nearest, Filter::Bilinear], Filter::name),
         }
-        Ok(())
-    }
-
-    fn shared(&self) -> String {
-        let fit = match self.fit {
-            Fit::Scene => "scene",
-            Fit::View => "view",
-        };
-        let depth = match self.depth {
-            DepthSource::Plane => "plane",
-            DepthSource::Interpolated => "interpolated",
-        };
-        format!("size={},fit={fit},bias={},depth={depth}", self.size, self.bias)
     }
 }
 
-impl PcfOptions {
-    /// The keys.
-    pub const KEYS: &'static str = "size, fit, bias, depth, kernel";
+impl Options for PcfOptions {
+    const KEYS: &'static [Key] = &[
+        SIZE_KEY,
+        FIT_KEY,
+        BIAS_KEY,
+        DEPTH_KEY,
+        Key { name: "kernel", takes: "box3, box5, tent3, tent5, poisson16 or poisson64" },
+    ];
 
-    /// Sets the value of a key, as [`MapOptions::set`].
-    ///
-    /// # Errors
-    ///
-    /// [`OptionError`] if there is no such key, or the key has no such value.
-    pub fn set(&mut self, key: &str, value: &str) -> Result<(), OptionError> {
-        const VALUES: &str = "box3, box5, tent3, tent5, poisson16 or poisson64";
+    fn get(&self, key: &str) -> String {
+        self.0.get(key)
+    }
+
+    fn set(&mut self, key: &str, value: &str) -> bool {
         match key {
-            "kernel" => self.0.filter = filter("kernel", value, &KERNELS, VALUES)?,
-            _ => self.0.set_shared(key, value, Self::KEYS)?,
+            "kernel" => choose(&mut self.0.filter, value, &Filter::ALL[2..], Filter::name),
+            _ => self.0.set(key, value),
         }
-        Ok(())
     }
 }
 
-impl ExactOptions {
-    pub(super) fn checked_reach(&self) -> Result<i64, MapError> {
-        let Self { reach, .. } = *self;
-        (1..=MAX_REACH).contains(&reach).then_some(i64::from(reach)).ok_or(MapError::Reach { reach })
+impl Options for ExactOptions {
+    const KEYS: &'static [Key] = &[SIZE_KEY, Key { name: "reach", takes: "a number from 1 to 16" }];
+
+    fn get(&self, key: &str) -> String {
+        let value = if key == "size" { self.size } else { self.reach };
+        value.to_string()
     }
 
-    /// The keys.
-    pub const KEYS: &'static str = "size, reach";
-
-    /// Sets the value of a key.
-    ///
-    /// # Errors
-    ///
-    /// [`OptionError`] if there is no such key, or the key has no such value.
-    pub fn set(&mut self, key: &str, value: &str) -> Result<(), OptionError> {
+    fn set(&mut self, key: &str, value: &str) -> bool {
         match key {
-            "size" => self.size = number("size", value, MAX_SIZE, SIZES)?,
-            "reach" => self.reach = number("reach", value, MAX_REACH, "1 to 16")?,
-            _ => return Err(OptionError::UnknownKey { key: key.to_owned(), keys: Self::KEYS }),
+            "size" => set_number(&mut self.size, value, 1..=MAX_SIZE),
+            _ => set_number(&mut self.reach, value, 1..=MAX_REACH),
         }
-        Ok(())
     }
 }
 
-fn number(key: &'static str, value: &str, most: u32, values: &'static str) -> Result<u32, OptionError> {
-    let number = value.parse().ok().filter(|number| (1..=most).contains(number));
-    number.ok_or_else(|| OptionError::Value { key, value: value.to_owned(), values })
-}
-
-fn filter(
-    key: &'static str,
-    value: &str,
-    among: &[Filter],
-    values: &'static str,
-) -> Result<Filter, OptionError> {
-    let found = among.iter().find(|filter| filter.name() == value);
-    found.copied().ok_or_else(|| OptionError::Value { key, value: value.to_owned(), values })
-}
-
-impl fmt::Display for MapOptions {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{},filter={}", self.shared(), self.filter)
-    }
-}
-
-impl fmt::Display for PcfOptions {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{},kernel={}", self.0.shared(), self.0.filter)
-    }
-}
-
-impl fmt::Display for ExactOptions {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "size={},reach={}", self.size, self.reach)
-    }
+/// Sets `choice` to the one of `among` with this name; whether there is one.
+fn choose<T: Copy>(choice: &mut T, name: &str, among: &[T], name_of: fn(T) -> &'static str) -> bool {
+    let found = among.iter().copied().find(|&one| name_of(one) == name);
+    found.map(|found| *choice = found).is_some()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::shadow::Technique;
 
-    /// Sets all of `key=value,…`.
-    fn set_all(text: &str, mut set: impl FnMut(&str, &str) -> Result<(), OptionError>) -> Result<(), String> {
-        let pairs = text.split(',').map(|pair| pair.split_once('=').unwrap());
-        pairs
-            .map(|(key, value)| set(key, value))
-            .collect::<Result<(), _>>()
-            .map_err(|error| error.to_string())
+    #[test]
+    fn options_of_maps_parse_and_print() {
+        for (text, printed) in [
+            ("map:size=77,fit=view,filter=nearest", "map:size=77,fit=view,filter=nearest"),
+            ("map:bias=texel,depth=interpolated", "map:bias=texel,depth=interpolated"),
+            ("map:bias=offset", "map:bias=offset,depth=interpolated"), // what it needs
+            ("map:size=1024,bias=receiver", "map"),
+            ("pcf:kernel=box3", "pcf"),
+            ("pcf:kernel=poisson16,bias=second", "pcf:bias=second,kernel=poisson16"),
+            ("map-ids:size=16384,reach=16", "map-ids:size=16384,reach=16"),
+            ("hybrid-3x3:reach=2", "hybrid-3x3:reach=2"),
+        ] {
+            let technique: Technique = text.parse().unwrap();
+            assert_eq!(technique.to_string(), printed);
+            assert_eq!(printed.parse(), Ok(technique));
+        }
     }
 
     #[test]
-    fn options_print_as_they_are_set() {
-        for bias in Bias::ALL {
-            let depth = if bias == Bias::Offset { "interpolated" } else { "plane" };
-            for (fit, filter) in [("scene", "nearest"), ("view", "bilinear")] {
-                let text = format!("size=77,fit={fit},bias={bias},depth={depth},filter={filter}");
-                let mut options = MapOptions::default();
-                set_all(&text, |key, value| options.set(key, value)).unwrap();
-                assert_eq!(options.to_string(), text);
-            }
-        }
-        for kernel in KERNELS {
-            let text = format!("size=1,fit=scene,bias=texel,depth=interpolated,kernel={kernel}");
-            let mut options = PcfOptions::default();
-            set_all(&text, |key, value| options.set(key, value)).unwrap();
-            assert_eq!(options.to_string(), text);
-        }
-        let mut options = ExactOptions::default();
-        set_all("size=16384,reach=16", |key, value| options.set(key, value)).unwrap();
-        assert_eq!(options, ExactOptions { size: 16_384, reach: 16 });
-        assert_eq!(options.to_string(), "size=16384,reach=16");
-    }
-
-    #[test]
-    fn options_that_are_wrong_are_named_with_what_there_is() {
-        let of_map = |text: &str| {
-            let mut options = MapOptions::default();
-            set_all(text, |key, value| options.set(key, value)).unwrap_err()
-        };
-        assert_eq!(of_map("kernel=box3"), "no option `kernel`; there are size, fit, bias, depth, filter");
-        for text in ["size=0", "size=16385", "size=-3", "size=1e3", "size=", "size=99999999999999"] {
-            assert_eq!(of_map(text), format!("`{text}`: write size=1 to 16384"));
-        }
-        assert_eq!(of_map("fit=scenes"), "`fit=scenes`: write fit=scene or view");
-        assert_eq!(of_map("filter=box3"), "`filter=box3`: write filter=nearest or bilinear");
-        assert!(of_map("bias=0.01").starts_with("`bias=0.01`: write bias=receiver, texel"));
+    fn options_of_maps_that_are_wrong_are_named_with_what_there_is() {
+        let error = |text: &str| text.parse::<Technique>().unwrap_err().to_string();
         assert_eq!(
-            of_map("bias=offset,depth=plane"),
-            "`depth=plane`: write depth=interpolated, which bias=offset needs"
+            error("map:kernel=box3"),
+            "`map` has no option `kernel`; it has size, fit, bias, depth, filter"
         );
-        let mut options = PcfOptions::default();
-        let error = options.set("kernel", "gauss").unwrap_err().to_string();
-        assert_eq!(error, "`kernel=gauss`: write kernel=box3, box5, tent3, tent5, poisson16 or poisson64");
-        let mut options = ExactOptions::default();
-        for text in ["0", "17", "x"] {
-            assert!(options.set("reach", text).unwrap_err().to_string().ends_with("write reach=1 to 16"));
+        for size in ["0", "16385", "-3", "1e3", "", "99999999999999"] {
+            let expected = format!("map-ids:size={size}: `{size}` is not a number from 1 to 16384");
+            assert_eq!(error(&format!("map-ids:size={size}")), expected);
         }
+        assert_eq!(error("map:filter=box3"), "map:filter=box3: `box3` is not nearest or bilinear");
         assert_eq!(
-            options.set("bias", "x").unwrap_err().to_string(),
-            "no option `bias`; there are size, reach"
+            error("map:bias=0.01"),
+            "map:bias=0.01: `0.01` is not receiver, texel, constant, offset, range, normal or second"
         );
+        assert_eq!(
+            error("pcf:bias=offset,depth=plane"),
+            "pcf:depth=plane: `plane` is not plane or interpolated (with bias=offset: interpolated)"
+        );
+        assert_eq!(
+            error("pcf:kernel=bilinear"),
+            "pcf:kernel=bilinear: `bilinear` is not box3, box5, tent3, tent5, poisson16 or poisson64"
+        );
+        assert_eq!(error("hybrid-3x3:reach=17"), "hybrid-3x3:reach=17: `17` is not a number from 1 to 16");
     }
 }

@@ -39,6 +39,17 @@ pub enum DepthSource {
     Interpolated,
 }
 
+impl DepthSource {
+    /// Name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plane => "plane",
+            Self::Interpolated => "interpolated",
+        }
+    }
+}
+
 /// Polygon offset of the casters, as a device computes it with a floating-point depth buffer: depth moves
 /// away from the light by `constant·2^(e − 23) + slope_scale·max(|a|, |b|)`, with `e` the exponent of the
 /// triangle's greatest depth.
@@ -111,6 +122,11 @@ impl<T: Texel> ShadowMap<T> {
         let inside = layer < self.space.layers() && (0..side).contains(&i) && (0..side).contains(&j);
         // Inside, both are below 2¹⁴.
         inside.then(|| &self.texels[(layer * side as usize + j as usize) * side as usize + i as usize])
+    }
+
+    #[cfg(test)]
+    pub(super) fn clone_in(&self, space: LightSpace) -> Self {
+        Self { space, texels: self.texels.clone() }
     }
 
     /// Memory of the texels, in bytes.

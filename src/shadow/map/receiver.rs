@@ -50,6 +50,12 @@ impl<'a> Receiver<'a> {
         Some(Self { space, point, normal, lookup, slope: space.slope(lookup.layer, normal, point) })
     }
 
+    /// The space.
+    #[must_use]
+    pub fn space(&self) -> &LightSpace {
+        self.space
+    }
+
     /// Position and depth.
     #[must_use]
     pub fn lookup(&self) -> &Lookup {

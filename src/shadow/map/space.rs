@@ -147,6 +147,13 @@ impl LightSpace {
         (w > 0.0 && (lookup.tx + lookup.ty + lookup.d).is_finite()).then_some(lookup)
     }
 
+    /// Whether a position lies on the map. A cube shows everything.
+    #[must_use]
+    pub fn shows(&self, at: &Lookup) -> bool {
+        let inside = 0.0..f64::from(self.size);
+        self.layers > 1 || inside.contains(&at.tx) && inside.contains(&at.ty)
+    }
+
     /// Clip coordinates x, y, w and depth times w: linear in the point.
     pub(super) fn homogeneous(&self, layer: usize, p: DVec3) -> [f64; 4] {
         let Frame { right, up, axis } = self.frames[layer];

@@ -159,6 +159,7 @@ mod tests {
         let truth = 1.0 - (0.125 * 4.0 / 2.0_f32).powi(2);
         assert!((of("samples:n=256") - truth).abs() < 0.02);
         assert!(of("single-sample:size=256") <= 0.5);
+        assert!(of("penumbra-map:size=256") <= 0.5 && of("penumbra-map:size=256,profile=full") == 0.0);
         assert!((of("pcss:size=256,blockers=all,taps=all") - truth).abs() < 0.05);
     }
 

@@ -301,11 +301,11 @@ pub(super) const CUBE: [Frame; 6] = {
 };
 
 /// Unit normal of a face by its winding; `None` for a face without area.
-pub(super) fn unit_normal(corners: [[f32; 3]; 3]) -> Option<DVec3> {
+pub(in crate::shadow) fn unit_normal(corners: [[f32; 3]; 3]) -> Option<DVec3> {
     let [a, b, c] = corners.map(wide);
     (b - a).cross(c - a).try_normalize()
 }
 
-pub(super) fn wide(p: [f32; 3]) -> DVec3 {
+pub(in crate::shadow) fn wide(p: [f32; 3]) -> DVec3 {
     DVec3::from(p.map(f64::from))
 }

@@ -49,6 +49,15 @@ impl Reach {
         }
     }
 
+    /// Texels along an axis.
+    #[must_use]
+    pub fn extent(self) -> f64 {
+        match self {
+            Self::Square(reach) => reach,
+            Self::Disk(radius) => radius + 1.0,
+        }
+    }
+
     fn plus(self, texels: f64) -> Self {
         match self {
             Self::Square(reach) => Self::Square(reach + texels),
@@ -173,6 +182,14 @@ impl Rule {
                 part * (point - self.space.origin()).dot(frame.axis).max(0.0) / left
             }
         }
+    }
+
+    /// How far from a receiver's position its texels may lie, in texels along an axis.
+    #[must_use]
+    pub fn footprint(&self) -> f64 {
+        // The lookup moves by the filter's bound at most.
+        let moved = if self.bias == Bias::Normal { self.reach.worst() } else { 0.0 };
+        self.reach.extent() + moved
     }
 
     /// Whether a stored depth, over the `second` one below it, shadows the receiver of a tap.

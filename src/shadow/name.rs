@@ -49,7 +49,7 @@ pub enum TechniqueError {
 }
 
 /// Names of planned techniques.
-const PLANNED: [&str; 24] = [
+const PLANNED: [&str; 15] = [
     "auto",
     "zpass-plus",
     "zpass-reversed",
@@ -59,15 +59,6 @@ const PLANNED: [&str; 24] = [
     "counter",
     "reconstruct",
     "lod",
-    "vsm",
-    "msm",
-    "pcss",
-    "single-sample",
-    "smoothies",
-    "penumbra-map",
-    "contact-blur",
-    "soft-hybrid",
-    "area",
     "planar",
     "planar-blur",
     "planar-contact",

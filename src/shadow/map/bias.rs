@@ -212,7 +212,8 @@ impl Rule {
             Bias::Constant => self.factor * self.steepest(1.0),
             Bias::Range => match self.space.spread() {
                 Spread::Parallel { .. } => self.factor * self.steepest(1.0),
-                // Casters are drawn with (1 − β)·stored, β = κ/(1 + κ): the receiver needs a part κ of its depth.
+                // Casters are drawn with (1 − β)·stored, β = κ/(1 + κ): the receiver needs a part κ of its
+                // depth.
                 Spread::Central { .. } => self.factor * self.steepest(tap.d),
             },
             Bias::Offset | Bias::Normal => 0.0,

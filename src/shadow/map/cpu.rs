@@ -42,8 +42,8 @@ impl<'a> MapShadow<'a> {
     ///
     /// # Errors
     ///
-    /// [`MapError`] if the size is not 1 to 16384, the texels do not fit the memory, or [`Bias::Offset`] comes
-    /// with another depth than [`DepthSource::Interpolated`].
+    /// [`MapError`] if the size is not 1 to 16384, the texels do not fit the memory, or [`Bias::Offset`]
+    /// comes with another depth than [`DepthSource::Interpolated`].
     pub fn prepare(
         casters: &'a CasterGroup<'a>,
         lamp: &Lamp,
@@ -72,8 +72,8 @@ impl<'a> MapShadow<'a> {
         })
     }
 
-    /// The maps of the view, the finest first; that of the scene is for what they do not hold. A map that does
-    /// not fit the memory beside that of the scene is done without.
+    /// The maps of the view, the finest first; that of the scene is for what they do not hold. A map that
+    /// does not fit the memory beside that of the scene is done without.
     fn of_view(&self, samples: &Samples) -> Vec<Drawn> {
         let spaces = match self.options.fit {
             Fit::Scene => Vec::new(),
@@ -138,8 +138,8 @@ impl Drawn {
         }
     }
 
-    /// Whether all texels that are read for a point lie on the map. With the first of several maps that holds a
-    /// point there is no seam between them, and nothing to blend.
+    /// Whether all texels that are read for a point lie on the map. With the first of several maps that holds
+    /// a point there is no seam between them, and nothing to blend.
     pub(super) fn holds(&self, point: DVec3) -> bool {
         let footprint = self.rule.footprint();
         let inside = footprint..=f64::from(self.space().size()) - footprint;
@@ -153,8 +153,8 @@ impl Drawn {
         self.answer_at(wide(hit.point), normal * f64::from(hit.side.value()))
     }
 
-    /// Part of the filter that is lit at a point of a plane whose unit normal points to the light's side. What
-    /// lies outside the map is lit.
+    /// Part of the filter that is lit at a point of a plane whose unit normal points to the light's side.
+    /// What lies outside the map is lit.
     fn answer_at(&self, point: DVec3, normal: DVec3) -> Answer {
         let space = self.space();
         let outside = Answer { is_outside: true, ..Answer::of(1.0) };

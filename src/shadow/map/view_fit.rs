@@ -14,9 +14,9 @@ use crate::shadow::Samples;
 const LOGARITHMIC: f64 = 0.5;
 
 impl LightSpace {
-    /// The spaces around `cascades` slices of what a view sees, the nearest slice first, with the same rows and
-    /// depth range as this space. Slices that are no smaller than this space are left out; without any for a
-    /// central projection.
+    /// The spaces around `cascades` slices of what a view sees, the nearest slice first, with the same rows
+    /// and depth range as this space. Slices that are no smaller than this space are left out; without any
+    /// for a central projection.
     ///
     /// Receivers bound the squares, casters do not: the depth range is that of the whole scene, so that no
     /// caster between the light and a square is lost, wherever the eye is. Each square is around a sphere

@@ -24,7 +24,7 @@
 //! | `gpu` | graphics devices and what runs on them |
 //! | [`scene`] | instances, lamps, cameras of a file |
 //! | `read`, `write` | one format per file |
-//! | [`oracle`] | exact shadow rays and primary hits |
+//! | [`oracle`] | exact shadow rays and primary hits; visible fractions of lights with an extent |
 //! | [`topology`] | half-edges and edges; never sees a position |
 //! | [`check`] | the crack report: defects, shells, self-intersections |
 //! | [`facing`] | the side of every face that a light is on |

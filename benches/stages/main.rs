@@ -18,6 +18,8 @@ mod gpu_topology;
 mod growth;
 mod light;
 mod machine;
+#[cfg(feature = "gpu")]
+mod maps;
 mod measure;
 mod obvhs_triangles;
 mod plot;
@@ -106,7 +108,7 @@ fn run(options: &Options) -> Result<(), String> {
         stage(&mut bench);
     }
     #[cfg(feature = "gpu")]
-    for stage in [gpu_topology::run, gpu::run] {
+    for stage in [gpu_topology::run, gpu::run, maps::run] {
         stage(&mut bench);
     }
     #[cfg(feature = "gpu")]

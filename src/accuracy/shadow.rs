@@ -93,6 +93,7 @@ impl PartTimes {
         match technique {
             Technique::Rays
             | Technique::Samples(_)
+            | Technique::Area
             | Technique::Hybrid3x3(_)
             | Technique::SoftHybrid(_)
             | Technique::PenumbraMap(_)

@@ -38,10 +38,8 @@ pub enum GpuError {
         /// The remedy.
         remedy: &'static str,
     },
-    /// A kind of view that no shader draws yet.
-    #[error(
-        "not built yet: {0} on a graphics adapter; use a perspective camera, or rays (render --shadow rays)"
-    )]
+    /// Something that no shader does yet.
+    #[error("not built yet: {0} on a graphics adapter; do it on the CPU (render --shadow rays, for example)")]
     NotBuilt(&'static str),
     /// A mesh is so small that a device may flush its coordinates to zero.
     #[error(

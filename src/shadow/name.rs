@@ -49,7 +49,7 @@ pub enum TechniqueError {
 }
 
 /// Names of planned techniques.
-const PLANNED: [&str; 16] = [
+const PLANNED: [&str; 15] = [
     "auto",
     "zpass-plus",
     "zpass-reversed",
@@ -59,7 +59,6 @@ const PLANNED: [&str; 16] = [
     "counter",
     "reconstruct",
     "lod",
-    "area",
     "planar",
     "planar-blur",
     "planar-contact",

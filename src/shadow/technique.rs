@@ -4,6 +4,7 @@ use super::map::{ExactOptions, HybridShadow, IdShadow, MapError, MapOptions, Map
 use super::options::{self, Refusal};
 use super::plain::Plain;
 use super::rays::Rays;
+use super::soft::area::LampArea;
 use super::soft::samples::{LampSamples, SamplesOptions};
 use super::soft::{
     self, PcssOptions, SilhouetteOptions, SingleSampleOptions, SoftHybridOptions, SoftMapOptions, SoftShadow,
@@ -41,6 +42,8 @@ pub enum Technique {
     ZPass,
     /// The mean of several exact shadow rays per sample, to points spread over the lamp.
     Samples(SamplesOptions),
+    /// The analytic fraction of the lamp that each sample sees.
+    Area,
     /// A shadow map with a bilinear filter, or none.
     Map(MapOptions),
     /// A shadow map with a wider filter: percentage-closer filtering.
@@ -116,12 +119,13 @@ pub enum PrepareError {
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
         Self::ZPass,
         Self::Samples(SamplesOptions::DEFAULT),
+        Self::Area,
         Self::Map(MapOptions::DEFAULT),
         Self::Pcf(PcfOptions::DEFAULT),
         Self::MapIds(ExactOptions::DEFAULT),
@@ -147,6 +151,7 @@ impl Technique {
             Self::ZFail => "zfail",
             Self::ZPass => "zpass",
             Self::Samples(_) => "samples",
+            Self::Area => "area",
             Self::Map(_) => "map",
             Self::Pcf(_) => "pcf",
             Self::MapIds(_) => "map-ids",
@@ -220,6 +225,7 @@ impl Technique {
     pub fn is_soft(self) -> bool {
         match self {
             Self::Samples(_)
+            | Self::Area
             | Self::Pcss(_)
             | Self::SingleSample(_)
             | Self::SoftHybrid(_)
@@ -261,12 +267,15 @@ impl Technique {
             Self::ZFail => counting(Some(StencilMethod::ZFail)),
             Self::ZPass => counting(Some(StencilMethod::ZPass)),
             Self::Samples(options) => Step::Samples(LampSamples::prepare(casters, lamp, options)),
+            Self::Area => Step::Area(LampArea::prepare(casters, lamp)),
             Self::Map(options) | Self::Pcf(PcfOptions(options)) => {
-                Step::Map(MapShadow::prepare(casters, lamp, &options).map_err(refused)?)
+                Step::Map(Box::new(MapShadow::prepare(casters, lamp, &options).map_err(refused)?))
             }
-            Self::MapIds(options) => Step::Ids(IdShadow::prepare(casters, lamp, &options).map_err(refused)?),
+            Self::MapIds(options) => {
+                Step::Ids(Box::new(IdShadow::prepare(casters, lamp, &options).map_err(refused)?))
+            }
             Self::Hybrid3x3(options) => {
-                Step::Hybrid(HybridShadow::prepare(casters, lamp, &options).map_err(refused)?)
+                Step::Hybrid(Box::new(HybridShadow::prepare(casters, lamp, &options).map_err(refused)?))
             }
             Self::Pcss(options) => Step::Soft(soft::pcss(casters, lamp, options).map_err(refused)?),
             Self::SingleSample(options) => {
@@ -313,9 +322,10 @@ enum Step<'a> {
     Rays(Rays<'a>),
     Counting(StencilCounting<'a>),
     Samples(LampSamples<'a>),
-    Map(MapShadow<'a>),
-    Ids(IdShadow<'a>),
-    Hybrid(HybridShadow<'a>),
+    Area(LampArea<'a>),
+    Map(Box<MapShadow<'a>>),
+    Ids(Box<IdShadow<'a>>),
+    Hybrid(Box<HybridShadow<'a>>),
     Soft(Box<dyn SoftShadow + 'a>),
     Plain(Plain),
 }
@@ -334,6 +344,7 @@ impl Prepared<'_> {
             Step::Rays(rays) => rays.shade(&self.light, samples),
             Step::Counting(counting) => counting.shade(samples),
             Step::Samples(rays) => rays.shade(samples),
+            Step::Area(area) => area.shade(samples),
             Step::Map(map) => map.shade(samples),
             Step::Ids(map) => map.shade(samples),
             Step::Hybrid(map) => map.shade(samples),
@@ -349,6 +360,7 @@ impl Prepared<'_> {
             Step::Rays(_) | Step::Plain(_) => 0,
             Step::Counting(counting) => counting.bytes(),
             Step::Samples(rays) => rays.bytes(),
+            Step::Area(area) => area.bytes(),
             Step::Map(map) => map.bytes(),
             Step::Ids(map) => map.bytes(),
             Step::Hybrid(map) => map.bytes(),

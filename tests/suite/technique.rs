@@ -198,3 +198,39 @@ fn oracle_over_several_meshes_equals_that_of_all_in_one() {
         }
     }
 }
+
+/// Soft techniques under lamps with extent, against the analytic fraction.
+#[test]
+fn technique_area_is_the_fraction_within_its_bound_and_many_rays_come_close() {
+    let lamps: [Lamp; 3] =
+        ["point:3,9,5,radius=1.5", "directional:0.3,-1,0.2,angle=8", "rect:2,9,4:3,0,0:0,1,3"]
+            .map(|lamp| lamp.parse().unwrap());
+    let size = Size::new(40, 30).unwrap();
+    let (mut off, mut in_penumbra) = ([0; 2], 0);
+    for (name, scene) in scenes() {
+        let casters = CasterGroup::new(scene.iter().collect());
+        let camera = Camera::fit(&casters.bounds(), Up::Y, size.aspect());
+        let projection = camera.projection(size, camera.near(scene.iter().map(Caster::mesh), size));
+        let samples = Samples::of_view(&casters, &projection, size, 1).unwrap();
+        for lamp in &lamps {
+            let request = Request { casters: &casters, lamp, samples: &samples };
+            let truth = Truth::of(&request);
+            let made = Made { is_soft: true, ..Made::default() };
+            let errors = |technique: &str| {
+                let visibility = technique.parse::<Technique>().unwrap().shade(&request).unwrap();
+                (Errors::of(&request, &visibility, &truth, &made), visibility.claim())
+            };
+            let (area, claim) = errors("area");
+            assert!(claim == Claim::Exact && area.hold(claim), "{name} {lamp}: {area:?}");
+            // Rays share no code with the fraction.
+            let (many, _) = errors("samples:n=1024");
+            assert!(many.mean < 0.002 && many.max < 0.03, "{name} {lamp}: {many:?}");
+            in_penumbra += usize::from(many.penumbra_mean.is_some());
+            // False claims: the center alone, and few rays.
+            for (count, technique) in off.iter_mut().zip(["rays", "samples:n=4"]) {
+                *count += usize::from(!errors(technique).0.hold(Claim::Exact));
+            }
+        }
+    }
+    assert!(in_penumbra > 12 && off.iter().all(|&count| count > 12), "{in_penumbra} {off:?}");
+}

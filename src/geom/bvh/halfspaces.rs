@@ -2,6 +2,7 @@
 
 use glam::Vec4;
 
+use super::super::Aabb;
 use super::node::{Node, WIDTH};
 use super::wide::Enter;
 
@@ -10,6 +11,22 @@ use super::wide::Enter;
 pub(crate) struct HalfSpace {
     pub(crate) normal: [f64; 3],
     pub(crate) least: f64,
+}
+
+impl HalfSpace {
+    /// Whether a box may have a point in the half-space. Wrong only by `true`: by the count of [`Sides`], 8
+    /// roundings of the terms are more than what is lost.
+    #[inline(always)]
+    pub(super) fn may_meet(&self, aabb: &Aabb, p: [f32; 3], reach: [f64; 3]) -> bool {
+        let (mut value, mut terms) = (0.0, 0.0);
+        for i in 0..3 {
+            let far = if self.normal[i] > 0.0 { aabb.high[i] } else { aabb.low[i] };
+            value += self.normal[i] * (f64::from(far) - f64::from(p[i]));
+            terms += self.normal[i].abs() * reach[i];
+        }
+        let outside = value < self.least - 4.0 * f64::EPSILON * terms;
+        !outside
+    }
 }
 
 /// Most half-spaces of one query.
@@ -31,6 +48,7 @@ pub(super) struct Sides<F> {
 
 impl Sides<f64> {
     /// `unit`: the rounding unit of the numbers that the test will run in.
+    #[inline(always)]
     pub(super) fn new(p: [f32; 3], spaces: &[HalfSpace], reach: [f64; 3], unit: f64) -> Self {
         let mut sides = [([0.0; 3], 0.0); MOST_SIDES];
         for (side, space) in sides.iter_mut().zip(spaces) {
@@ -144,7 +162,7 @@ mod tests {
             let mut seen = vec![false; boxes.len()];
             let mut asked = spaces;
             asked.iter_mut().for_each(|space| space.least += shrunk * f64::from(scale).powi(2));
-            wide.walk_within(p, &asked, |slot| seen[order[slot] as usize] = true);
+            wide.walk_within(p, wide.reach(p), &asked, |slot| seen[order[slot] as usize] = true);
             for (aabb, seen) in boxes.iter().zip(seen) {
                 let inside = (0..8).any(|corner: usize| {
                     let x = [0, 1, 2].map(|i| if corner >> i & 1 == 0 { aabb.low[i] } else { aabb.high[i] });

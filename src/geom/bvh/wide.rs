@@ -127,6 +127,7 @@ impl WideBvh {
 
     /// Bounds |x − p|, axis by axis, for every plane x of every box of the tree. A stored plane lies at most
     /// one grid step outside: 1/63 of the extent, or two units in the last place of the largest coordinate.
+    #[inline]
     pub(crate) fn reach(&self, p: [f32; 3]) -> [f64; 3] {
         let Aabb { low, high } = self.bounds;
         std::array::from_fn(|i| {
@@ -137,14 +138,22 @@ impl WideBvh {
     }
 
     /// Visits every slot whose leaf box may have a point in all of the half-spaces, which are given around
-    /// `p`; at most [`super::MOST_SIDES`] of them.
+    /// `p`; at most [`super::MOST_SIDES`] of them. `reach` is that of `p`.
     #[inline(always)]
-    pub(crate) fn walk_within(&self, p: [f32; 3], spaces: &[HalfSpace], mut visit: impl FnMut(usize)) {
+    pub(crate) fn walk_within(
+        &self,
+        p: [f32; 3],
+        reach: [f64; 3],
+        spaces: &[HalfSpace],
+        mut visit: impl FnMut(usize),
+    ) {
+        if !spaces.iter().all(|space| space.may_meet(&self.bounds, p, reach)) {
+            return;
+        }
         let visit = |slot| {
             visit(slot);
             Step::On
         };
-        let reach = self.reach(p);
         let within = |x: &f32| x.abs() < (1_u64 << 60) as f32;
         if self.narrow && p.iter().all(within) && self.most_put_off < SHORT {
             let mut sides = Sides::new(p, spaces, reach, 2f64.powi(-24)).narrow();

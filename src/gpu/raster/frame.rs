@@ -64,6 +64,11 @@ impl Frame {
         })
     }
 
+    /// For shaders that need the normals of faces and no camera.
+    pub(crate) fn without_camera(largest: f32, stride: u32) -> Self {
+        Self { scale: to_one(largest), plane_stride: stride, ..Self::zeroed() }
+    }
+
     /// With normals of faces, whose components are stored `stride` numbers apart.
     pub(crate) fn with_planes(self, stride: u32) -> Self {
         Self { plane_stride: stride, ..self }
@@ -80,7 +85,7 @@ impl Frame {
 }
 
 /// The power of two that scales `x` to between 1 and 2, or the nearest one that is a normal number.
-fn to_one(x: f32) -> f32 {
+pub(crate) fn to_one(x: f32) -> f32 {
     let exponent = (x.to_bits() >> 23 & 0xff) as i32 - 127;
     f32::from_bits(((127 - exponent).clamp(1, 254) as u32) << 23)
 }

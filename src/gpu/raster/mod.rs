@@ -11,7 +11,7 @@ mod samples;
 mod target;
 mod visibility;
 
-pub(crate) use frame::Frame;
+pub(crate) use frame::{Frame, to_one};
 pub(crate) use pipeline::{Drawing, FORMAT, Pipeline, counting_layout, depth_stencil, everywhere};
 pub use receivers::Depth;
 pub(crate) use receivers::{ReceiverDepth, Receivers};

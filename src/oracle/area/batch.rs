@@ -1,6 +1,6 @@
 //! Many receivers of one light.
 
-use super::{AreaLight, Lit, Receiver, Scratch, SoftOracle, Visible};
+use super::{AreaLight, Receiver, Scratch, SoftOracle, Visible};
 use crate::oracle::batch::Curve;
 
 /// Receivers per run; each run has buffers of its own.
@@ -17,7 +17,6 @@ impl SoftOracle<'_> {
     pub fn visible_into(&self, receivers: &[Receiver], light: &AreaLight, out: &mut [Option<Visible>]) {
         assert_eq!(receivers.len(), out.len(), "an answer for each receiver");
         assert!(u32::try_from(receivers.len()).is_ok(), "{} receivers; 2^32 are too many", receivers.len());
-        let lit = Lit::new(light);
         let curve =
             Curve::in_box(&crate::geom::Aabb::around(receivers.iter().map(|receiver| receiver.point)));
         let mut order: Vec<(u32, u32)> =
@@ -27,7 +26,7 @@ impl SoftOracle<'_> {
         crate::parallel::rows(&mut found, RUN, |run, found| {
             let mut scratch = Scratch::default();
             for ((_, index), found) in order[run * RUN..].iter().zip(found) {
-                *found = self.visible_with(receivers[*index as usize], &lit, &mut scratch);
+                *found = self.visible_with(receivers[*index as usize], light, &mut scratch);
             }
         });
         for ((_, index), found) in order.iter().zip(found) {

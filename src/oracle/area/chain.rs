@@ -12,6 +12,7 @@
 //! runs around the square, and the exact side of the face says which way.
 
 use hashbrown::HashTable;
+use hashbrown::hash_table::Entry;
 
 use super::fault::{Fault, Faults};
 use super::pyramid::{Place, Pyramid};
@@ -120,15 +121,16 @@ impl Chain {
             ends.swap(0, 1);
             times = -1;
         }
-        let sides = &mut self.sides;
+        let Self { index, sides, .. } = self;
         let same = |&at: &u32| sides[at as usize].vertices == vertices;
-        if let Some(&at) = self.index.find(hash(vertices), same) {
-            sides[at as usize].times += times;
-            return;
+        let hash_of = |&at: &u32| hash(sides[at as usize].vertices);
+        match index.entry(hash(vertices), same, hash_of) {
+            Entry::Occupied(at) => sides[*at.get() as usize].times += times,
+            Entry::Vacant(free) => {
+                free.insert(sides.len() as u32); // at most three a face
+                sides.push(Side { vertices, ends, times });
+            }
         }
-        let at = sides.len() as u32; // at most three a face
-        sides.push(Side { vertices, ends, times });
-        self.index.insert_unique(hash(vertices), at, |&at| hash(self.sides[at as usize].vertices));
     }
 
     /// Turns what does not cancel into edges in (u, v).

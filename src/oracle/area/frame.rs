@@ -39,6 +39,7 @@ impl Frame {
     ///
     /// Basis: Duff and others, *Building an Orthonormal Basis, Revisited*, 2017. Its vectors are off by a few
     /// ulps, which moves the outline by as much.
+    #[inline]
     pub(super) fn round(ahead: DVec3, radius: f64, at_infinity: bool) -> Self {
         let sign = 1_f64.copysign(ahead.z);
         let a = -1.0 / (sign + ahead.z);
@@ -52,6 +53,7 @@ impl Frame {
     }
 
     /// The vector from `p` to the corner u = v = 0, and what bounds its terms, axis by axis.
+    #[inline(always)]
     pub(super) fn corner_from(&self, p: [f32; 3]) -> (DVec3, DVec3) {
         if self.at_infinity {
             return (self.offset, self.offset.abs());
@@ -61,6 +63,7 @@ impl Frame {
     }
 
     /// The side of the light's plane on which `x` lies; `None` if only rounded numbers could tell.
+    #[inline]
     pub(super) fn side(&self, x: [f32; 3]) -> Option<Sign> {
         match self.plane {
             Plane::Spanned(e1, e2) => {

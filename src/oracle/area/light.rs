@@ -4,6 +4,7 @@
 use glam::DVec3;
 
 use super::frame::{Frame, Plane, wide};
+use super::measure::area_of;
 use super::polygon;
 use crate::geom::predicate::{Homogeneous, directions_turn};
 use crate::scene::{Lamp, LampShape};
@@ -20,11 +21,13 @@ use crate::scene::{Lamp, LampShape};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct AreaLight {
-    pub(super) kind: Kind,
+    kind: Kind,
+    /// The share of its parallelogram that shines.
+    pub(super) share: f64,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Kind {
+enum Kind {
     /// A part of a parallelogram that is the same for every receiver.
     Fixed(Frame, Shape),
     /// A disk of this center and radius, perpendicular to the line from the receiver.
@@ -75,7 +78,7 @@ impl AreaLight {
     /// [`AreaLightError`] if a number is not finite or the edges are parallel.
     pub fn parallelogram(corner: [f32; 3], e1: [f32; 3], e2: [f32; 3]) -> Result<Self, AreaLightError> {
         let frame = spanned(corner, e1, e2, DVec3::ZERO, 1.0)?;
-        Ok(Self { kind: Kind::Fixed(frame, Shape::Full) })
+        Ok(Self::fixed(frame, Shape::Full))
     }
 
     /// The disk, or ellipse, of the points `center` + a·`u` + b·`v` with a² + b² ≤ 1.
@@ -85,7 +88,7 @@ impl AreaLight {
     /// [`AreaLightError`] if a number is not finite or `u` and `v` are parallel.
     pub fn disk(center: [f32; 3], u: [f32; 3], v: [f32; 3]) -> Result<Self, AreaLightError> {
         let frame = spanned(center, u, v, -wide(u) - wide(v), 2.0)?;
-        Ok(Self { kind: Kind::Fixed(frame, Shape::Disk) })
+        Ok(Self::fixed(frame, Shape::Disk))
     }
 
     /// The planar polygon of these corners; what its outline winds around shines. A hole is reached by a cut
@@ -98,7 +101,12 @@ impl AreaLight {
     pub fn polygon(corners: &[[f32; 3]]) -> Result<Self, AreaLightError> {
         corners.iter().try_for_each(|&corner| finite(corner))?;
         let (frame, outline) = polygon::planar(corners)?;
-        Ok(Self { kind: Kind::Fixed(frame, Shape::Polygon(outline)) })
+        let light = Self::fixed(frame, Shape::Polygon(outline));
+        if light.share > 0.0 {
+            Ok(light)
+        } else {
+            Err(AreaLightError::NoArea("its outline winds around nothing"))
+        }
     }
 
     /// The disk around `center` that faces whatever point it lights: a sphere, taken as its middle disk.
@@ -112,7 +120,7 @@ impl AreaLight {
         if radius <= 0.0 {
             return Err(AreaLightError::NoArea("its radius is not above 0"));
         }
-        Ok(Self { kind: Kind::Facing(center, f64::from(radius)) })
+        Ok(Self { kind: Kind::Facing(center, f64::from(radius)), share: area_of(&Shape::Disk) })
     }
 
     /// The parallelogram of the directions `towards` + a·`e1` + b·`e2`, a and b from 0 to 1.
@@ -122,7 +130,7 @@ impl AreaLight {
     /// [`AreaLightError`] if a number is not finite or the three vectors lie in a plane.
     pub fn sky_parallelogram(towards: [f32; 3], e1: [f32; 3], e2: [f32; 3]) -> Result<Self, AreaLightError> {
         let frame = sky(towards, e1, e2, DVec3::ZERO, 1.0)?;
-        Ok(Self { kind: Kind::Fixed(frame, Shape::Full) })
+        Ok(Self::fixed(frame, Shape::Full))
     }
 
     /// The disk of the directions `towards` + a·`u` + b·`v` with a² + b² ≤ 1.
@@ -132,7 +140,7 @@ impl AreaLight {
     /// As [`AreaLight::sky_parallelogram`].
     pub fn sky_disk(towards: [f32; 3], u: [f32; 3], v: [f32; 3]) -> Result<Self, AreaLightError> {
         let frame = sky(towards, u, v, -wide(u) - wide(v), 2.0)?;
-        Ok(Self { kind: Kind::Fixed(frame, Shape::Disk) })
+        Ok(Self::fixed(frame, Shape::Disk))
     }
 
     /// The round patch of the sky around the direction `towards` the sun; `half_angle` in radians. Its parts
@@ -152,7 +160,7 @@ impl AreaLight {
         // The square of any f32 but 0 is a normal f64.
         let direction =
             wide(towards).try_normalize().ok_or(AreaLightError::NoArea("its direction is null"))?;
-        Ok(Self { kind: Kind::Fixed(Frame::round(direction, tangent, true), Shape::Disk) })
+        Ok(Self::fixed(Frame::round(direction, tangent, true), Shape::Disk))
     }
 
     /// The extent of a lamp; `None` for one that casts hard shadows.
@@ -164,7 +172,10 @@ impl AreaLight {
         Ok(Some(match &lamp.shape {
             LampShape::Hard(_) => return Ok(None),
             LampShape::Disk { center, radius } => Self::facing_disk(center.xyz(), *radius)?,
-            LampShape::Sun { center, half_angle_rad } => Self::sun(center.xyz(), *half_angle_rad)?,
+            LampShape::Sun { center, half_angle_rad } => {
+                // Half of the sky has no disk: the largest angle below it stands for it.
+                Self::sun(center.xyz(), half_angle_rad.min(std::f32::consts::FRAC_PI_2.next_down()))?
+            }
             LampShape::Rectangle(rectangle) => {
                 let [e1, e2] = rectangle.edges();
                 Self::parallelogram(rectangle.corner(), e1, e2)?
@@ -172,7 +183,13 @@ impl AreaLight {
         }))
     }
 
+    fn fixed(frame: Frame, shape: Shape) -> Self {
+        let share = area_of(&shape);
+        Self { kind: Kind::Fixed(frame, shape), share }
+    }
+
     /// The light as the receiver at `p` sees it; `None` at the center of a disk that faces its receiver.
+    #[inline(always)]
     pub(super) fn seen_from(&self, p: [f32; 3]) -> Option<(Frame, &Shape)> {
         match &self.kind {
             Kind::Fixed(frame, shape) => Some((*frame, shape)),

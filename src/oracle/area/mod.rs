@@ -36,7 +36,7 @@ use self::chain::Chain;
 use self::form::{Form, horizon};
 use self::frame::{EPSILON, wide};
 use self::light::Shape;
-use self::measure::{Area, area_of, outline_edges};
+use self::measure::{Area, outline_edges};
 use self::pyramid::{Flat, Pyramid};
 use self::sweep::{AtLeft, Kind, Sink, Sweep, Trapezoid};
 use super::Oracle;
@@ -115,24 +115,6 @@ struct Scratch {
     sweep: Sweep,
 }
 
-/// A light with what is the same for all receivers.
-#[derive(Debug)]
-struct Lit<'a> {
-    light: &'a AreaLight,
-    /// The share of the square that shines.
-    area: f64,
-}
-
-impl<'a> Lit<'a> {
-    fn new(light: &'a AreaLight) -> Self {
-        let area = match &light.kind {
-            light::Kind::Fixed(_, shape) => area_of(shape),
-            light::Kind::Facing(..) => area_of(&Shape::Disk),
-        };
-        Self { light, area }
-    }
-}
-
 impl SoftOracle<'static> {
     /// Builds an [`Oracle`] of its own over `mesh`, and the table of welded corners.
     #[must_use]
@@ -174,6 +156,12 @@ impl<'a> SoftOracle<'a> {
         &self.oracle
     }
 
+    /// Memory besides that of the ray caster, in bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.corners)
+    }
+
     /// How much of `light` is visible from a point, and with a normal also how strongly it lights the surface.
     /// `None` if nothing can be told: the point lies exactly in the plane of the light, where the light has no
     /// extent, or is the center of a disk that faces its receiver, or is not finite.
@@ -182,15 +170,15 @@ impl<'a> SoftOracle<'a> {
     /// 0.1 µs per face and 0.3 µs per edge of the answer.
     #[must_use]
     pub fn visible(&self, receiver: impl Into<Receiver>, light: &AreaLight) -> Option<Visible> {
-        self.visible_with(receiver.into(), &Lit::new(light), &mut Scratch::default())
+        self.visible_with(receiver.into(), light, &mut Scratch::default())
     }
 
-    fn visible_with(&self, receiver: Receiver, lit: &Lit<'_>, scratch: &mut Scratch) -> Option<Visible> {
+    fn visible_with(&self, receiver: Receiver, light: &AreaLight, scratch: &mut Scratch) -> Option<Visible> {
         let p = receiver.point;
         if p.iter().any(|x| !x.is_finite()) {
             return None;
         }
-        let (frame, shape) = lit.light.seen_from(p)?;
+        let (frame, shape) = light.seen_from(p)?;
         let reach = self.oracle.tree.reach(p);
         let pyramid = match Pyramid::new(frame, p, reach) {
             Ok(pyramid) => pyramid,
@@ -211,7 +199,7 @@ impl<'a> SoftOracle<'a> {
         if faces == 0 && normal.is_none() {
             return Some(Visible {
                 fraction: 1.0,
-                bound: pyramid.least_error() / lit.area,
+                bound: pyramid.least_error() / light.share,
                 form: None,
                 faces,
                 edges: 0,
@@ -233,8 +221,8 @@ impl<'a> SoftOracle<'a> {
         let doubtful = if chain.doubtful { 1.0 } else { 0.0 };
         let error = pyramid.least_error() + chain.moved + sweep.lost + area.error + 2.0 * EPSILON;
         Some(Visible {
-            fraction: (1.0 - area.total() / lit.area).clamp(0.0, 1.0),
-            bound: (error / lit.area + 8.0 * frame.rounding + doubtful).min(1.0),
+            fraction: (1.0 - area.total() / light.share).clamp(0.0, 1.0),
+            bound: (error / light.share + 8.0 * frame.rounding + doubtful).min(1.0),
             form: form.map(|form| form.total()),
             faces,
             edges: chain.outlines,
@@ -272,7 +260,7 @@ fn welded(triangles: &[[[f32; 3]; 3]], rounded: impl Fn([f32; 3]) -> [f32; 3]) -
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]
 fn gather(soft: &SoftOracle<'_>, pyramid: &Pyramid, reach: [f64; 3], chain: &mut Chain) {
     let (sides, count) = pyramid.sides(reach);
-    soft.oracle.tree.walk_within(pyramid.p, &sides[..count], |slot| {
+    soft.oracle.tree.walk_within(pyramid.p, reach, &sides[..count], |slot| {
         chain.add(pyramid, soft.oracle.triangles[slot], soft.corners[slot]);
     });
 }

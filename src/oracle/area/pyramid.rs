@@ -27,6 +27,7 @@ pub(super) struct Place {
 pub(super) struct Pyramid {
     /// The receiver.
     pub(super) p: [f32; 3],
+    wide_p: DVec3,
     pub(super) frame: Frame,
     /// From P to the corner u = v = 0.
     pub(super) d: DVec3,
@@ -56,9 +57,10 @@ impl Pyramid {
     ///
     /// Error of the coordinates, with ε the rounding unit. Entries of e1, e2 and d err by at most 2ε of their
     /// bounds, a cross product by 6ε of its terms, the determinant D by ρ|D|, ρ = 16ε times its terms over |D|. A
-    /// row entry errs by (7ε + ρ) of its terms over |D|, and a coordinate, a dot product with x − P that is
-    /// rounded once, by (12ε + ρ) of its terms, times 1/(1 − ρ). Interpolation between two points adds 6ε, the
+    /// row entry errs by (8ε + ρ) of its terms over |D|, and a coordinate, a dot product with x − P that is
+    /// rounded once, by (13ε + ρ) of its terms, times 1/(1 − ρ). Interpolation between two points adds 6ε, the
     /// division by γ another ε. 24ε + 2ρ bounds it all if ρ ≤ ¼.
+    #[inline(always)]
     pub(super) fn new(frame: Frame, p: [f32; 3], reach: [f64; 3]) -> Result<Self, Flat> {
         let side_of_p = frame.side(p);
         if side_of_p.is_some_and(Sign::is_zero) {
@@ -75,15 +77,18 @@ impl Pyramid {
         if !(rho <= 0.25) {
             return Err(Flat::Unresolved); // also if the determinant is 0
         }
-        let rows = [alpha, beta, gamma].map(|row| row / determinant);
-        let terms = terms.map(|row| row / size);
+        let inverse = 1.0 / determinant;
+        let rows = [alpha * inverse, beta * inverse, gamma * inverse];
+        let size = inverse.abs();
+        let terms = [terms[0] * size, terms[1] * size, terms[2] * size];
         let error = 24.0 * EPSILON + 2.0 * rho;
         let doubt = if at_infinity { -1.0 } else { error * terms[2].dot(DVec3::from(reach)) };
         let mirrored = determinant < 0.0;
-        Ok(Self { p, frame, d, rows, terms, mirrored, side_of_p, error, doubt })
+        Ok(Self { p, wide_p: wide(p), frame, d, rows, terms, mirrored, side_of_p, error, doubt })
     }
 
     /// The sides of the pyramid, moved outwards by the error of their normals.
+    #[inline(always)]
     pub(super) fn sides(&self, reach: [f64; 3]) -> ([HalfSpace; MOST_SIDES], usize) {
         let reach = DVec3::from(reach);
         let side = |normal: DVec3, terms: DVec3, least: f64| HalfSpace {
@@ -104,7 +109,7 @@ impl Pyramid {
     /// The coordinates of a corner, without [`Place::terms`]. The side of γ = 1 is exact.
     #[inline(always)]
     pub(super) fn coordinates(&self, x: [f32; 3]) -> [f64; 3] {
-        let from_p = wide(x) - wide(self.p);
+        let from_p = wide(x) - self.wide_p;
         let [a, b, mut g] = self.rows.map(|row| row.dot(from_p));
         if (1.0 - g).abs() <= self.doubt {
             g = self.decided(x, g);
@@ -125,12 +130,12 @@ impl Pyramid {
     /// Whether rounded numbers alone say on which side of the light a corner lies, and do not suffice.
     #[inline(always)]
     pub(super) fn is_doubtful(&self, x: [f32; 3]) -> bool {
-        self.side_of_p.is_none() && (1.0 - self.rows[2].dot(wide(x) - wide(self.p))).abs() <= self.doubt
+        self.side_of_p.is_none() && (1.0 - self.rows[2].dot(wide(x) - self.wide_p)).abs() <= self.doubt
     }
 
     pub(super) fn place(&self, x: [f32; 3]) -> Place {
         let [a, b, g] = self.coordinates(x);
-        let from_p = (wide(x) - wide(self.p)).abs();
+        let from_p = (wide(x) - self.wide_p).abs();
         let [ta, tb, tg] = self.terms.map(|row| row.dot(from_p));
         Place { a, b, g, terms: ta + tb + 2.0 * tg }
     }
@@ -139,6 +144,7 @@ impl Pyramid {
     ///
     /// In the pyramid |x − P| is at most γ(|e1| + |e2| + |d|), axis by axis, which bounds the terms over γ. Each
     /// of four sides is 1 long.
+    #[inline]
     pub(super) fn least_error(&self) -> f64 {
         let size = self.frame.e1.abs() + self.frame.e2.abs() + self.d.abs();
         let [a, b, g] = self.terms;

@@ -7,6 +7,7 @@ use super::space::{CUBE, Frame, LightSpace, Spread, frame_of, wide};
 use super::{MAX_SIZE, MapError};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
+use crate::geom::predicate::{side_of_light, side_of_point};
 use crate::scene::Lamp;
 use crate::shadow::Samples;
 
@@ -40,7 +41,7 @@ impl LightSpace {
         let (mut least, mut farthest) = (f64::INFINITY, 0.0_f64);
         for layer in 0..self.layers {
             for_each_face(casters, |corners, casts| {
-                let at = corners.map(|p| DVec4::from(self.homogeneous(layer, p)));
+                let at = corners.map(|p| DVec4::from(self.homogeneous(layer, wide(p))));
                 if is_outside(at) {
                     return;
                 }
@@ -81,12 +82,12 @@ fn positive(x: f64, otherwise: f64) -> f64 {
 }
 
 /// Calls `visit` with every face that casts or is seen, and whether it casts.
-fn for_each_face(casters: &CasterGroup<'_>, mut visit: impl FnMut([DVec3; 3], bool)) {
+fn for_each_face(casters: &CasterGroup<'_>, mut visit: impl FnMut([[f32; 3]; 3], bool)) {
     let casting = casters.casters().iter().map(|caster| (caster.mesh(), true));
     let seen = casters.seen_caster().map(|caster| (caster.mesh(), false));
     for (mesh, casts) in casting.chain(seen) {
         for triangle in mesh.triangles() {
-            visit(triangle.map(|vertex| wide(mesh.positions()[vertex as usize])), casts);
+            visit(triangle.map(|vertex| mesh.positions()[vertex as usize]), casts);
         }
     }
 }
@@ -105,8 +106,23 @@ impl Extent {
         (self.low, self.high) = (self.low.min(p), self.high.max(p));
     }
 
+    fn around(corners: [DVec3; 3]) -> Self {
+        let mut found = Self::EMPTY;
+        corners.into_iter().for_each(|p| found.add(p));
+        found
+    }
+
+    fn join(&mut self, other: &Self) {
+        (self.low, self.high) = (self.low.min(other.low), self.high.max(other.high));
+    }
+
     fn is_empty(&self) -> bool {
         self.low.x > self.high.x
+    }
+
+    /// The larger side across the light.
+    fn side(&self) -> f64 {
+        (self.high.x - self.low.x).max(self.high.y - self.low.y)
     }
 }
 
@@ -129,40 +145,81 @@ fn central(casters: &CasterGroup<'_>, lamp: &Lamp, size: u32) -> LightSpace {
     space.with_near(casters)
 }
 
+/// Faces looked at that may be a ground: the largest ones.
+const GROUNDS: usize = 8;
+
+/// A directional light's space. Across the light it shows the faces that can shadow anything: what lies
+/// beside all of them is lit. Along the light it shows everything.
 fn parallel(casters: &CasterGroup<'_>, light: &Light, size: u32) -> LightSpace {
     let frame = frame_of(wide(light.xyz()).normalize(), 1.0);
     let mut world = Extent::EMPTY;
-    for_each_face(casters, |corners, _| corners.into_iter().for_each(|p| world.add(p)));
+    for_each_face(casters, |corners, _| world.join(&Extent::around(corners.map(wide))));
     if world.is_empty() {
         world.add(DVec3::ZERO);
     }
     let middle = 0.5 * world.low + 0.5 * world.high;
-    let mut own = Extent::EMPTY;
-    for_each_face(casters, |corners, _| {
-        for p in corners {
-            let q = p - middle;
-            own.add(DVec3::new(q.dot(frame.right), q.dot(frame.up), q.dot(frame.axis)));
+    let in_frame = |corners: [[f32; 3]; 3]| {
+        Extent::around(corners.map(|p| {
+            let q = wide(p) - middle;
+            DVec3::new(q.dot(frame.right), q.dot(frame.up), q.dot(frame.axis))
+        }))
+    };
+    let mut all = Extent::EMPTY;
+    let mut largest: Vec<(f64, [[f32; 3]; 3])> = Vec::new();
+    for_each_face(casters, |corners, casts| {
+        let own = in_frame(corners);
+        all.join(&own);
+        if casts && largest.last().is_none_or(|last| largest.len() < GROUNDS || own.side() > last.0) {
+            let at = largest.partition_point(|other| other.0 >= own.side());
+            largest.insert(at, (own.side(), corners));
+            largest.truncate(GROUNDS);
         }
     });
-    if own.is_empty() {
-        own.add(DVec3::ZERO);
+    let is_ground = |face: &[[f32; 3]; 3]| has_nothing_behind(*face, light, casters);
+    let grounds: Vec<[[f32; 3]; 3]> =
+        largest.into_iter().map(|(_, corners)| corners).filter(is_ground).collect();
+    let mut shadowing = Extent::EMPTY;
+    for_each_face(casters, |corners, casts| {
+        if casts && !grounds.contains(&corners) {
+            shadowing.join(&in_frame(corners));
+        }
+    });
+    for extent in [&mut all, &mut shadowing] {
+        if extent.is_empty() {
+            extent.add(DVec3::ZERO);
+        }
     }
-    let (center, extent) = (0.5 * (own.low + own.high), own.high - own.low);
-    let half = positive(0.5 * extent.x.max(extent.y) * padding(size), positive(extent.z, 1.0));
+    let (center, depth) = (0.5 * (shadowing.low + shadowing.high), all.high.z - all.low.z);
+    let half = positive(0.5 * shadowing.side() * padding(size), positive(depth, 1.0));
     // Rows round coordinates as large as the map by 2⁻⁵³. A range of 2⁻²⁴ of the map's side keeps that far
     // below the units of a depth of 24 bits, also where the scene is flat and faces the light.
-    let depth = extent.z.max(half * (-24_f64).exp2());
+    let depth = depth.max(half * (-24_f64).exp2());
     LightSpace {
         origin: middle + center.x * frame.right + center.y * frame.up,
         frames: [frame; 6],
         layers: 1,
         spread: Spread::Parallel {
             half,
-            lowest: own.low.z - SLACK * depth,
+            lowest: all.low.z - SLACK * depth,
             range: (1.0 + 2.0 * SLACK) * depth,
         },
         size,
     }
+}
+
+/// Whether nothing lies behind the plane of a face, as seen from the light: such a face, the ground for a
+/// light above it, shadows nothing.
+fn has_nothing_behind(face: [[f32; 3]; 3], light: &Light, casters: &CasterGroup<'_>) -> bool {
+    let side = side_of_light(face, light);
+    let mut is_before = true;
+    for_each_face(casters, |corners, _| {
+        is_before = is_before
+            && corners.iter().all(|&p| {
+                let own = side_of_point(face, p);
+                own.is_zero() || own == side
+            });
+    });
+    is_before
 }
 
 impl LightSpace {

@@ -45,7 +45,7 @@ impl<'a> HybridShadow<'a> {
     }
 
     /// 0 or 1 at each front-lit sample: what all texels agree on, otherwise the exact verdict. Outside the
-    /// map the exact ray cast is asked. A grazing ray counts as lit.
+    /// map of a spot the exact ray cast is asked. A grazing ray counts as lit.
     #[must_use]
     pub fn shade(&self, samples: &Samples) -> Visibility {
         self.shade_within(samples, self.reach)

@@ -10,6 +10,8 @@ mod clip;
 mod cpu;
 mod filter;
 mod fit;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod hybrid;
 mod ids;
 mod neighborhood;

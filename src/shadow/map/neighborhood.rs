@@ -1,7 +1,7 @@
 //! The texels around a lookup, and whether they agree that something lies between a receiver and the light.
 
 use super::receiver::{Receiver, Tap};
-use super::space::{LightSpace, unit_normal, wide};
+use super::space::{LightSpace, Spread, unit_normal, wide};
 use crate::oracle::PrimaryHit;
 
 /// A receiver with a square of texels around its lookup.
@@ -18,7 +18,7 @@ pub(super) enum Seen {
     Blocked,
     /// None does.
     Open,
-    /// Some do, or some lie outside the map.
+    /// Some do, or some lie outside a map that does not show all casters.
     Mixed,
 }
 
@@ -45,6 +45,8 @@ impl<'a> Neighborhood<'a> {
     /// receiver's plane at its center by more than the plane changes over one texel, and rounding.
     pub(super) fn look(&self, mut depth: impl FnMut(&Tap) -> Option<f32>) -> Seen {
         let (mut blocked, mut open, mut outside) = (0, 0, 0);
+        // Beside a directional light's map of the scene nothing casts a shadow.
+        let shows_all_casters = matches!(self.receiver.space().spread(), Spread::Parallel { .. });
         let lookup = *self.receiver.lookup();
         let [left, top] = [lookup.tx, lookup.ty].map(|t| t.floor() as i64);
         for j in -self.reach..=self.reach {
@@ -54,6 +56,7 @@ impl<'a> Neighborhood<'a> {
                 match stored {
                     Some((tap, stored)) if stored > self.threshold(&tap) => blocked += 1,
                     Some(_) => open += 1,
+                    None if shows_all_casters => open += 1,
                     None => outside += 1,
                 }
             }

@@ -277,7 +277,7 @@ fn hybrid_errs_by_lost_shadows_alone_and_one_texel_is_too_few() {
             one_texel += Errors::of(&request, &shadow.shade_within(&samples, 0), &truth, &made).wrong;
         }
     }
-    assert!(asked > 0 && asked * 4 < judged, "{asked} of {judged}");
+    assert!(asked > 0 && asked * 3 < judged, "{asked} of {judged}");
     assert!(one_texel > 100, "{one_texel}");
 }
 
@@ -286,7 +286,8 @@ fn hybrid_errs_by_lost_shadows_alone_and_one_texel_is_too_few() {
 fn map_fitted_to_the_view_keeps_casters_behind_the_eye_and_is_finer() {
     let high = shapes::translated(&shapes::icosphere(2), [0.0, 0.0, 9.0]);
     let floor = shapes::translated(&shapes::scaled(&shapes::sheet(1), 64.0), [-32.0, -32.0, -3.0]);
-    let caster = Caster::new(Mesh::concat(&[high, floor]).unwrap());
+    let far = [-29.0, 29.0].map(|x| shapes::translated(&shapes::cube(), [x, x, 0.0]));
+    let caster = Caster::new(Mesh::concat(&[high, floor, far[0].clone(), far[1].clone()]).unwrap());
     let casters = CasterGroup::new(vec![&caster]);
     let samples = view(&casters, [0.5, -1.0, 0.5], [0.0, 0.0, -3.0]);
     let sun = lamp("directional:0.02,0.03,-1");

@@ -102,8 +102,9 @@ fn space_of_a_scene_holds_the_scene_and_its_near_distance_lies_before_every_cast
     let casters = CasterGroup::new(vec![&caster]);
     for text in LAMPS {
         let space = LightSpace::of_scene(&casters, &lamp(text), 64).unwrap();
-        for &p in caster.mesh().positions() {
-            let at = space.at(wide(p)).unwrap();
+        // The sheet lies below the knot, before nothing: the first 560 faces are the knot's.
+        for &[v, ..] in &caster.mesh().triangles()[..560] {
+            let at = space.at(wide(caster.mesh().positions()[v as usize])).unwrap();
             assert!(at.d > 0.0 && at.d < 1.0, "{text} {at:?}");
             if !text.starts_with("spot") {
                 // Two texels are free around a parallel map. A cube has no rim.
@@ -113,6 +114,21 @@ fn space_of_a_scene_holds_the_scene_and_its_near_distance_lies_before_every_cast
             }
         }
     }
+    // A ground far larger than what stands on it does not make texels larger; below another one it does.
+    let half = |meshes: &[Mesh]| {
+        let caster = Caster::new(Mesh::concat(meshes).unwrap());
+        let casters = CasterGroup::new(vec![&caster]);
+        let space = LightSpace::of_scene(&casters, &lamp("directional:0.3,0.1,-1"), 64).unwrap();
+        assert!(
+            caster.mesh().positions().iter().all(|&p| (0.0..1.0).contains(&space.at(wide(p)).unwrap().d))
+        );
+        space.texel_world(DVec3::ZERO)
+    };
+    let ground = shapes::translated(&shapes::scaled(&shapes::sheet(1), 512.0), [-256.0, -256.0, -1.0]);
+    let below = shapes::translated(&ground, [0.0, 0.0, -1.0]);
+    let alone = half(&[shapes::cube()]);
+    assert_eq!(half(&[shapes::cube(), ground.clone()]), alone);
+    assert!(half(&[shapes::cube(), ground, below]) > 50.0 * alone);
     // The nearest part of a face may be its inside: a plate before the light, far larger than its distance.
     let plate =
         Caster::new(shapes::translated(&shapes::scaled(&shapes::sheet(1), 64.0), [-30.0, -30.0, 0.0]));

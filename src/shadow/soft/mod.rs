@@ -5,6 +5,7 @@
 //! ([`LightSpace::penumbra_scale`](super::map::LightSpace::penumbra_scale)). No radius is tuned. Without an
 //! extent K is 0, and these techniques are hard shadow maps with a bilinear filter.
 
+pub(super) mod area;
 mod blocks;
 mod contact_blur;
 mod edge_search;

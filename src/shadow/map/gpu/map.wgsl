@@ -1,0 +1,198 @@
+// Shadow maps: the depth of casters from a light, and its comparison with the visible points. raster.wgsl
+// comes before it. Twins: space.rs, filter.rs, bias.rs; uniform.rs mirrors the struct.
+//
+// Coordinates are scaled by a power of two and relative to the light's origin. Depth is affine on every plane
+// in normalized device coordinates: d = c.x·x + c.y·y + c.z. Casters and receivers get it from the same
+// expression, so that a plane has one depth in both.
+
+struct Light {
+    right: array<vec4f, 6>,
+    up: array<vec4f, 6>,
+    axis: array<vec4f, 6>,
+    origin: vec3f,
+    scale: f32,
+    // Half the side that a layer covers: a length, or for a central projection that at distance 1.
+    half: f32,
+    per_half: f32,
+    lowest: f32,
+    per_range: f32,
+    near: f32,
+    is_central: u32,
+    layers: u32,
+    // The layer that is drawn.
+    layer: u32,
+    // Side of a layer in texels.
+    size: f32,
+    // Side of the kernel in texels; 0 for the nearest texel.
+    side: f32,
+    is_tent: u32,
+    // Whether the receiver's plane is taken at each texel's center.
+    at_center: u32,
+    reach: f32,
+    slack: f32,
+    rounding: f32,
+    spare: u32,
+}
+
+// The visible face and 1; 0 where there is none.
+@group(0) @binding(5) var faces: texture_2d<u32>;
+@group(0) @binding(6) var<uniform> light: Light;
+@group(0) @binding(7) var map: texture_depth_2d_array;
+
+fn from_light(id: u32) -> vec3f {
+    return vertex(id) * light.scale - light.origin;
+}
+
+// x·w, y·w, depth·w and w.
+fn on_layer(layer: u32, q: vec3f) -> vec4f {
+    let x = dot(light.right[layer].xyz, q) * light.per_half;
+    let y = dot(light.up[layer].xyz, q) * light.per_half;
+    let z = dot(light.axis[layer].xyz, q);
+    if light.is_central != 0u { return vec4f(x, y, light.near, z); }
+    return vec4f(x, y, (z - light.lowest) * light.per_range, 1.0);
+}
+
+// The depth on the plane through q; 0, infinitely far, where the plane contains the direction to the light and
+// covers nothing.
+fn depth_plane(layer: u32, normal: vec3f, q: vec3f) -> vec3f {
+    let r = dot(normal, light.right[layer].xyz);
+    let u = dot(normal, light.up[layer].xyz);
+    let f = dot(normal, light.axis[layer].xyz);
+    let offset = dot(normal, q);
+    if light.is_central != 0u {
+        if offset == 0.0 { return vec3f(0.0); }
+        return vec3f(r * light.half, u * light.half, f) * (light.near / offset);
+    }
+    if f == 0.0 { return vec3f(0.0); }
+    return vec3f(-r * light.half, -u * light.half, offset - light.lowest * f) / f * light.per_range;
+}
+
+fn to_texels(at: vec2f) -> vec2f {
+    return vec2f(1.0 + at.x, 1.0 - at.y) * (0.5 * light.size);
+}
+
+fn from_texels(t: vec2f) -> vec2f {
+    return vec2f(2.0 * t.x / light.size - 1.0, 1.0 - 2.0 * t.y / light.size);
+}
+
+// Flat values are those of a triangle's first corner. The clip depth is always inside: nothing is clipped
+// before the light but what is behind it.
+@vertex
+fn caster(@builtin(vertex_index) index: u32) -> Corner {
+    let face = index / 3u;
+    let q = from_light(triangles[index]);
+    let at = on_layer(light.layer, q);
+    let clip = vec4f(at.xy, 0.5 * at.w, at.w);
+    if index % 3u != 0u { return Corner(clip, vec3f(0.0), face); }
+    return Corner(clip, depth_plane(light.layer, face_normal(face), q), face);
+}
+
+@fragment
+fn caster_depth(corner: Corner) -> @builtin(frag_depth) f32 {
+    return clamp(dot(corner.depth, vec3f(from_texels(corner.clip.xy), 1.0)), 0.0, 1.0);
+}
+
+fn layer_of(q: vec3f) -> u32 {
+    if light.layers == 1u { return 0u; }
+    let size = abs(q);
+    var axis = 0u;
+    if size.y > size.x { axis = 1u; }
+    if size.z > size[axis] { axis = 2u; }
+    return 2u * axis + select(0u, 1u, q[axis] < 0.0);
+}
+
+// What a filter compares.
+struct Receiver {
+    layer: u32,
+    normal: vec3f,
+    corner: vec3f,
+    plane: vec3f,
+    depth: f32,
+}
+
+// Depth of a plane at a texel's center, with the slack of half a texel.
+fn with_slack(plane: vec3f, texel: vec2i, slack: f32) -> f32 {
+    let center = from_texels(vec2f(texel) + 0.5);
+    let slope = (abs(plane.x) + abs(plane.y)) * (2.0 / light.size);
+    return dot(plane, vec3f(center, 1.0)) + slack * slope;
+}
+
+fn rounding(depth: f32) -> f32 {
+    return select(light.rounding, light.rounding * depth, light.is_central != 0u);
+}
+
+fn blocks(receiver: Receiver, texel: vec2i) -> bool {
+    let side = i32(light.size);
+    if all(texel >= vec2i(0)) && all(texel < vec2i(side)) {
+        var least = receiver.depth;
+        if light.at_center != 0u { least = with_slack(receiver.plane, texel, light.slack); }
+        return textureLoad(map, texel, receiver.layer, 0) > least + rounding(receiver.depth);
+    }
+    // Outside the map is lit. A cube goes on in the layer that looks in this direction.
+    if light.layers == 1u { return false; }
+    let at = from_texels(vec2f(texel) + 0.5);
+    let towards = light.axis[receiver.layer].xyz
+        + light.half * (at.x * light.right[receiver.layer].xyz + at.y * light.up[receiver.layer].xyz);
+    let layer = layer_of(towards);
+    let there = on_layer(layer, towards);
+    let other = clamp(vec2i(floor(to_texels(there.xy / there.w))), vec2i(0), vec2i(side - 1));
+    let plane = depth_plane(layer, receiver.normal, receiver.corner);
+    let least = with_slack(plane, other, 0.5);
+    return textureLoad(map, other, layer, 0) > least + rounding(least);
+}
+
+// The part of the kernel to the left of x.
+fn part(x: f32) -> f32 {
+    if light.is_tent == 0u { return clamp(x / light.side + 0.5, 0.0, 1.0); }
+    let t = clamp(2.0 * x / light.side, -1.0, 1.0);
+    return 0.5 + t - 0.5 * t * abs(t);
+}
+
+fn weight(texel: f32, at: f32) -> f32 {
+    return part(texel + 1.0 - at) - part(texel - at);
+}
+
+@fragment
+fn visibility(@builtin(position) position: vec4f) -> @location(0) f32 {
+    let seen = textureLoad(faces, vec2u(position.xy), 0).x;
+    if seen == 0u { return 0.0; }
+    let face = seen - 1u;
+    let first = triangles[3u * face];
+    let normal = face_normal(face);
+    // The visible point: where the ray meets the plane of the face.
+    let screen = normalized(position.xy);
+    let ray = screen.x * frame.ray_right + screen.y * frame.ray_up + frame.ray_forward;
+    let distance = dot(normal, vertex(first) * frame.scale - frame.eye) / dot(normal, ray);
+    let q = (frame.eye + distance * ray) * (light.scale / frame.scale) - light.origin;
+
+    let layer = layer_of(q);
+    let at = on_layer(layer, q);
+    if !(at.w > 0.0) { return 1.0; }
+    let t = to_texels(at.xy / at.w);
+    if !all(abs(t) < vec2f(1e9)) { return 1.0; }
+    let corner = from_light(first);
+    let plane = depth_plane(layer, normal, corner);
+    var depth = dot(plane, vec3f(at.xy / at.w, 1.0));
+    if light.at_center == 0u {
+        depth += light.reach * (abs(plane.x) + abs(plane.y)) * (2.0 / light.size);
+    }
+    let receiver = Receiver(layer, normal, corner, plane, depth);
+    if light.side == 0.0 { return select(1.0, 0.0, blocks(receiver, vec2i(floor(t)))); }
+    var lit = 0.0;
+    var dark = 0.0;
+    let low = floor(t - 0.5 * light.side);
+    let count = i32(light.side) + 1;
+    for (var j = 0; j < count; j++) {
+        let y = low.y + f32(j);
+        let along = weight(y, t.y);
+        for (var i = 0; i < count; i++) {
+            let x = low.x + f32(i);
+            let share = along * weight(x, t.x);
+            if share <= 0.0 { continue; }
+            if blocks(receiver, vec2i(vec2f(x, y))) { dark += share; } else { lit += share; }
+        }
+    }
+    // Exactly 0 or 1 where all texels agree.
+    if dark == 0.0 { return 1.0; }
+    return lit / (lit + dark);
+}

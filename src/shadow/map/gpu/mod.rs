@@ -1,0 +1,258 @@
+//! Shadow maps on a device: one depth texture with a layer per side of a cube, and the lookup that fills a
+//! visibility texture.
+
+mod uniform;
+#[cfg(test)]
+mod tests;
+
+use wgpu::{
+    CompareFunction, StencilState, TextureAspect, TextureFormat, TextureUsages, TextureViewDimension,
+};
+
+use self::uniform::LightUniform;
+use super::{Bias, Filter, LightSpace};
+use crate::caster::GpuCaster;
+use crate::gpu::raster::{self, GpuSamples, GpuVisibility, Pipeline, Receivers, everywhere};
+use crate::gpu::{Gpu, GpuError, Shader, wgpu};
+
+pub(super) const SOURCE: &str = include_str!("map.wgsl");
+
+const FORMAT: TextureFormat = TextureFormat::Depth32Float;
+
+/// How a map on a device is looked up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lookup {
+    /// The filter: all but those of Poisson.
+    pub filter: Filter,
+    /// The bias: [`Bias::Receiver`] or [`Bias::Texel`].
+    pub bias: Bias,
+}
+
+/// A shadow map on a device: reversed depth, 0 where nothing casts.
+#[derive(Clone, Debug)]
+pub struct GpuMap {
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+    space: LightSpace,
+    uniform: LightUniform,
+}
+
+impl GpuMap {
+    /// All layers, as a `texture_depth_2d_array` of the format `Depth32Float`.
+    #[must_use]
+    pub fn view(&self) -> &wgpu::TextureView {
+        &self.view
+    }
+
+    /// The light's space: rows, projection and side of the map.
+    #[must_use]
+    pub fn space(&self) -> &LightSpace {
+        &self.space
+    }
+
+    /// Memory on the device, in bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        4 * (self.space.size() as usize).pow(2) * self.space.layers()
+    }
+
+    /// Reads the depths of one layer back, row after row from the top. Waits for the work that draws them.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
+    ///
+    /// # Panics
+    ///
+    /// Panics if there is no such layer.
+    pub fn download(&self, gpu: &Gpu, layer: usize) -> Result<Vec<f32>, GpuError> {
+        assert!(layer < self.space.layers(), "there is no layer {layer}");
+        let side = self.space.size();
+        let row = (4 * side).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let back = gpu.staging(u64::from(row) * u64::from(side))?;
+        gpu.submit(|encoder| {
+            encoder.copy_texture_to_buffer(
+                wgpu::TexelCopyTextureInfo {
+                    texture: &self.texture,
+                    mip_level: 0,
+                    origin: wgpu::Origin3d { x: 0, y: 0, z: layer as u32 }, // below 6
+                    aspect: TextureAspect::DepthOnly,
+                },
+                wgpu::TexelCopyBufferInfo {
+                    buffer: &back,
+                    layout: wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(row),
+                        rows_per_image: None,
+                    },
+                },
+                wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
+            );
+        })?;
+        gpu.mapped(&back, |bytes| {
+            let rows = bytes.chunks_exact(row as usize);
+            let depths = rows.flat_map(|row| row[..4 * side as usize].chunks_exact(4));
+            depths.map(|depth| f32::from_ne_bytes([depth[0], depth[1], depth[2], depth[3]])).collect()
+        })
+    }
+}
+
+/// The compiled passes, for one device.
+#[derive(Clone, Debug)]
+pub struct MapPass {
+    gpu: Gpu,
+    draw: wgpu::RenderPipeline,
+    look: wgpu::RenderPipeline,
+}
+
+impl MapPass {
+    /// Compiles the shaders.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        let module = Shader::new("shadow map", &format!("{}{SOURCE}", raster::SOURCE)).module(gpu)?;
+        let draw = Pipeline {
+            vertex: "caster",
+            fragment: Some("caster_depth"),
+            targets: &[],
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: FORMAT,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(CompareFunction::Greater),
+                stencil: StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            layout: None,
+        };
+        let look = Pipeline {
+            vertex: "everywhere",
+            fragment: Some("visibility"),
+            targets: &[Some(GpuVisibility::SOFT.into())],
+            depth_stencil: None,
+            layout: None,
+        };
+        Ok(Self { gpu: gpu.clone(), draw: draw.build(gpu, &module)?, look: look.build(gpu, &module)? })
+    }
+
+    /// Draws the map of a caster in a light's space: one pass per layer. Submits without waiting.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Picture`] if a layer is larger than the device allows; [`GpuError::Subnormal`] if the
+    /// caster is too small to be drawn; [`GpuError::OutOfMemory`]; [`GpuError::Lost`].
+    pub fn draw(&self, caster: &GpuCaster, space: &LightSpace) -> Result<GpuMap, GpuError> {
+        let receivers = caster.receivers()?;
+        let (texture, uniform) = (self.texture(space)?, LightUniform::new(space, receivers.largest));
+        let layers = (0..space.layers() as u32).map(|layer| {
+            let light = self.gpu.uniform(&uniform.with_layer(layer))?;
+            let frame = self
+                .gpu
+                .uniform(&raster::Frame::without_camera(receivers.largest, receivers.plane_stride))?;
+            let bind = self.bind(&self.draw, &receivers, &frame, &[(6, light.as_entire_binding())])?;
+            Ok((bind, self.layer(&texture, layer)?))
+        });
+        let layers = layers.collect::<Result<Vec<_>, GpuError>>()?;
+        self.gpu.submit(|encoder| {
+            for (bind, view) in &layers {
+                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                    depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                        view,
+                        depth_ops: Some(wgpu::Operations {
+                            load: wgpu::LoadOp::Clear(0.0),
+                            store: wgpu::StoreOp::Store,
+                        }),
+                        stencil_ops: None,
+                    }),
+                    ..wgpu::RenderPassDescriptor::default()
+                });
+                pass.set_pipeline(&self.draw);
+                pass.set_bind_group(0, bind, &[]);
+                pass.draw(0..receivers.corners, 0..1);
+            }
+        })?;
+        let view = self.gpu.attempt(|| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(TextureViewDimension::D2Array),
+                ..Default::default()
+            })
+        })?;
+        Ok(GpuMap { texture, view, space: *space, uniform })
+    }
+
+    /// The filtered map at every sample. Submits without waiting.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::NotBuilt`] of a filter or bias without a device form; [`GpuError::OutOfMemory`];
+    /// [`GpuError::Lost`].
+    pub fn visibility(
+        &self,
+        samples: &GpuSamples,
+        map: &GpuMap,
+        lookup: Lookup,
+    ) -> Result<GpuVisibility, GpuError> {
+        let uniform = map.uniform.with_lookup(lookup);
+        let uniform = uniform.ok_or(GpuError::NotBuilt("this filter or bias of a shadow map"))?;
+        let light = self.gpu.uniform(&uniform)?;
+        let visibility = GpuVisibility::soft(&self.gpu, samples.size())?;
+        let more = [
+            (5, wgpu::BindingResource::TextureView(&samples.faces.view)),
+            (6, light.as_entire_binding()),
+            (7, wgpu::BindingResource::TextureView(&map.view)),
+        ];
+        let bind = self.bind(&self.look, &samples.receivers, &samples.uniform, &more)?;
+        self.gpu.submit(|encoder| {
+            everywhere(visibility.0.begin(encoder, true), &self.look, Some(&bind));
+        })?;
+        Ok(visibility)
+    }
+
+    fn bind<'a>(
+        &self,
+        pipeline: &wgpu::RenderPipeline,
+        receivers: &'a Receivers,
+        frame: &'a wgpu::Buffer,
+        more: &[(u32, wgpu::BindingResource<'a>)],
+    ) -> Result<wgpu::BindGroup, GpuError> {
+        let layout = self.gpu.attempt(|| pipeline.get_bind_group_layout(0))?;
+        self.gpu.bind_group(&layout, receivers.bindings(frame).into_iter().chain(more.iter().cloned()))
+    }
+
+    fn texture(&self, space: &LightSpace) -> Result<wgpu::Texture, GpuError> {
+        let (side, limit) = (space.size(), self.gpu.limits().max_texture_dimension_2d);
+        if side > limit {
+            return Err(GpuError::Picture { side, limit });
+        }
+        self.gpu.attempt(|| {
+            self.gpu.device().create_texture(&wgpu::TextureDescriptor {
+                label: Some("shadow map"),
+                size: wgpu::Extent3d {
+                    width: side,
+                    height: side,
+                    depth_or_array_layers: space.layers() as u32,
+                },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: FORMAT,
+                usage: TextureUsages::RENDER_ATTACHMENT
+                    | TextureUsages::TEXTURE_BINDING
+                    | TextureUsages::COPY_SRC,
+                view_formats: &[],
+            })
+        })
+    }
+
+    fn layer(&self, texture: &wgpu::Texture, layer: u32) -> Result<wgpu::TextureView, GpuError> {
+        self.gpu.attempt(|| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(TextureViewDimension::D2),
+                base_array_layer: layer,
+                array_layer_count: Some(1),
+                ..Default::default()
+            })
+        })
+    }
+}

@@ -1,0 +1,120 @@
+use super::*;
+use crate::caster::{Caster, CasterGroup};
+use crate::gpu::tests::gpu;
+use crate::mesh::Mesh;
+use crate::scene::Lamp;
+use crate::shadow::map::{DepthSource, Fit, MapOptions, MapShadow, ShadowMap, Texel};
+use crate::shadow::{Depth, Samples};
+use crate::testing::shapes;
+use crate::view::{Camera, Size, Up};
+
+/// A torus and a cube over a floor.
+fn scene() -> Caster {
+    let floor = shapes::translated(&shapes::scaled(&shapes::sheet(1), 16.0), [-8.0, -8.0, -3.0]);
+    let cube = shapes::translated(&shapes::cube(), [2.5, -1.0, 1.0]);
+    Caster::new(Mesh::concat(&[floor, cube, shapes::torus(24, 12, 2.0, 0.7)]).unwrap())
+}
+
+/// One light of each kind: parallel, one layer, six layers.
+const LAMPS: [&str; 3] = ["directional:0.4,0.2,-1", "spot:3,4,9:-0.3,-0.4,-0.9:35", "point:0.5,0.25,3"];
+
+const SIZE: u32 = 128;
+
+#[test]
+fn map_on_a_device_has_the_depths_of_the_reference() {
+    let Some(gpu) = gpu() else { return };
+    let caster = scene();
+    let casters = CasterGroup::new(vec![&caster]);
+    let on_device = GpuCaster::upload(&gpu, &caster).unwrap();
+    let pass = MapPass::new(&gpu).unwrap();
+    for lamp in LAMPS {
+        let lamp: Lamp = lamp.parse().unwrap();
+        let space = LightSpace::of_scene(&casters, &lamp, SIZE).unwrap();
+        let offset = crate::shadow::map::PolygonOffset::default();
+        let map: ShadowMap<f32> =
+            ShadowMap::draw(&casters, lamp.light(), space, DepthSource::Plane, offset).unwrap();
+        let drawn = pass.draw(&on_device, &space).unwrap();
+        let (mut texels, mut far) = (0, 0);
+        for layer in 0..space.layers() {
+            let depths = drawn.download(&gpu, layer).unwrap();
+            for (index, &depth) in depths.iter().enumerate() {
+                let [i, j] = [index % SIZE as usize, index / SIZE as usize];
+                let reference = map.texel(layer, i as i64, j as i64).map_or(0.0, |texel| texel.depth());
+                texels += 1;
+                // Another face at an edge, or a rounding: the planes are steep, too.
+                far += u32::from((f64::from(depth) - f64::from(reference)).abs() > 1e-4);
+            }
+        }
+        assert!(f64::from(far) < 0.005 * f64::from(texels), "{lamp}: {far} of {texels}");
+        // Fault injected: the same map with its rows upside down.
+        let depths = drawn.download(&gpu, 0).unwrap();
+        let turned = (0..depths.len()).filter(|&index| {
+            let [i, j] = [index % SIZE as usize, SIZE as usize - 1 - index / SIZE as usize];
+            let reference = map.texel(0, i as i64, j as i64).map_or(0.0, |texel| texel.depth());
+            (depths[index] - reference).abs() > 1e-4
+        });
+        assert!(turned.count() > depths.len() / 20, "{lamp}");
+    }
+}
+
+#[test]
+fn map_on_a_device_shades_as_that_of_the_cpu() {
+    let Some(gpu) = gpu() else { return };
+    let caster = scene();
+    let casters = CasterGroup::new(vec![&caster]);
+    let size = Size::new(160, 120).unwrap();
+    let camera = Camera::look_at([7.0, -9.0, 8.0], [0.0, 0.0, -1.0], 0.9, Up::Z).unwrap();
+    let projection = camera.projection(size, 0.125);
+    let samples = Samples::of_view(&casters, &projection, size, 1).unwrap();
+    let on_device = GpuCaster::upload(&gpu, &caster).unwrap();
+    let drawn = on_device.samples(&projection, size, Depth::Plane).unwrap();
+    let pass = MapPass::new(&gpu).unwrap();
+    for lamp in LAMPS {
+        let lamp: Lamp = lamp.parse().unwrap();
+        let space = LightSpace::of_scene(&casters, &lamp, SIZE).unwrap();
+        let map = pass.draw(&on_device, &space).unwrap();
+        for bias in [Bias::Receiver, Bias::Texel] {
+            for filter in [Filter::Nearest, Filter::Bilinear, Filter::Box3, Filter::Tent5] {
+                let options =
+                    MapOptions { size: SIZE, fit: Fit::Scene, bias, depth: DepthSource::Plane, filter };
+                let cpu = MapShadow::prepare(&casters, &lamp, &options).unwrap().shade(&samples);
+                let values =
+                    pass.visibility(&drawn, &map, Lookup { filter, bias }).unwrap().download(&gpu).unwrap();
+                let pairs = cpu.values().iter().zip(&values).zip(cpu.asked()).filter(|(_, asked)| **asked);
+                let differences: Vec<f32> = pairs.map(|((cpu, device), _)| (cpu - device).abs()).collect();
+                // A half has 11 bits; a texel whose coverage or comparison turns at an edge weighs more.
+                let off = differences.iter().filter(|&&difference| difference > 1.0 / 1024.0).count();
+                let text = format!("{lamp} {bias} {filter}: {off} of {}", differences.len());
+                assert!(differences.len() > 2000 && off * 100 < differences.len(), "{text}");
+                let shadowed =
+                    values.iter().zip(cpu.asked()).filter(|&(value, &asked)| asked && *value < 0.5);
+                assert!(shadowed.count() > 100, "{text}");
+            }
+        }
+    }
+}
+
+#[test]
+fn map_on_a_device_refuses_what_it_has_no_form_of() {
+    let Some(gpu) = gpu() else { return };
+    let caster = scene();
+    let casters = CasterGroup::new(vec![&caster]);
+    let size = Size::new(16, 12).unwrap();
+    let projection = Camera::fit(&casters.bounds(), Up::Z, size.aspect()).projection(size, 0.125);
+    let on_device = GpuCaster::upload(&gpu, &caster).unwrap();
+    let drawn = on_device.samples(&projection, size, Depth::Plane).unwrap();
+    let pass = MapPass::new(&gpu).unwrap();
+    let lamp: Lamp = LAMPS[0].parse().unwrap();
+    let map = pass.draw(&on_device, &LightSpace::of_scene(&casters, &lamp, 16).unwrap()).unwrap();
+    for lookup in [
+        Lookup { filter: Filter::Poisson16, bias: Bias::Receiver },
+        Lookup { filter: Filter::Nearest, bias: Bias::Offset },
+    ] {
+        let error = pass.visibility(&drawn, &map, lookup).unwrap_err();
+        assert!(matches!(error, GpuError::NotBuilt(_)), "{error}");
+    }
+    let limit = gpu.limits().max_texture_dimension_2d;
+    if let Ok(space) = LightSpace::of_scene(&casters, &lamp, limit + 1) {
+        assert!(matches!(pass.draw(&on_device, &space), Err(GpuError::Picture { .. })));
+    }
+}

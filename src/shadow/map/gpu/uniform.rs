@@ -1,0 +1,121 @@
+//! A light's space as shaders take it.
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+
+use super::Lookup;
+use crate::gpu::raster::to_one;
+use crate::shadow::map::bias::Reach;
+use crate::shadow::map::{Bias, Filter, LightSpace, Spread};
+
+/// Mirrors `struct Light` in map.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(super) struct LightUniform {
+    right: [[f32; 4]; 6],
+    up: [[f32; 4]; 6],
+    axis: [[f32; 4]; 6],
+    origin: [f32; 3],
+    scale: f32,
+    half: f32,
+    per_half: f32,
+    lowest: f32,
+    per_range: f32,
+    near: f32,
+    is_central: u32,
+    layers: u32,
+    layer: u32,
+    size: f32,
+    side: f32,
+    is_tent: u32,
+    at_center: u32,
+    reach: f32,
+    slack: f32,
+    rounding: f32,
+    spare: u32,
+}
+
+/// Allowance for `f32`: the depth of a plane is a sum of three products of numbers of at most about 1, with
+/// coefficients of five roundings each.
+const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
+
+impl LightUniform {
+    /// For casters whose coordinates are at most `largest` in magnitude.
+    pub(super) fn new(space: &LightSpace, largest: f32) -> Self {
+        let origin = space.origin().as_vec3();
+        let scale = to_one(origin.abs().max_element().max(largest));
+        let wide = f64::from(scale);
+        let row = |v: DVec3| v.as_vec3().extend(0.0).to_array();
+        let rows = |of: fn(&super::super::Frame) -> DVec3| space.frames.map(|frame| row(of(&frame)));
+        let (half, lowest, range, near, is_central) = match space.spread() {
+            Spread::Parallel { half, lowest, range } => (half * wide, lowest * wide, range * wide, 0.0, 0),
+            Spread::Central { tan, near } => (tan, 0.0, 1.0, near * wide, 1),
+        };
+        Self {
+            right: rows(|frame| frame.right),
+            up: rows(|frame| frame.up),
+            axis: rows(|frame| frame.axis),
+            origin: (origin * scale).to_array(),
+            scale,
+            half: half as f32,
+            per_half: (1.0 / half) as f32,
+            lowest: lowest as f32,
+            per_range: (1.0 / range) as f32,
+            near: near as f32,
+            is_central,
+            layers: space.layers() as u32, // 1 or 6
+            layer: 0,
+            size: space.size() as f32,
+            side: 0.0,
+            is_tent: 0,
+            at_center: 0,
+            reach: 0.0,
+            slack: 0.5,
+            rounding: ROUNDING,
+            spare: 0,
+        }
+    }
+
+    /// For drawing one layer.
+    pub(super) fn with_layer(self, layer: u32) -> Self {
+        Self { layer, ..self }
+    }
+
+    /// For a lookup; `None` if the device has no form of it.
+    pub(super) fn with_lookup(self, lookup: Lookup) -> Option<Self> {
+        let (side, is_tent) = match lookup.filter {
+            Filter::Nearest => (0.0, 0),
+            Filter::Bilinear => (1.0, 0),
+            Filter::Box3 => (3.0, 0),
+            Filter::Box5 => (5.0, 0),
+            Filter::Tent3 => (3.0, 1),
+            Filter::Tent5 => (5.0, 1),
+            Filter::Poisson16 | Filter::Poisson64 => return None,
+        };
+        let Reach::Square(reach) = lookup.filter.reach() else { return None };
+        // A position on the map has an error of a few units of an f32 of the map's side.
+        let reach = reach as f32 + self.size * 4.0 * f32::EPSILON;
+        let at_center = match lookup.bias {
+            Bias::Receiver => 0,
+            Bias::Texel => 1,
+            _ => return None,
+        };
+        Some(Self { side, is_tent, at_center, reach, ..self })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::layout::assert_layout;
+
+    #[test]
+    fn light_of_a_map_has_one_layout_in_rust_and_wgsl() {
+        assert_layout!(
+            &format!("{}{}", crate::gpu::raster::SOURCE, super::super::SOURCE),
+            "Light",
+            LightUniform: right, up, axis, origin, scale, half, per_half, lowest, per_range, near, is_central,
+            layers, layer, size, side, is_tent, at_center, reach, slack, rounding, spare
+        );
+    }
+}

@@ -57,7 +57,7 @@ impl Blocks {
     }
 
     fn is_corner(&self, x: usize, len: usize) -> bool {
-        x % self.block == 0 || x + 1 == len
+        x.is_multiple_of(self.block) || x + 1 == len
     }
 
     /// The answer that is known without asking: at a corner, and where a block agrees. Interpolated answers

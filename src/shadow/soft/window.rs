@@ -51,7 +51,8 @@ impl Window {
 
 /// Calls `visit` with the texel and the ends of each strip.
 fn for_each_strip([low, high]: [f64; 2], mut visit: impl FnMut(i64, [f64; 2])) {
-    if !(low < high) {
+    // Numbers that are none make no strips.
+    if low.partial_cmp(&high) != Some(std::cmp::Ordering::Less) {
         return;
     }
     let most = f64::from(MOST_STRIPS);

@@ -91,12 +91,24 @@ impl PartTimes {
 
     fn needed(self, technique: Technique) -> f64 {
         match technique {
-            Technique::Rays | Technique::Samples(_) | Technique::Area | Technique::Hybrid3x3(_) => {
-                self.oracle
-            }
+            Technique::Rays
+            | Technique::Samples(_)
+            | Technique::Area
+            | Technique::Hybrid3x3(_)
+            | Technique::SoftHybrid(_)
+            | Technique::PenumbraMap(_)
+            | Technique::Smoothies(_)
+            | Technique::ContactBlur(_) => self.oracle,
             Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
-            Technique::Map(_) | Technique::Pcf(_) | Technique::MapIds(_) => 0.0,
-            Technique::None | Technique::Dark => 0.0,
+            Technique::Map(_)
+            | Technique::Pcf(_)
+            | Technique::MapIds(_)
+            | Technique::Pcss(_)
+            | Technique::SingleSample(_)
+            | Technique::Vsm(_)
+            | Technique::Msm(_)
+            | Technique::None
+            | Technique::Dark => 0.0,
         }
     }
 }
@@ -209,7 +221,17 @@ fn row(
 
 /// Whether the technique passes samples to the exact ray cast.
 fn asks_exactly(technique: Technique) -> bool {
-    matches!(technique, Technique::Stencil | Technique::ZFail | Technique::ZPass | Technique::Hybrid3x3(_))
+    matches!(
+        technique,
+        Technique::Stencil
+            | Technique::ZFail
+            | Technique::ZPass
+            | Technique::Hybrid3x3(_)
+            | Technique::SoftHybrid(_)
+            | Technique::PenumbraMap(_)
+            | Technique::Smoothies(_)
+            | Technique::ContactBlur(_)
+    )
 }
 
 /// Finds for each row the technique that dominates it, by mean error (for a lamp without extent: wrong

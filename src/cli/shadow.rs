@@ -18,6 +18,10 @@ pub(crate) struct ShadowArgs {
     /// shadow. `none`: light passes through everything; `dark`: the light is off. `auto`: `stencil` where
     /// there is an adapter, else `rays`; also `rays` if another light asks for it. For example: --shadow
     /// zfail --shadow 2=none.
+    ///
+    /// Soft shadows of a light with an extent: `samples` (exact rays to many points of it), `soft-hybrid` (the
+    /// same where a shadow map is not sure), and from maps alone `pcss`, `single-sample`, `vsm`, `msm`; from
+    /// silhouettes `penumbra-map` and `smoothies`; blurred in the picture `contact-blur`.
     #[arg(long, visible_alias = "method", value_name = "[LAMP=]TECHNIQUE", default_value = "auto")]
     shadow: Vec<Asked>,
 }

@@ -5,6 +5,8 @@ mod syntax;
 
 use glam::DVec3;
 
+pub(crate) use patch::concentric;
+
 use crate::geom::{Light, LightError};
 
 /// A lamp of a scene, in world space.

@@ -10,6 +10,7 @@ mod visible;
 use glam::Mat4;
 
 pub use format::Format;
+pub(crate) use lamp::concentric;
 pub use lamp::{Lamp, LampError, LampShape, Rectangle, SpotCone};
 pub use material::{AlphaMode, Material};
 pub use own_space::OwnSpace;

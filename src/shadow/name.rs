@@ -49,7 +49,7 @@ pub enum TechniqueError {
 }
 
 /// Names of planned techniques.
-const PLANNED: [&str; 23] = [
+const PLANNED: [&str; 15] = [
     "auto",
     "zpass-plus",
     "zpass-reversed",
@@ -59,14 +59,6 @@ const PLANNED: [&str; 23] = [
     "counter",
     "reconstruct",
     "lod",
-    "vsm",
-    "msm",
-    "pcss",
-    "single-sample",
-    "smoothies",
-    "penumbra-map",
-    "contact-blur",
-    "soft-hybrid",
     "planar",
     "planar-blur",
     "planar-contact",

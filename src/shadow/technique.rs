@@ -6,6 +6,9 @@ use super::plain::Plain;
 use super::rays::Rays;
 use super::soft::area::LampArea;
 use super::soft::samples::{LampSamples, SamplesOptions};
+use super::soft::{
+    self, PcssOptions, SilhouetteOptions, SingleSampleOptions, SoftHybridOptions, SoftMapOptions, SoftShadow,
+};
 use super::stencil::StencilCounting;
 use super::{Samples, Visibility};
 use crate::caster::CasterGroup;
@@ -49,6 +52,22 @@ pub enum Technique {
     MapIds(ExactOptions),
     /// A shadow map where the texels around a sample agree, an exact shadow ray elsewhere.
     Hybrid3x3(ExactOptions),
+    /// A shadow map, filtered as wide as the penumbra of the mean blocker: percentage-closer soft shadows.
+    Pcss(PcssOptions),
+    /// A shadow map; the distance to the nearest edge in it gives the penumbra: Brabec and Seidel.
+    SingleSample(SingleSampleOptions),
+    /// Exact shadow rays to points of the lamp where a shadow map is not sure.
+    SoftHybrid(SoftHybridOptions),
+    /// Two filtered moments of depth: variance shadow maps.
+    Vsm(SoftMapOptions),
+    /// Four filtered moments of depth: moment shadow maps.
+    Msm(SoftMapOptions),
+    /// Exact silhouette edges, each with its own penumbra: penumbra maps.
+    PenumbraMap(SilhouetteOptions),
+    /// Exact silhouette edges with one width in the map: smoothies.
+    Smoothies(SilhouetteOptions),
+    /// The exact hard shadow, blurred in the picture as wide as the penumbra.
+    ContactBlur(SoftMapOptions),
     /// No shadows: every front-lit sample is lit.
     None,
     /// No light: every sample is dark.
@@ -100,7 +119,7 @@ pub enum PrepareError {
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 20] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
@@ -111,6 +130,14 @@ impl Technique {
         Self::Pcf(PcfOptions::DEFAULT),
         Self::MapIds(ExactOptions::DEFAULT),
         Self::Hybrid3x3(ExactOptions::DEFAULT),
+        Self::Pcss(PcssOptions::DEFAULT),
+        Self::SingleSample(SingleSampleOptions::DEFAULT),
+        Self::SoftHybrid(SoftHybridOptions::DEFAULT),
+        Self::Vsm(SoftMapOptions::DEFAULT),
+        Self::Msm(SoftMapOptions::DEFAULT),
+        Self::PenumbraMap(SilhouetteOptions::DEFAULT),
+        Self::Smoothies(SilhouetteOptions::DEFAULT),
+        Self::ContactBlur(SoftMapOptions::DEFAULT),
         Self::None,
         Self::Dark,
     ];
@@ -129,6 +156,14 @@ impl Technique {
             Self::Pcf(_) => "pcf",
             Self::MapIds(_) => "map-ids",
             Self::Hybrid3x3(_) => "hybrid-3x3",
+            Self::Pcss(_) => "pcss",
+            Self::SingleSample(_) => "single-sample",
+            Self::SoftHybrid(_) => "soft-hybrid",
+            Self::Vsm(_) => "vsm",
+            Self::Msm(_) => "msm",
+            Self::PenumbraMap(_) => "penumbra-map",
+            Self::Smoothies(_) => "smoothies",
+            Self::ContactBlur(_) => "contact-blur",
             Self::None => "none",
             Self::Dark => "dark",
         }
@@ -148,6 +183,14 @@ impl Technique {
             Self::Map(options) => options::listed(&options),
             Self::Pcf(options) => options::listed(&options),
             Self::MapIds(options) | Self::Hybrid3x3(options) => options::listed(&options),
+            Self::Pcss(options) => options::listed(&options),
+            Self::SingleSample(options) => options::listed(&options),
+            Self::SoftHybrid(options) => options::listed(&options),
+            Self::Vsm(options) => options::listed(&options),
+            Self::Msm(options) => options::listed(&options),
+            Self::PenumbraMap(options) => options::listed(&options),
+            Self::Smoothies(options) => options::listed(&options),
+            Self::ContactBlur(options) => options::listed(&options),
             _ => Vec::new(),
         }
     }
@@ -160,6 +203,14 @@ impl Technique {
             Self::Pcf(options) => options::changed(options, key, value).map(Self::Pcf),
             Self::MapIds(options) => options::changed(options, key, value).map(Self::MapIds),
             Self::Hybrid3x3(options) => options::changed(options, key, value).map(Self::Hybrid3x3),
+            Self::Pcss(options) => options::changed(options, key, value).map(Self::Pcss),
+            Self::SingleSample(options) => options::changed(options, key, value).map(Self::SingleSample),
+            Self::SoftHybrid(options) => options::changed(options, key, value).map(Self::SoftHybrid),
+            Self::Vsm(options) => options::changed(options, key, value).map(Self::Vsm),
+            Self::Msm(options) => options::changed(options, key, value).map(Self::Msm),
+            Self::PenumbraMap(options) => options::changed(options, key, value).map(Self::PenumbraMap),
+            Self::Smoothies(options) => options::changed(options, key, value).map(Self::Smoothies),
+            Self::ContactBlur(options) => options::changed(options, key, value).map(Self::ContactBlur),
             _ => Err(Refusal::Key),
         }
     }
@@ -172,7 +223,28 @@ impl Technique {
     /// Whether the values of this technique take the lamp's extent into account, so that there are penumbrae.
     #[must_use]
     pub fn is_soft(self) -> bool {
-        matches!(self, Self::Samples(_) | Self::Area)
+        match self {
+            Self::Samples(_)
+            | Self::Area
+            | Self::Pcss(_)
+            | Self::SingleSample(_)
+            | Self::SoftHybrid(_)
+            | Self::Vsm(_)
+            | Self::Msm(_)
+            | Self::PenumbraMap(_)
+            | Self::Smoothies(_)
+            | Self::ContactBlur(_) => true,
+            Self::Rays
+            | Self::Stencil
+            | Self::ZFail
+            | Self::ZPass
+            | Self::Map(_)
+            | Self::Pcf(_)
+            | Self::MapIds(_)
+            | Self::Hybrid3x3(_)
+            | Self::None
+            | Self::Dark => false,
+        }
     }
 
     /// Prepares the data that stays valid while only the camera moves: shadow volumes or shadow maps, for the
@@ -204,6 +276,22 @@ impl Technique {
             }
             Self::Hybrid3x3(options) => {
                 Step::Hybrid(Box::new(HybridShadow::prepare(casters, lamp, &options).map_err(refused)?))
+            }
+            Self::Pcss(options) => Step::Soft(soft::pcss(casters, lamp, options).map_err(refused)?),
+            Self::SingleSample(options) => {
+                Step::Soft(soft::single_sample(casters, lamp, options).map_err(refused)?)
+            }
+            Self::SoftHybrid(options) => {
+                Step::Soft(soft::soft_hybrid(casters, lamp, options).map_err(refused)?)
+            }
+            Self::Vsm(options) => Step::Soft(soft::vsm(casters, lamp, options).map_err(refused)?),
+            Self::Msm(options) => Step::Soft(soft::msm(casters, lamp, options).map_err(refused)?),
+            Self::PenumbraMap(options) => {
+                Step::Soft(soft::penumbra_map(casters, lamp, options).map_err(refused)?)
+            }
+            Self::Smoothies(options) => Step::Soft(soft::smoothies(casters, lamp, options).map_err(refused)?),
+            Self::ContactBlur(options) => {
+                Step::Soft(soft::contact_blur(casters, lamp, options).map_err(refused)?)
             }
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
@@ -238,6 +326,7 @@ enum Step<'a> {
     Map(Box<MapShadow<'a>>),
     Ids(Box<IdShadow<'a>>),
     Hybrid(Box<HybridShadow<'a>>),
+    Soft(Box<dyn SoftShadow + 'a>),
     Plain(Plain),
 }
 
@@ -259,6 +348,7 @@ impl Prepared<'_> {
             Step::Map(map) => map.shade(samples),
             Step::Ids(map) => map.shade(samples),
             Step::Hybrid(map) => map.shade(samples),
+            Step::Soft(map) => map.shade(samples),
             Step::Plain(plain) => plain.shade(&self.light, samples),
         }
     }
@@ -274,6 +364,7 @@ impl Prepared<'_> {
             Step::Map(map) => map.bytes(),
             Step::Ids(map) => map.bytes(),
             Step::Hybrid(map) => map.bytes(),
+            Step::Soft(map) => map.bytes(),
         }
     }
 
@@ -284,16 +375,18 @@ impl Prepared<'_> {
             Step::Map(map) => Some(map.texel_world()),
             Step::Ids(map) => Some(map.texel_world()),
             Step::Hybrid(map) => Some(map.texel_world()),
+            Step::Soft(map) => Some(map.texel_world()),
             _ => None,
         }
     }
 
-    /// Depth bias of a shadow map for a plane that meets the light at 45°, as a distance along the light at the
-    /// center of the scene, in mesh units; `None` without a map that is filtered.
+    /// Depth bias of a shadow map for a plane that meets the light at 45°, as a distance along the light at
+    /// the center of the scene, in mesh units; `None` without a map that is filtered.
     #[must_use]
     pub fn bias_world(&self) -> Option<f64> {
         match &self.step {
             Step::Map(map) => Some(map.bias_world()),
+            Step::Soft(map) => Some(map.bias_world()),
             _ => None,
         }
     }

@@ -121,10 +121,21 @@ impl Visibility {
         claim: Claim,
         answer: impl Fn(&PrimaryHit) -> Answer + Sync,
     ) -> Self {
+        Self::of_indexed(samples, light, claim, |_, hit| answer(hit))
+    }
+
+    /// The same with the index of each sample.
+    pub(crate) fn of_indexed(
+        samples: &Samples,
+        light: &Light,
+        claim: Claim,
+        answer: impl Fn(usize, &PrimaryHit) -> Answer + Sync,
+    ) -> Self {
         let mut found: Vec<Option<Answer>> = vec![None; samples.len()];
         crate::parallel::rows(&mut found, samples.row_len(), |row, found| {
-            for (found, hit) in found.iter_mut().zip(samples.row(row)) {
-                *found = hit.as_ref().filter(|hit| is_front_lit(hit, light)).map(&answer);
+            for (x, (found, hit)) in found.iter_mut().zip(samples.row(row)).enumerate() {
+                let hit = hit.as_ref().filter(|hit| is_front_lit(hit, light));
+                *found = hit.map(|hit| answer(row * samples.row_len() + x, hit));
             }
         });
         Self {

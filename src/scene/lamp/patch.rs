@@ -70,7 +70,7 @@ impl Patch {
 
 /// A point of the square from −1 to 1, mapped to the unit disk: each square around the origin becomes a
 /// circle (Shirley and Chiu, *A Low Distortion Map Between Disk and Square*, 1997).
-fn concentric(x: f64, y: f64) -> [f64; 2] {
+pub(crate) fn concentric(x: f64, y: f64) -> [f64; 2] {
     use std::f64::consts::FRAC_PI_4;
     let (radius, angle) = match x.abs() > y.abs() {
         true => (x, FRAC_PI_4 * (y / x)),

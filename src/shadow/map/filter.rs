@@ -172,7 +172,7 @@ fn for_each_disk_point(count: u32, shift: [f64; 2], mut visit: impl FnMut(f64, f
 
 /// Interleaved gradient noise (Jorge Jimenez, *Next Generation Post Processing in Call of Duty: Advanced
 /// Warfare*, SIGGRAPH 2014).
-fn shift(tx: f64, ty: f64) -> [f64; 2] {
+pub(in crate::shadow) fn shift(tx: f64, ty: f64) -> [f64; 2] {
     let [x, y] = [tx, ty].map(|t| (SHIFTS_PER_TEXEL * t).floor());
     let noise = |x: f64, y: f64| {
         (52.982_918_9 * (0.067_110_56 * x + 0.005_837_15 * y).rem_euclid(1.0)).rem_euclid(1.0)

@@ -24,16 +24,19 @@ mod space;
 #[cfg(test)]
 mod tests;
 mod texel;
+mod view_fit;
 
 pub use bias::{Bias, Reach, Rule};
 pub use cpu::MapShadow;
 pub use filter::Filter;
+pub(in crate::shadow) use filter::shift;
 pub use hybrid::HybridShadow;
 pub use ids::IdShadow;
 pub use options::{ExactOptions, Fit, MapOptions, PcfOptions};
 pub use raster::{DepthSource, PolygonOffset, ShadowMap};
 pub use receiver::{Receiver, Tap};
 pub use space::{DepthPlane, Frame, LightSpace, Lookup, Spread};
+pub(in crate::shadow) use space::{unit_normal, wide};
 pub use texel::{Layered, Named, Texel};
 
 /// Largest side of a map in texels: that of a texture on every device since 2012.

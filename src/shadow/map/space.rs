@@ -226,8 +226,8 @@ impl LightSpace {
     }
 
     /// The constant K of the penumbra law: a blocker at depth `b` over a receiver at depth `r` has a penumbra
-    /// of half-width `K·(b − r)` texels. `extent` is the half-size of a light at the origin, in mesh units, or
-    /// the tangent of half the angle that a directional light takes up.
+    /// of half-width `K·(b − r)` texels. `extent` is the half-size of a light at the origin, in mesh units,
+    /// or the tangent of half the angle that a directional light takes up.
     #[must_use]
     pub fn penumbra_scale(&self, extent: f64) -> f64 {
         match self.spread {
@@ -301,11 +301,11 @@ pub(super) const CUBE: [Frame; 6] = {
 };
 
 /// Unit normal of a face by its winding; `None` for a face without area.
-pub(super) fn unit_normal(corners: [[f32; 3]; 3]) -> Option<DVec3> {
+pub(in crate::shadow) fn unit_normal(corners: [[f32; 3]; 3]) -> Option<DVec3> {
     let [a, b, c] = corners.map(wide);
     (b - a).cross(c - a).try_normalize()
 }
 
-pub(super) fn wide(p: [f32; 3]) -> DVec3 {
+pub(in crate::shadow) fn wide(p: [f32; 3]) -> DVec3 {
     DVec3::from(p.map(f64::from))
 }

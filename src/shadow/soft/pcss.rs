@@ -1,0 +1,121 @@
+//! Percentage-closer soft shadows: the technique `pcss`.
+//!
+//! (Randima Fernando, *Percentage-Closer Soft Shadows*, SIGGRAPH sketches 2005.) The mean depth of the blockers
+//! in a search window gives the width of the penumbra, and with it the window of the filter. What errs:
+//! blockers at different depths over one receiver are averaged into one.
+
+use super::light_map::{LightMap, Receiver};
+use super::window::Window;
+use super::{PcssOptions, SoftShadow, Taps};
+use crate::caster::CasterGroup;
+use crate::random::r2;
+use crate::scene::{Lamp, concentric};
+use crate::shadow::map::{MapError, shift};
+use crate::shadow::{Answer, Claim, Samples, Visibility};
+
+#[derive(Debug)]
+struct Pcss<'a> {
+    map: LightMap<'a>,
+    options: PcssOptions,
+}
+
+pub(in crate::shadow) fn pcss<'a>(
+    casters: &'a CasterGroup<'a>,
+    lamp: &Lamp,
+    options: PcssOptions,
+) -> Result<Box<dyn SoftShadow + 'a>, MapError> {
+    Ok(Box::new(Pcss { map: LightMap::prepare(casters, lamp, options.size)?, options }))
+}
+
+impl SoftShadow for Pcss<'_> {
+    fn shade(&self, samples: &Samples) -> Visibility {
+        let PcssOptions { blockers, taps, .. } = self.options;
+        Visibility::of(samples, self.map.lamp.light(), Claim::Approximate, |hit| {
+            self.map.answer(hit, |receiver| receiver.filtered(blockers, taps))
+        })
+    }
+
+    fn bytes(&self) -> usize {
+        self.map.bytes()
+    }
+
+    fn texel_world(&self) -> f64 {
+        self.map.texel_world()
+    }
+}
+
+impl LightMap<'_> {
+    /// The answer at a visible point: lit outside the map, and where the receiver is edge-on.
+    pub(super) fn answer(
+        &self,
+        hit: &crate::oracle::PrimaryHit,
+        value: impl Fn(&mut Receiver<'_>) -> f64,
+    ) -> Answer {
+        let Some(mut receiver) = self.receiver(hit) else {
+            return Answer { is_outside: true, ..Answer::of(1.0) };
+        };
+        let value = if receiver.is_sound() { value(&mut receiver) } else { 1.0 };
+        Answer { reads: receiver.reads, ..Answer::of(value.clamp(0.0, 1.0) as f32) }
+    }
+}
+
+impl Receiver<'_> {
+    /// The part of the filter's window that is lit.
+    pub(super) fn filtered(&mut self, blockers: Taps, taps: Taps) -> f64 {
+        match self.penumbra(blockers) {
+            None => 1.0,
+            Some(half) => 1.0 - self.gather(half, taps).share,
+        }
+    }
+
+    /// Half-widths of the mean blocker's penumbra, at least half a texel; `None` without blockers.
+    pub(super) fn penumbra(&mut self, blockers: Taps) -> Option<[f64; 2]> {
+        let half = self.search(self.k);
+        let found = self.gather(half, blockers);
+        let mean = found.depth / found.share;
+        (found.share > 0.0).then(|| self.widths(mean).map(|width| width.max(0.5)))
+    }
+
+    /// The blockers in a window around the receiver.
+    fn gather(&mut self, half: [f64; 2], taps: Taps) -> Blockers {
+        let (mut share, mut depth) = (0.0, 0.0);
+        let mut add = |weight: f64, blocker: f64| {
+            share += weight;
+            depth += weight * blocker;
+        };
+        match taps {
+            Taps::All => {
+                let window = Window { at: self.at, half, is_round: self.is_round };
+                let area = window.area();
+                window.for_each_texel(self.limits(), |i, j, part| {
+                    self.blocker(i, j).into_iter().for_each(|depth| add(part / area, depth));
+                });
+            }
+            Taps::Some(count) => {
+                let [low, high] = self.limits();
+                // A shift for each part of a texel: points of one sequence would make bands.
+                let shift = shift(self.at[0], self.at[1]);
+                for index in 0..count {
+                    let even = r2(index);
+                    let [x, y] = [0, 1].map(|axis| 2.0 * (even[axis] + shift[axis]).fract() - 1.0);
+                    let [x, y] = if self.is_round { concentric(x, y) } else { [x, y] };
+                    let [i, j] =
+                        [self.at[0] + half[0] * x, self.at[1] + half[1] * y].map(|t| t.floor() as i64);
+                    if (low..high).contains(&i) && (low..high).contains(&j) {
+                        self.blocker(i, j).into_iter().for_each(|d| add(1.0 / f64::from(count), d));
+                    }
+                }
+            }
+        }
+        Blockers { share, depth }
+    }
+}
+
+/// Blockers in a window.
+#[derive(Clone, Copy, Debug)]
+struct Blockers {
+    /// Their part of the window.
+    share: f64,
+    /// Their depths, each times its part.
+    depth: f64,
+}

@@ -166,8 +166,8 @@ impl<'a> SoftOracle<'a> {
     /// `None` if nothing can be told: the point lies exactly in the plane of the light, where the light has no
     /// extent, or is the center of a disk that faces its receiver, or is not finite.
     ///
-    /// Cost: about 0.2 µs if no face is near the pyramid between point and light, otherwise about 5 µs, and
-    /// 0.1 µs per face and 0.3 µs per edge of the answer.
+    /// Cost: about 0.2 µs if no face is near the pyramid between point and light, otherwise about 5 µs, and 0.2 µs
+    /// per face of the answer.
     #[must_use]
     pub fn visible(&self, receiver: impl Into<Receiver>, light: &AreaLight) -> Option<Visible> {
         self.visible_with(receiver.into(), light, &mut Scratch::default())

@@ -380,8 +380,8 @@ impl Prepared<'_> {
         }
     }
 
-    /// Depth bias of a shadow map for a plane that meets the light at 45°, as a distance along the light at the
-    /// center of the scene, in mesh units; `None` without a map that is filtered.
+    /// Depth bias of a shadow map for a plane that meets the light at 45°, as a distance along the light at
+    /// the center of the scene, in mesh units; `None` without a map that is filtered.
     #[must_use]
     pub fn bias_world(&self) -> Option<f64> {
         match &self.step {

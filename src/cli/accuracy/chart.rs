@@ -12,8 +12,13 @@ const WIDTH: f64 = 760.0;
 const LEFT: f64 = 92.0;
 const RIGHT: f64 = 716.0;
 const TOP: f64 = 66.0;
+/// From the top of a panel to the axis below: more where there are many marks, for their labels.
 const BOTTOM: f64 = 356.0;
-const PANEL: f64 = 416.0;
+/// From the axis below to the next panel.
+const FOOT: f64 = 60.0;
+/// Marks from which on a panel is crowded: it is higher, and what is dominated has short labels.
+const CROWDED: usize = 11;
+const PER_MARK: f64 = 22.0;
 /// Distance between a mark and its label above which a line joins the two.
 const LEADER: f64 = 40.0;
 /// Room below the panels, for notes.
@@ -35,6 +40,16 @@ pub(super) struct Panel {
     /// What a hollow mark means, and what the bars and the thick line do.
     pub(super) notes: &'static [&'static str],
     pub(super) entries: Vec<Entry>,
+}
+
+impl Panel {
+    fn is_crowded(&self) -> bool {
+        self.entries.len() >= CROWDED
+    }
+
+    fn bottom(&self) -> f64 {
+        BOTTOM + PER_MARK * (self.entries.len() + 1).saturating_sub(CROWDED) as f64
+    }
 }
 
 /// What a mark stands for.
@@ -92,11 +107,14 @@ fn of_file(result: &FileResult, measured: &Measured, asked: &Asked) -> Panel {
 
 /// The chart of all panels.
 pub(super) fn svg(panels: &[Panel]) -> String {
-    let mut svg = Svg::new(WIDTH, PANEL * panels.len() as f64 + NOTES);
-    for (index, chart) in panels.iter().enumerate() {
-        panel(&mut svg, PANEL * index as f64, chart);
+    let height: f64 = panels.iter().map(|panel| panel.bottom() + FOOT).sum();
+    let mut svg = Svg::new(WIDTH, height + NOTES);
+    let mut top = 0.0;
+    for chart in panels {
+        panel(&mut svg, top, chart);
+        top += chart.bottom() + FOOT;
     }
-    let below = PANEL * panels.len() as f64 + 10.0;
+    let below = height + 10.0;
     for (note, y) in panels.last().map_or(NOTES_OF_COUNTS, |panel| panel.notes).iter().zip([
         below,
         below + 16.0,
@@ -120,7 +138,7 @@ fn panel(svg: &mut Svg, top: f64, panel: &Panel) {
     let entries = &panel.entries;
     let times = entries.iter().flat_map(|entry| [entry.cost.min, entry.cost.max]);
     let x = Axis::around(times.map(above_zero), [LEFT, RIGHT]);
-    let y = Axis::decades(entries.iter().map(|entry| entry.error), [top + BOTTOM, top + TOP]);
+    let y = Axis::decades(entries.iter().map(|entry| entry.error), [top + panel.bottom(), top + TOP]);
     svg.grid(&x, &y, [tick, power], panel.titles);
 
     // 3. The front that nothing beats, then the marks over it.
@@ -142,13 +160,20 @@ fn panel(svg: &mut Svg, top: f64, panel: &Panel) {
     for spot in &spots {
         draw(svg, spot);
     }
-    // Lines to labels come before the labels, lest one cross the text of another.
-    let areas: Vec<Taken> = spots.iter().map(|spot| label_area(spot, top, &mut taken)).collect();
-    for (spot, area) in spots.iter().zip(&areas) {
-        leader(svg, spot, area);
+    // What nothing dominates is labeled first. Lines to labels come before the labels, lest one cross the text
+    // of another.
+    let room = [top + TOP, top + panel.bottom()];
+    let mut order: Vec<&Spot<'_>> = spots.iter().collect();
+    order.sort_by_key(|spot| spot.entry.dominated);
+    let labels: Vec<(&Spot<'_>, Label)> = order
+        .into_iter()
+        .map(|spot| (spot, Label::place(spot, panel.is_crowded(), room, &mut taken)))
+        .collect();
+    for (spot, label) in &labels {
+        leader(svg, spot, &label.area);
     }
-    for (spot, area) in spots.iter().zip(&areas) {
-        label(svg, spot, area);
+    for (spot, label) in &labels {
+        label.draw(svg, spot);
     }
 }
 
@@ -172,35 +197,72 @@ fn draw(svg: &mut Svg, spot: &Spot<'_>) {
     ));
 }
 
-/// The name as labels have it.
-fn name(entry: &Entry) -> String {
-    format!("{}{}", entry.name, if entry.dominated { ", dominated" } else { "" })
+/// The text beside a mark: a name in bold, and below it what was measured; where many marks crowd a panel, what
+/// is dominated has its name alone.
+struct Label {
+    name: String,
+    said: Option<String>,
+    area: Taken,
 }
 
-/// The nearest free position for two lines of text next to a mark.
-fn label_area(spot: &Spot<'_>, top: f64, taken: &mut Vec<Taken>) -> Taken {
-    let (name, said) = (name(spot.entry), &spot.entry.said);
-    // An upper bound: the font is not known here.
-    let width = 7.8 * name.chars().count().max(said.chars().count()) as f64;
-    let [x, y] = spot.place;
-    let at = |left: f64, middle: f64| [left, middle - 17.0, left + width, middle + 17.0];
-    let inside = |[left, above, right, below]: Taken| {
-        left >= LEFT + 2.0 && right <= RIGHT && above >= top + TOP - 14.0 && below <= top + BOTTOM - 2.0
-    };
-    let free = |area: &Taken| {
-        taken.iter().all(|other| {
-            area[2] <= other[0] || other[2] <= area[0] || area[3] <= other[1] || other[3] <= area[1]
-        })
-    };
-    let [low, high] = spot.spread;
-    let sides = [high.max(x + 7.0) + 5.0, low.min(x - 7.0) - 5.0 - width, x - 0.5 * width];
-    let steps = (0..40).flat_map(|step| [1.0, -1.0].map(|sign| sign * 8.0 * f64::from(step)));
-    let places = steps.flat_map(|step| sides.map(|left| at(left, y + step)));
-    let fits = |area: &Taken| inside(*area) && free(area);
-    // If nothing fits: at the left end, below everything else.
-    let area = places.into_iter().find(fits).unwrap_or_else(|| at(LEFT + 6.0, top + BOTTOM - 24.0));
-    taken.push(area);
-    area
+impl Label {
+    /// The nearest free position for the text next to a mark; `room` is the top and the bottom of the panel.
+    fn place(spot: &Spot<'_>, is_crowded: bool, [above, below]: [f64; 2], taken: &mut Vec<Taken>) -> Self {
+        let is_short = is_crowded && spot.entry.dominated;
+        let name = match spot.entry.dominated && !is_short {
+            true => format!("{}, dominated", spot.entry.name),
+            false => spot.entry.name.clone(),
+        };
+        let said = (!is_short).then(|| spot.entry.said.clone());
+        // An upper bound: the font is not known here.
+        let letters = name.chars().count().max(said.as_ref().map_or(0, |said| said.chars().count()));
+        let (width, half) = if is_short { (6.4 * letters as f64, 8.0) } else { (7.8 * letters as f64, 17.0) };
+        let [x, y] = spot.place;
+        let at = |left: f64, middle: f64| [left, middle - half, left + width, middle + half];
+        let inside = |[left, top, right, bottom]: Taken| {
+            left >= LEFT + 2.0 && right <= RIGHT && top >= above - 14.0 && bottom <= below - 2.0
+        };
+        let free = |area: &Taken| {
+            taken.iter().all(|other| {
+                area[2] <= other[0] || other[2] <= area[0] || area[3] <= other[1] || other[3] <= area[1]
+            })
+        };
+        let [low, high] = spot.spread;
+        let sides = [high.max(x + 7.0) + 5.0, low.min(x - 7.0) - 5.0 - width, x - 0.5 * width];
+        // Then farther to either side, until the panel ends.
+        let farther =
+            (1..12).flat_map(|k| [1.0, -1.0].map(|sign| x - 0.5 * width + sign * 60.0 * f64::from(k)));
+        let columns: Vec<f64> = sides.into_iter().chain(farther).collect();
+        let steps = (0..80).flat_map(|step| [1.0, -1.0].map(|sign| sign * 8.0 * f64::from(step)));
+        let fits = |area: &Taken| inside(*area) && free(area);
+        let nearest = |columns: &[f64]| {
+            let places = steps.clone().flat_map(|step| columns.iter().map(move |&left| (left, step)));
+            places.map(|(left, step)| at(left, y + step)).find(fits)
+        };
+        // If nothing fits: at the left end, below everything else.
+        let area = nearest(&columns[..3]).or_else(|| nearest(&columns[3..]));
+        let area = area.unwrap_or_else(|| at(LEFT + 6.0, below - half - 7.0));
+        taken.push(area);
+        Self { name, said, area }
+    }
+
+    fn draw(&self, svg: &mut Svg, spot: &Spot<'_>) {
+        let ([left, above, ..], [color, _]) = (self.area, spot.look);
+        let (name, first) = (escaped(&self.name), above + if self.said.is_some() { 14.0 } else { 12.0 });
+        let size = if self.said.is_some() { 13 } else { 11 };
+        svg.add(format_args!(
+            "<g class=\"c{color} halo\" fill=\"currentColor\"><text x=\"{left:.1}\" y=\"{first:.1}\" \
+             font-weight=\"bold\" font-size=\"{size}\">{name}</text>"
+        ));
+        if let Some(said) = &self.said {
+            let second = above + 29.0;
+            svg.add(format_args!(
+                "<text x=\"{left:.1}\" y=\"{second:.1}\" font-size=\"12\">{}</text>",
+                escaped(said)
+            ));
+        }
+        svg.add(format_args!("</g>"));
+    }
 }
 
 /// A line from a mark to its label, unless the two are beside each other.
@@ -213,17 +275,6 @@ fn leader(svg: &mut Svg, spot: &Spot<'_>, &[left, above, right, below]: &Taken) 
              d=\"M{x:.1} {y:.1}L{to_x:.1} {to_y:.1}\"/>"
         ));
     }
-}
-
-/// Two lines of text.
-fn label(svg: &mut Svg, spot: &Spot<'_>, &[left, above, ..]: &Taken) {
-    let (first, second, [color, _]) = (above + 14.0, above + 29.0, spot.look);
-    svg.add(format_args!(
-        "<g class=\"c{color} halo\" fill=\"currentColor\"><text x=\"{left:.1}\" y=\"{first:.1}\" \
-         font-weight=\"bold\">{}</text><text x=\"{left:.1}\" y=\"{second:.1}\" font-size=\"12\">{}</text></g>",
-        escaped(&name(spot.entry)),
-        escaped(&spot.entry.said)
-    ));
 }
 
 /// "0.31 ns, 0 of 8,597,952 wrong".

@@ -178,6 +178,38 @@ fn disks_are_cut_by_chords_and_hidden_by_disks() {
     assert!((found.fraction - (1.0 - 4.0 * area)).abs() < 1e-7 && found.edges == sides, "{found:?}");
 }
 
+/// What a half-plane leaves and what the other one leaves add up to the whole light, as area and as form.
+#[test]
+fn two_half_planes_share_the_form_of_any_light_between_them() {
+    let far = 64.0;
+    let lights = [
+        AreaLight::disk([0.5, -0.25, 4.0], [1.0, 0.25, 0.5], [-0.25, 1.5, 0.0]).unwrap(),
+        AreaLight::facing_disk([0.5, -0.25, 4.0], 1.25).unwrap(),
+        AreaLight::sun([0.25, -0.125, 1.0], 0.375).unwrap(),
+        AreaLight::polygon(&[[-1.0, -1.0, 4.0], [1.5, -1.0, 4.0], [0.0, 0.0, 4.0], [-1.0, 1.5, 4.0]])
+            .unwrap(),
+    ];
+    let away = triangles(&[[[50.0, 0.0, 1.0], [51.0, 0.0, 1.0], [50.0, 1.0, 1.0]]]);
+    for light in &lights {
+        // The last normal has its horizon across the light.
+        for normal in [UP, [0.25, 0.5, 1.0], [8.0, -3.0, -0.75]] {
+            let seen = |mesh: &Mesh| {
+                SoftOracle::build(mesh).visible(Receiver::facing([0.0; 3], normal), light).unwrap()
+            };
+            let whole = seen(&away).form.unwrap();
+            assert!(whole > 1e-4, "{whole}");
+            for t in [-0.125_f32, 0.1, 0.25] {
+                let left = quads(&[[[-far, -far, 2.0], [t, -far, 2.0], [t, far, 2.0], [-far, far, 2.0]]]);
+                let right = quads(&[[[t, -far, 2.0], [far, -far, 2.0], [far, far, 2.0], [t, far, 2.0]]]);
+                let [left, right] = [seen(&left), seen(&right)];
+                assert!((left.fraction + right.fraction - 1.0).abs() < 1e-13, "{left:?} {right:?}");
+                let [a, b] = [left.form.unwrap(), right.form.unwrap()];
+                assert!((a + b - whole).abs() < 1e-15, "{a} {b} {whole}");
+            }
+        }
+    }
+}
+
 #[test]
 fn half_a_horizon_halves_the_form() {
     let nothing = triangles(&[[[50.0, 0.0, 1.0], [51.0, 0.0, 1.0], [50.0, 1.0, 1.0]]]);

@@ -49,6 +49,15 @@ impl Reach {
         }
     }
 
+    /// Texels along an axis.
+    #[must_use]
+    pub fn extent(self) -> f64 {
+        match self {
+            Self::Square(reach) => reach,
+            Self::Disk(radius) => radius + 1.0,
+        }
+    }
+
     fn plus(self, texels: f64) -> Self {
         match self {
             Self::Square(reach) => Self::Square(reach + texels),
@@ -175,6 +184,14 @@ impl Rule {
         }
     }
 
+    /// How far from a receiver's position its texels may lie, in texels along an axis.
+    #[must_use]
+    pub fn footprint(&self) -> f64 {
+        // The lookup moves by the filter's bound at most.
+        let moved = if self.bias == Bias::Normal { self.reach.worst() } else { 0.0 };
+        self.reach.extent() + moved
+    }
+
     /// Whether a stored depth, over the `second` one below it, shadows the receiver of a tap.
     #[must_use]
     pub fn blocks(&self, tap: &Tap, stored: f32, second: Option<f32>) -> bool {
@@ -195,7 +212,8 @@ impl Rule {
             Bias::Constant => self.factor * self.steepest(1.0),
             Bias::Range => match self.space.spread() {
                 Spread::Parallel { .. } => self.factor * self.steepest(1.0),
-                // Casters are drawn with (1 − β)·stored, β = κ/(1 + κ): the receiver needs a part κ of its depth.
+                // Casters are drawn with (1 − β)·stored, β = κ/(1 + κ): the receiver needs a part κ of its
+                // depth.
                 Spread::Central { .. } => self.factor * self.steepest(tap.d),
             },
             Bias::Offset | Bias::Normal => 0.0,

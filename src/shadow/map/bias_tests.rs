@@ -125,8 +125,8 @@ fn bias_keeps_every_plane_lit_and_a_little_less_does_not() {
             Bias::Offset => steepest_plane(random),
             _ => any_plane(random),
         };
-        // A disk's points seldom lie on its rim; a central bias for all receivers also covers depth 1 and points
-        // beside the axis: less fails there.
+        // A disk's points seldom lie on its rim; a central bias for all receivers also covers depth 1 and
+        // points beside the axis: less fails there.
         let is_tight = parallel == 1 || !is_for_all_receivers(bias);
         let factor = if filter >= 6 {
             0.6

@@ -42,8 +42,8 @@ impl<'a> MapShadow<'a> {
     ///
     /// # Errors
     ///
-    /// [`MapError`] if the size is not 1 to 16384, the texels do not fit the memory, or [`Bias::Offset`] comes
-    /// with another depth than [`DepthSource::Interpolated`].
+    /// [`MapError`] if the size is not 1 to 16384, the texels do not fit the memory, or [`Bias::Offset`]
+    /// comes with another depth than [`DepthSource::Interpolated`].
     pub fn prepare(
         casters: &'a CasterGroup<'a>,
         lamp: &Lamp,
@@ -65,17 +65,25 @@ impl<'a> MapShadow<'a> {
     /// The filtered map at each front-lit sample.
     #[must_use]
     pub fn shade(&self, samples: &Samples) -> Visibility {
-        let view = match self.options.fit {
-            Fit::Scene => None,
-            Fit::View => self.scene.space().of_view(samples),
+        let views = self.of_view(samples);
+        Visibility::of(samples, &self.light, Claim::Approximate, |hit| {
+            let point = wide(hit.point);
+            views.iter().find(|drawn| drawn.holds(point)).unwrap_or(&self.scene).answer(hit)
+        })
+    }
+
+    /// The maps of the view, the finest first; that of the scene is for what they do not hold. A map that
+    /// does not fit the memory beside that of the scene is done without.
+    fn of_view(&self, samples: &Samples) -> Vec<Drawn> {
+        let spaces = match self.options.fit {
+            Fit::Scene => Vec::new(),
+            Fit::View => self.space().of_view(samples, self.options.cascades),
         };
-        // A map that does not fit the memory beside that of the scene is done without.
-        let of_view = view.and_then(|space| {
+        let draw = |space| {
             let rule = Self::rule(&self.options, &space);
             Drawn::draw(self.casters, &self.light, &self.options, space, rule).ok()
-        });
-        let drawn = of_view.as_ref().unwrap_or(&self.scene);
-        Visibility::of(samples, &self.light, Claim::Approximate, |hit| drawn.answer(hit))
+        };
+        spaces.into_iter().filter_map(draw).collect()
     }
 
     /// The space of the map of the scene.
@@ -130,6 +138,14 @@ impl Drawn {
         }
     }
 
+    /// Whether all texels that are read for a point lie on the map. With the first of several maps that holds
+    /// a point there is no seam between them, and nothing to blend.
+    pub(super) fn holds(&self, point: DVec3) -> bool {
+        let footprint = self.rule.footprint();
+        let inside = footprint..=f64::from(self.space().size()) - footprint;
+        self.space().at(point).is_some_and(|at| inside.contains(&at.tx) && inside.contains(&at.ty))
+    }
+
     /// The answer at a visible point.
     fn answer(&self, hit: &PrimaryHit) -> Answer {
         // A face of which rounding leaves no normal is edge-on to everything.
@@ -137,8 +153,8 @@ impl Drawn {
         self.answer_at(wide(hit.point), normal * f64::from(hit.side.value()))
     }
 
-    /// Part of the filter that is lit at a point of a plane whose unit normal points to the light's side. What
-    /// lies outside the map is lit.
+    /// Part of the filter that is lit at a point of a plane whose unit normal points to the light's side.
+    /// What lies outside the map is lit.
     fn answer_at(&self, point: DVec3, normal: DVec3) -> Answer {
         let space = self.space();
         let outside = Answer { is_outside: true, ..Answer::of(1.0) };

@@ -3,13 +3,12 @@
 use glam::{DVec3, DVec4};
 
 use super::clip::clip;
-use super::space::{CUBE, Frame, LightSpace, Spread, frame_of, wide};
+use super::space::{CUBE, LightSpace, Spread, frame_of, wide};
 use super::{MAX_SIZE, MapError};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::geom::predicate::{side_of_light, side_of_point};
 use crate::scene::Lamp;
-use crate::shadow::Samples;
 
 /// Texels left free around the scene, so that filters at its rim stay on the map.
 const PAD: u32 = 2;
@@ -72,7 +71,7 @@ pub(super) fn is_outside(corners: [DVec4; 3]) -> bool {
 }
 
 /// Side of the map over the side that the scene takes up.
-fn padding(size: u32) -> f64 {
+pub(super) fn padding(size: u32) -> f64 {
     let pad = PAD.min(size / 4);
     f64::from(size) / f64::from(size - 2 * pad)
 }
@@ -220,49 +219,4 @@ fn has_nothing_behind(face: [[f32; 3]; 3], light: &Light, casters: &CasterGroup<
             });
     });
     is_before
-}
-
-impl LightSpace {
-    /// The space around what a view may see, with the same rows and depth range; `None` if that is no smaller
-    /// than this one, or if this one is not parallel.
-    ///
-    /// Receivers bound the square, casters do not: the depth range is that of the whole scene, so that no
-    /// caster between the light and the square is lost, wherever the eye is. The square is around a sphere
-    /// that holds the visible part of the view's pyramid, and moves by whole texels of this space's origin:
-    /// turning and moving the camera neither scales nor shifts texels.
-    #[must_use]
-    pub fn of_view(&self, samples: &Samples) -> Option<Self> {
-        let Spread::Parallel { half: scene_half, lowest, range } = self.spread else { return None };
-        let projection = samples.projection();
-        let eye = wide(projection.eye);
-        let forward = wide(projection.forward);
-        let hits = samples.hits().iter().flatten();
-        let farthest = hits.fold(0.0_f64, |most, hit| most.max(forward.dot(wide(hit.point) - eye)));
-        let near = f64::from(projection.near);
-        if farthest <= near {
-            return None;
-        }
-        // The next half power of two, so that the radius is constant over most motions.
-        let far = (0.5 * (2.0 * farthest.log2()).ceil()).exp2();
-        let corners = projection.near_corners();
-        let center_of = |corners: [DVec3; 4]| corners.iter().sum::<DVec3>() / 4.0;
-        let ahead = corners.map(|corner| match projection.is_orthographic() {
-            true => corner + (far - near) * forward,
-            false => eye + (corner - eye) * (far / near),
-        });
-        let center = 0.5 * (center_of(corners) + center_of(ahead));
-        let radius = corners.iter().chain(&ahead).fold(0.0_f64, |most, p| most.max(p.distance(center)));
-        // Rounded up to 1/64, so that the rounding of the camera's rows does not scale the texels.
-        let unit = (radius.log2().floor() - 6.0).exp2();
-        let radius = (radius / unit).ceil() * unit;
-        let half = radius * padding(self.size);
-        if !(half.is_finite() && half < scene_half) {
-            return None;
-        }
-        let Frame { right, up, .. } = self.frames[0];
-        let texel = 2.0 * half / f64::from(self.size);
-        let whole = |row: DVec3| ((center - self.origin).dot(row) / texel).round() * texel * row;
-        let origin = self.origin + whole(right) + whole(up);
-        Some(Self { origin, spread: Spread::Parallel { half, lowest, range }, ..*self })
-    }
 }

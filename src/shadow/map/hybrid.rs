@@ -1,8 +1,8 @@
 //! A map where its texels agree, the exact ray cast elsewhere: the technique `hybrid-3x3`.
 //!
-//! (Eric Chan and Frédo Durand, *An Efficient Hybrid Shadow Rendering Algorithm*, EGSR 2004; Pradeep Sen, Mike
-//! Cammarano and Pat Hanrahan, *Shadow Silhouette Maps*, SIGGRAPH 2003.) What errs are occluders that fall
-//! between texel centers: their shadows are lost.
+//! (Eric Chan and Frédo Durand, *An Efficient Hybrid Shadow Rendering Algorithm*, EGSR 2004; Pradeep Sen,
+//! Mike Cammarano and Pat Hanrahan, *Shadow Silhouette Maps*, SIGGRAPH 2003.) What errs are occluders that
+//! fall between texel centers: their shadows are lost.
 
 use super::neighborhood::{Neighborhood, Seen};
 use super::options::ExactOptions;

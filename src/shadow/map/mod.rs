@@ -24,6 +24,7 @@ mod space;
 #[cfg(test)]
 mod tests;
 mod texel;
+mod view_fit;
 
 pub use bias::{Bias, Reach, Rule};
 pub use cpu::MapShadow;

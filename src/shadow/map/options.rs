@@ -33,6 +33,8 @@ pub struct MapOptions {
     pub size: u32,
     /// What the map covers.
     pub fit: Fit,
+    /// Number of slices of the view that have maps of their own with [`Fit::View`], 1 to 4.
+    pub cascades: u32,
     /// The bias.
     pub bias: Bias,
     /// Where the depth of a texel comes from. [`Bias::Offset`] needs [`DepthSource::Interpolated`].
@@ -67,6 +69,7 @@ impl MapOptions {
     pub const DEFAULT: Self = Self {
         size: SIZE,
         fit: Fit::Scene,
+        cascades: 1,
         bias: Bias::Receiver,
         depth: DepthSource::Plane,
         filter: Filter::Bilinear,
@@ -108,18 +111,26 @@ impl Default for ExactOptions {
 
 const SIZE_KEY: Key = Key { name: "size", takes: "a number from 1 to 16384" };
 const FIT_KEY: Key = Key { name: "fit", takes: "scene or view" };
+const CASCADES_KEY: Key = Key { name: "cascades", takes: "a number from 1 to 4" };
 const BIAS_KEY: Key =
     Key { name: "bias", takes: "receiver, texel, constant, offset, range, normal or second" };
 const DEPTH_KEY: Key = Key { name: "depth", takes: "plane or interpolated (with bias=offset: interpolated)" };
 
 impl Options for MapOptions {
-    const KEYS: &'static [Key] =
-        &[SIZE_KEY, FIT_KEY, BIAS_KEY, DEPTH_KEY, Key { name: "filter", takes: "nearest or bilinear" }];
+    const KEYS: &'static [Key] = &[
+        SIZE_KEY,
+        FIT_KEY,
+        CASCADES_KEY,
+        BIAS_KEY,
+        DEPTH_KEY,
+        Key { name: "filter", takes: "nearest or bilinear" },
+    ];
 
     fn get(&self, key: &str) -> String {
         match key {
             "size" => self.size.to_string(),
             "fit" => self.fit.name().to_owned(),
+            "cascades" => self.cascades.to_string(),
             "bias" => self.bias.to_string(),
             "depth" => self.depth.name().to_owned(),
             _ => self.filter.to_string(),
@@ -131,6 +142,7 @@ impl Options for MapOptions {
         match key {
             "size" => set_number(&mut self.size, value, 1..=MAX_SIZE),
             "fit" => choose(&mut self.fit, value, &[Fit::Scene, Fit::View], Fit::name),
+            "cascades" => set_number(&mut self.cascades, value, 1..=4),
             "bias" => {
                 let is_set = choose(&mut self.bias, value, &Bias::ALL, Bias::name);
                 if self.bias == Bias::Offset {
@@ -152,6 +164,7 @@ impl Options for PcfOptions {
     const KEYS: &'static [Key] = &[
         SIZE_KEY,
         FIT_KEY,
+        CASCADES_KEY,
         BIAS_KEY,
         DEPTH_KEY,
         Key { name: "kernel", takes: "box3, box5, tent3, tent5, poisson16 or poisson64" },
@@ -199,6 +212,7 @@ mod tests {
     fn options_of_maps_parse_and_print() {
         for (text, printed) in [
             ("map:size=77,fit=view,filter=nearest", "map:size=77,fit=view,filter=nearest"),
+            ("pcf:fit=view,cascades=3", "pcf:fit=view,cascades=3"),
             ("map:bias=texel,depth=interpolated", "map:bias=texel,depth=interpolated"),
             ("map:bias=offset", "map:bias=offset,depth=interpolated"), // what it needs
             ("map:size=1024,bias=receiver", "map"),
@@ -218,7 +232,7 @@ mod tests {
         let error = |text: &str| text.parse::<Technique>().unwrap_err().to_string();
         assert_eq!(
             error("map:kernel=box3"),
-            "`map` has no option `kernel`; it has size, fit, bias, depth, filter"
+            "`map` has no option `kernel`; it has size, fit, cascades, bias, depth, filter"
         );
         for size in ["0", "16385", "-3", "1e3", "", "99999999999999"] {
             let expected = format!("map-ids:size={size}: `{size}` is not a number from 1 to 16384");

@@ -302,13 +302,85 @@ fn map_fitted_to_the_view_keeps_casters_behind_the_eye_and_is_finer() {
     let [of_scene, of_view] = ["map:size=128", "map:size=128,fit=view"].map(errors);
     assert!(of_view * 4 < of_scene && of_view * 25 < dark as u64, "{of_view} and {of_scene} of {dark}");
     // What lies outside the map is lit.
-    let space = LightSpace::of_scene(&casters, &sun, 128).unwrap().of_view(&samples).unwrap();
+    let space = LightSpace::of_scene(&casters, &sun, 128).unwrap().of_view(&samples, 1)[0];
     let rule = Rule::new(Bias::Receiver, Filter::Bilinear.reach(), DepthSource::Plane, &space);
     let drawn = Drawn::draw(&casters, sun.light(), &MapOptions::DEFAULT, space, rule).unwrap();
     for p in [[30.0, 0.0, -3.0], [0.0, -30.0, -3.0], [1e30, 0.0, 0.0]] {
         assert_eq!(drawn.value_at(DVec3::from(p), DVec3::Z), 1.0);
     }
     assert_eq!(drawn.value_at(DVec3::new(0.0, 0.0, -3.0), DVec3::Z), 0.0);
+}
+
+/// Cascades: finer where the view is near, and no seam between them in what is dark or lit throughout.
+#[test]
+fn map_cascades_have_no_seam_and_are_finer_near_the_eye() {
+    // A lattice of plates over a long floor, and a roof over half of it that shades all below.
+    let floor = shapes::translated(&shapes::scaled(&shapes::sheet(1), 96.0), [-48.0, -8.0, -3.0]);
+    let roof = shapes::translated(&shapes::scaled(&shapes::sheet(1), 90.0), [-90.0, -8.0, 6.0]);
+    let mut meshes = vec![floor, roof];
+    for k in 0..12_u16 {
+        let plate = shapes::scaled(&shapes::sheet(1), 1.5);
+        meshes.push(shapes::translated(&plate, [1.5, 5.0 * f32::from(k), 0.0]));
+    }
+    let caster = Caster::new(Mesh::concat(&meshes).unwrap());
+    let casters = CasterGroup::new(vec![&caster]);
+    let sun = lamp("directional:0.01,0.02,-1");
+    let samples = view(&casters, [0.5, -4.0, -1.0], [0.5, 20.0, -3.0]);
+    let request = Request { casters: &casters, lamp: &sun, samples: &samples };
+    let truth = Truth::of(&request);
+    let wrong = |text: &str| {
+        let technique: Technique = text.parse().unwrap();
+        Errors::of(&request, &technique.shade(&request).unwrap(), &truth, &Made::default()).wrong
+    };
+    let [scene, one, three] =
+        ["", ",fit=view", ",fit=view,cascades=3"].map(|fit| wrong(&format!("map:size=96{fit}")));
+    assert!(4 * three < 3 * scene && three < one, "{scene} {one} {three}");
+    let mut naive = 0;
+    let is_below = |[x, y, z]: [f32; 3]| x < -8.0 && (-3.0..70.0).contains(&y) && z < -2.0;
+    for filter in [Filter::Bilinear, Filter::Box5, Filter::Poisson16] {
+        for bias in [Bias::Receiver, Bias::Normal] {
+            let options = MapOptions { size: 96, filter, bias, ..MapOptions::DEFAULT };
+            let scene = drawn(&casters, &sun, &options);
+            let maps: Vec<Drawn> = (scene.space().of_view(&samples, 3).into_iter())
+                .map(|space| {
+                    let rule = Rule::new(bias, filter.reach(), options.depth, &space);
+                    Drawn::draw(&casters, sun.light(), &options, space, rule).unwrap()
+                })
+                .collect();
+            assert!(maps.len() >= 2, "{}", maps.len());
+            assert!(maps.windows(2).all(|pair| texel(&pair[0]) < texel(&pair[1])));
+            // Seen points, and points of the floor along the borders of the squares.
+            let mut points: Vec<DVec3> = samples.hits().iter().flatten().map(|hit| wide(hit.point)).collect();
+            for map in &maps {
+                let plane = map.space().plane(0, DVec3::Z, DVec3::new(0.0, 0.0, -3.0));
+                for k in 0..600_u16 {
+                    let (across, along) = (0.005 * f64::from(k), f64::from(k % 96) + 0.3);
+                    for [tx, ty] in
+                        [[across, along], [96.0 - across, along], [along, across], [along, 96.0 - across]]
+                    {
+                        points.push(map.space().point(0, tx, ty, plane.at(tx, ty)));
+                    }
+                }
+            }
+            let mut checked = 0;
+            for p in points.into_iter().filter(|p| is_below(p.as_vec3().into())) {
+                let up = DVec3::Z;
+                let map = maps.iter().find(|map| map.holds(p)).unwrap_or(&scene);
+                assert_eq!(map.value_at(p, up), 0.0, "{filter} {bias} {p}");
+                checked += 1;
+                // The sabotage: the first map on which the position lies, whatever its filter reads.
+                let at = |map: &&Drawn| map.space().at(p).is_some_and(|at| map.space().shows(&at));
+                let map = maps.iter().find(at).unwrap_or(&scene);
+                naive += u32::from(map.value_at(p, up) > 0.0);
+            }
+            assert!(checked > 200, "{filter} {bias} {checked}");
+        }
+    }
+    assert!(naive > 5, "{naive}");
+}
+
+fn texel(map: &Drawn) -> f64 {
+    map.space().texel_world(DVec3::ZERO)
 }
 
 /// The camera moves by a third of a texel: no verdict of a point changes.
@@ -323,7 +395,7 @@ fn map_fitted_to_the_view_is_stable_under_motion_of_the_camera() {
     let sun = lamp("directional:0.4,0.3,-1");
     let scene = LightSpace::of_scene(&casters, &sun, 256).unwrap();
     let first = view(&casters, [1.0, -2.0, 2.0], [0.0, 0.0, -2.0]);
-    let space = scene.of_view(&first).unwrap();
+    let space = scene.of_view(&first, 1)[0];
     let texel = space.texel_world(DVec3::ZERO);
     let draw = |space| {
         let rule = Rule::new(Bias::Receiver, Filter::Bilinear.reach(), DepthSource::Plane, &space);
@@ -345,7 +417,7 @@ fn map_fitted_to_the_view_is_stable_under_motion_of_the_camera() {
     for step in 1..=6_u16 {
         let by = (f64::from(step) * texel / 3.0) as f32;
         let moved = view(&casters, [1.0 + by, -2.0, 2.0], [by, 0.0, -2.0]);
-        let space = scene.of_view(&moved).unwrap();
+        let space = scene.of_view(&moved, 1)[0];
         assert_eq!(space.spread(), still.space().spread());
         moved_maps += usize::from(space.origin() != still.space().origin());
         assert_eq!(differing(&draw(space)), 0, "{step}");

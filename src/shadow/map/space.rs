@@ -226,8 +226,8 @@ impl LightSpace {
     }
 
     /// The constant K of the penumbra law: a blocker at depth `b` over a receiver at depth `r` has a penumbra
-    /// of half-width `K·(b − r)` texels. `extent` is the half-size of a light at the origin, in mesh units, or
-    /// the tangent of half the angle that a directional light takes up.
+    /// of half-width `K·(b − r)` texels. `extent` is the half-size of a light at the origin, in mesh units,
+    /// or the tangent of half the angle that a directional light takes up.
     #[must_use]
     pub fn penumbra_scale(&self, extent: f64) -> f64 {
         match self.spread {

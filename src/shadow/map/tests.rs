@@ -307,8 +307,9 @@ fn raster_equals_the_exact_ray_cast_through_texel_centers() {
 
 #[test]
 fn raster_of_a_light_on_a_face_or_inside_the_mesh_loses_no_other_face() {
-    // A light inside a closed shape: every texel of all six layers is covered. (An even side: no center lies in
-    // a plane of the axes, where a face that nearly contains the light covers a center by its snapping alone.)
+    // A light inside a closed shape: every texel of all six layers is covered. (An even side: no center lies
+    // in a plane of the axes, where a face that nearly contains the light covers a center by its snapping
+    // alone.)
     for (mesh, at) in [
         (shapes::icosphere(2), "point:0.2,-0.3,0.1"),
         (shapes::cube(), "point:0.999999,0.1,0.2"), // as near to a face as it gets

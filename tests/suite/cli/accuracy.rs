@@ -185,16 +185,44 @@ fn accuracy_svg_is_well_formed_and_no_text_runs_over_another() {
         // Methods without wrong answers have hollow marks.
         let hollow = svg.matches("stroke:currentColor").count();
         assert!(hollow >= 2 * (methods - 2) && hollow <= 2 * methods, "{hollow}");
-        let texts = texts(&svg);
-        for (i, (x, y, size, text)) in texts.iter().enumerate() {
-            let width = |size: f64, text: &str| 0.5 * size * text.chars().count() as f64;
-            assert!(*x >= 0.0 && x + width(*size, text) <= 760.0, "{text}");
-            for (other_x, other_y, other_size, other) in &texts[..i] {
-                let beside = *x >= other_x + width(*other_size, other) || *other_x >= x + width(*size, text);
-                assert!(beside || (y - other_y).abs() >= size.min(*other_size), "{text} over {other}");
-            }
+        assert_no_text_runs_over_another(&svg);
+    }
+}
+
+fn assert_no_text_runs_over_another(svg: &str) {
+    let texts = texts(svg);
+    for (i, (x, y, size, text)) in texts.iter().enumerate() {
+        let width = |size: f64, text: &str| 0.5 * size * text.chars().count() as f64;
+        assert!(*x >= 0.0 && x + width(*size, text) <= 760.0, "{text}");
+        for (other_x, other_y, other_size, other) in &texts[..i] {
+            let beside = *x >= other_x + width(*other_size, other) || *other_x >= x + width(*size, text);
+            assert!(beside || (y - other_y).abs() >= size.min(*other_size), "{text} over {other}");
         }
     }
+}
+
+#[test]
+fn accuracy_of_shadows_page_is_one_file_with_every_technique_beside_the_truth() {
+    let folder = folder();
+    fs::copy(folder.path("torus.obj"), folder.path("a<b>&.obj")).unwrap();
+    let techniques = "--shadow rays --shadow samples:n=4 --shadow none --rounds 1 --html a.html";
+    let view = "--ground --light point:2,3,5,radius=0.5 --size 64x48";
+    let run = folder.run(&format!("accuracy shadow a<b>&.obj {view} {techniques}"));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let page = fs::read_to_string(folder.path("a.html")).unwrap();
+    assert!(
+        page.starts_with("<!DOCTYPE html>") && page.contains("a&lt;b&gt;&amp;.obj") && !page.contains("a<b>")
+    );
+    assert_eq!(page.matches("<section class=\"technique\">").count(), 3);
+    // The truth; of each row a picture and its errors, and three enlarged regions.
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 1 + 3 * (2 + 3));
+    assert!(!page.contains("src=\"http") && !page.contains("href=") && !page.contains("@import"));
+    assert_eq!(page.matches("<svg").count(), 2);
+    // Sabotage of the table: no light at all has the largest mean error, and says so.
+    let cells: Vec<&str> = page.split("<td>samples:n=4</td>").nth(1).unwrap().split("<td").take(12).collect();
+    assert!(cells.iter().any(|cell| cell.contains("data-value=\"0.0")), "{cells:?}");
+    // Other questions have no such page.
+    assert_eq!(folder.code("accuracy facing torus.obj --html a.html"), 2);
 }
 
 #[test]
@@ -288,6 +316,7 @@ fn accuracy_of_shadows_is_drawn_for_each_light_with_a_mark_for_each_row() {
     assert_eq!(folder.code(&format!("accuracy shadow torus.obj {asked}")), 0);
     let svg = fs::read_to_string(folder.path("a.svg")).unwrap();
     assert!(well_formed(&svg));
+    assert_no_text_runs_over_another(&svg);
     let rows = fs::read_to_string(folder.path("a.csv")).unwrap().lines().count() - 1;
     assert_eq!(svg.matches("<title>").count(), rows);
     assert_eq!(svg.matches("Error against time: shadows of one light").count(), 2);

@@ -6,11 +6,11 @@ use umbrage::scene::Lamp;
 use umbrage::shadow::Claim;
 
 use super::pictures::{self, Pictures, RowPictures};
-use super::{Measured, panels, words};
+use super::{Measured, panels, text, words};
 use crate::cli::accuracy::chart;
 use crate::cli::chart::number as grouped;
 use crate::cli::lights;
-use crate::cli::output::{plain, significant};
+use crate::cli::output::plain;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -94,17 +94,17 @@ fn truth(found: &ShadowAccuracy) -> String {
 fn verdict(found: &ShadowAccuracy) -> String {
     let cheapest = |rows: &mut dyn Iterator<Item = &ShadowRow>| {
         rows.min_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median))
-            .map(|row| (panels::label(row), milliseconds(row.frame_ms.median)))
+            .map(|row| (panels::label(row), text::milliseconds(row.frame_ms.median)))
     };
     let is_right = |row: &&ShadowRow| match row.errors.has_fractions {
         true => row.errors.max <= panels::FLOOR,
         false => row.errors.wrong == 0,
     };
     match cheapest(&mut found.rows.iter().filter(is_right)) {
-        None => format!("{} techniques, and none is right at every sample", found.rows.len()),
+        None => format!("{} rows, and none is right at every sample", found.rows.len()),
         Some((name, ms)) => {
             format!(
-                "{} techniques: the fastest that is right at every sample is {name}, {ms} ms a frame",
+                "{} rows: the fastest that is right at every sample is {name}, {ms} ms a frame",
                 found.rows.len()
             )
         }
@@ -112,7 +112,7 @@ fn verdict(found: &ShadowAccuracy) -> String {
 }
 
 fn milliseconds(ms: f64) -> String {
-    format!("{ms:.3}")
+    format!("{ms:.2}")
 }
 
 fn table(found: &ShadowAccuracy) -> Markup {
@@ -174,6 +174,14 @@ fn cell(value: Option<f64>, text: impl Fn(f64) -> String) -> Markup {
 
 fn error(value: f64) -> String {
     if value == 0.0 { "0".to_owned() } else { format!("{value:.5}") }
+}
+
+/// A mean error in a sentence.
+fn brief(value: f64) -> String {
+    match value {
+        x if x < 5e-5 => "less than 0.0001".to_owned(),
+        x => format!("{x:.4}"),
+    }
 }
 
 /// The section of one technique.
@@ -246,13 +254,13 @@ fn went_wrong(row: &ShadowRow) -> String {
     if errors.has_fractions {
         let penumbra = errors
             .penumbra_mean
-            .map_or(String::new(), |mean| format!(" and by {} inside penumbrae", significant(mean)));
+            .map_or(String::new(), |mean| format!(" and by {} inside penumbrae", brief(mean)));
         let sign = match errors.mean_signed {
             x if x > 0.0 => ", on the whole too light",
             x if x < 0.0 => ", on the whole too dark",
             _ => "",
         };
-        return format!("Here it errs by {} on average{penumbra}{sign}{claim}.", significant(errors.mean));
+        return format!("Here it errs by {} on average{penumbra}{sign}.", brief(errors.mean));
     }
     if errors.wrong == 0 {
         return format!("Here it is right at all {} judged samples{claim}.", grouped(errors.judged as f64));

@@ -27,10 +27,16 @@ pub(super) fn error_against_time(of_file: &Measured, found: &ShadowAccuracy) -> 
 /// A chart of one lamp: error against what is held in memory.
 pub(super) fn error_against_memory(of_file: &Measured, found: &ShadowAccuracy) -> Panel {
     let titles = ["KiB for the light and the visibility", error_title(found)];
-    panel(of_file, found, "Error against memory: shadows of one light", titles, |row| {
+    let mut panel = panel(of_file, found, "Error against memory: shadows of one light", titles, |row| {
         let kib = row.bytes as f64 / 1024.0;
         (Spread { median: kib, min: kib, max: kib }, "KiB")
-    })
+    });
+    // Rows know what dominates them in time.
+    let costs: Vec<(f64, f64)> = panel.entries.iter().map(|entry| (entry.cost.median, entry.error)).collect();
+    for (entry, own) in panel.entries.iter_mut().zip(&costs) {
+        entry.dominated = costs.iter().any(|other| other.0 <= own.0 && other.1 <= own.1 && other != own);
+    }
+    panel
 }
 
 fn error_title(found: &ShadowAccuracy) -> &'static str {
@@ -67,7 +73,8 @@ fn entry(row: &ShadowRow, (cost, unit): (Spread, &'static str)) -> Entry {
     let tally = Tally { queries: samples, ties: excused, judged, wrong };
     let (said, error, is_hollow) = match has_fractions {
         true => {
-            let said = format!("{} {unit}, mean error {}", significant(cost.median), significant(mean));
+            let error = if mean <= FLOOR { "below 0.00001".to_owned() } else { significant(mean) };
+            let said = format!("{} {unit}, mean error {error}", significant(cost.median));
             (said, mean.max(FLOOR), mean <= FLOOR)
         }
         false => (chart::said(cost.median, unit, &tally), chart::height(&tally), wrong == 0),

@@ -24,7 +24,7 @@ fn percent(part: u64, of: u64) -> String {
     }
 }
 
-fn milliseconds(ms: f64) -> String {
+pub(super) fn milliseconds(ms: f64) -> String {
     let decimals = if ms < 10.0 { 2 } else { usize::from(ms < 100.0) };
     format!("{ms:.decimals$}")
 }

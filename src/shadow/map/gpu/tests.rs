@@ -75,8 +75,14 @@ fn map_on_a_device_shades_as_that_of_the_cpu() {
         let map = pass.draw(&on_device, &space).unwrap();
         for bias in [Bias::Receiver, Bias::Texel] {
             for filter in [Filter::Nearest, Filter::Bilinear, Filter::Box3, Filter::Tent5] {
-                let options =
-                    MapOptions { size: SIZE, fit: Fit::Scene, bias, depth: DepthSource::Plane, filter };
+                let options = MapOptions {
+                    size: SIZE,
+                    fit: Fit::Scene,
+                    cascades: 1,
+                    bias,
+                    depth: DepthSource::Plane,
+                    filter,
+                };
                 let cpu = MapShadow::prepare(&casters, &lamp, &options).unwrap().shade(&samples);
                 let values =
                     pass.visibility(&drawn, &map, Lookup { filter, bias }).unwrap().download(&gpu).unwrap();

@@ -107,11 +107,8 @@ impl Receiver<'_> {
     /// nothing.
     fn agreed(&mut self) -> Option<f64> {
         let half = self.search(self.k_box);
-        let [low, high] = self.limits();
-        let is_beyond = (0..2)
-            .any(|axis| self.at[axis] - half[axis] < low as f64 || self.at[axis] + half[axis] > high as f64);
         let window = Window { at: self.at, half, is_round: false };
-        if is_beyond || !window.is_whole() {
+        if window.is_beyond(self.limits()) || !window.is_whole() {
             return None;
         }
         let (mut blocked, mut open) = (false, false);

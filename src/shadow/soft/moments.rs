@@ -11,7 +11,7 @@ use super::sums::Sums;
 use super::{SoftMapOptions, SoftShadow, Taps};
 use crate::caster::CasterGroup;
 use crate::scene::Lamp;
-use crate::shadow::map::{MapError, Spread, wide};
+use crate::shadow::map::{MapError, Spread};
 use crate::shadow::{Claim, Samples, Visibility};
 
 /// Least variance: rounding and the slope within a texel.
@@ -25,34 +25,38 @@ const MOVED: f64 = 1e-3;
 #[derive(Debug)]
 struct Moments<'a, const N: usize> {
     map: LightMap<'a>,
-    depth: Linear,
-    sums: Vec<Sums<N>>,
+    layers: Vec<(Linear, Sums<N>)>,
 }
 
-/// Linear depth, 0 near the light and 1 farthest. Reversed depth crowds at 0, where variance would vanish.
+/// Linear depth of one layer: 0 at its nearest texel, 1 at its farthest. Reversed depth crowds at 0, where
+/// variance would vanish.
 #[derive(Clone, Copy, Debug)]
 struct Linear {
-    spread: Spread,
-    /// Distance from the light's origin that linear depth 1 stands for.
+    is_parallel: bool,
+    nearest: f64,
     farthest: f64,
 }
 
 impl Linear {
-    fn of(map: &LightMap<'_>) -> Self {
-        let bounds = map.casters.bounds();
-        let away = |p: [f32; 3]| wide(p) - map.space().origin();
-        let (low, high) = (away(bounds.low).abs(), away(bounds.high).abs());
-        Self { spread: map.space().spread(), farthest: low.max(high).length() }
+    fn of(spread: Spread, texels: &[f32]) -> Self {
+        let drawn = || texels.iter().filter(|d| **d > 0.0).map(|&d| f64::from(d));
+        let (least, most) = (drawn().fold(f64::INFINITY, f64::min), drawn().fold(0.0, f64::max));
+        let is_parallel = matches!(spread, Spread::Parallel { .. });
+        let distance = |d| distance(is_parallel, d);
+        Self { is_parallel, nearest: distance(most), farthest: distance(least) }
     }
 
     /// Of a reversed depth; 1 where nothing is stored.
     fn at(&self, d: f64) -> f64 {
-        let depth = match self.spread {
-            Spread::Parallel { .. } => 1.0 - d,
-            Spread::Central { near, .. } => (near / d - near) / (self.farthest - near).max(near),
-        };
+        let depth = (distance(self.is_parallel, d) - self.nearest) / (self.farthest - self.nearest);
+        // A layer without texels, or with a single depth: nothing lies before anything.
         if depth.is_nan() { 1.0 } else { depth.clamp(0.0, 1.0) }
     }
+}
+
+/// A distance from the light, in some unit.
+fn distance(is_parallel: bool, d: f64) -> f64 {
+    if is_parallel { -d } else { 1.0 / d }
 }
 
 fn moments<'a, const N: usize>(
@@ -64,22 +68,30 @@ where
     Moments<'a, N>: SoftShadow,
 {
     let map = LightMap::prepare(casters, lamp, options.size)?;
-    let (depth, space) = (Linear::of(&map), *map.space());
+    let space = *map.space();
     let side = options.size as usize;
-    let error = |bytes| MapError::Memory { size: options.size, layers: space.layers(), bytes };
-    let powers = |d: f32| {
-        let z = depth.at(f64::from(d));
-        let mut power = 1.0;
-        [(); N].map(|()| {
-            power *= z;
-            power
+    let layer = |texels: &[f32]| {
+        let depth = Linear::of(space.spread(), texels);
+        // Where nothing is stored, nothing lies before the farthest.
+        let at = |d: f32| if d > 0.0 { depth.at(f64::from(d)) } else { 1.0 };
+        let sums = Sums::of(side, space.layers(), |index| powers(at(texels[index])));
+        sums.map(|sums| (depth, sums)).map_err(|bytes| MapError::Memory {
+            size: options.size,
+            layers: space.layers(),
+            bytes,
         })
     };
-    let layers = map.map.texels().chunks_exact(side * side);
-    let sums: Result<Vec<_>, _> = layers
-        .map(|texels| Sums::of(side, space.layers(), |index| powers(texels[index])).map_err(error))
-        .collect();
-    Ok(Box::new(Moments::<N> { depth, sums: sums?, map }))
+    let layers = map.map.texels().chunks_exact(side * side).map(layer).collect::<Result<_, _>>()?;
+    Ok(Box::new(Moments::<N> { layers, map }))
+}
+
+/// z, z² and so on.
+fn powers<const N: usize>(z: f64) -> [f64; N] {
+    let mut power = 1.0;
+    [(); N].map(|()| {
+        power *= z;
+        power
+    })
 }
 
 pub(in crate::shadow) fn vsm<'a>(
@@ -102,9 +114,9 @@ impl<const N: usize> Moments<'_, N> {
     fn value(&self, receiver: &mut Receiver<'_>, lit: impl Fn([f64; N], f64) -> f64) -> f64 {
         let Some(half) = receiver.penumbra(Taps::All) else { return 1.0 };
         // Beyond the rim of a cube's layer the window ends.
-        let mean = self.sums[receiver.layer].mean(receiver.at, half);
+        let (depth, sums) = &self.layers[receiver.layer];
         receiver.reads += 4;
-        lit(mean, self.depth.at(receiver.d))
+        lit(sums.mean(receiver.at, half), depth.at(receiver.d))
     }
 }
 
@@ -116,7 +128,7 @@ impl SoftShadow for Moments<'_, 2> {
     }
 
     fn bytes(&self) -> usize {
-        self.map.bytes() + self.sums.iter().map(Sums::bytes).sum::<usize>()
+        self.map.bytes() + self.layers.iter().map(|(_, sums)| sums.bytes()).sum::<usize>()
     }
 
     fn texel_world(&self) -> f64 {
@@ -132,7 +144,7 @@ impl SoftShadow for Moments<'_, 4> {
     }
 
     fn bytes(&self) -> usize {
-        self.map.bytes() + self.sums.iter().map(Sums::bytes).sum::<usize>()
+        self.map.bytes() + self.layers.iter().map(|(_, sums)| sums.bytes()).sum::<usize>()
     }
 
     fn texel_world(&self) -> f64 {

@@ -64,7 +64,11 @@ impl Receiver<'_> {
     pub(super) fn filtered(&mut self, blockers: Taps, taps: Taps) -> f64 {
         match self.penumbra(blockers) {
             None => 1.0,
-            Some(half) => 1.0 - self.gather(half, taps).share,
+            Some(half) => {
+                let found = self.gather(half, taps);
+                // The areas of all texels add up to 1 but for rounding.
+                if found.is_whole { 0.0 } else { 1.0 - found.share }
+            }
         }
     }
 
@@ -78,18 +82,22 @@ impl Receiver<'_> {
 
     /// The blockers in a window around the receiver.
     fn gather(&mut self, half: [f64; 2], taps: Taps) -> Blockers {
-        let (mut share, mut depth) = (0.0, 0.0);
-        let mut add = |weight: f64, blocker: f64| {
-            share += weight;
-            depth += weight * blocker;
+        let (mut share, mut depth, mut is_whole) = (0.0, 0.0, true);
+        let mut add = |weight: f64, blocker: Option<f64>| match blocker {
+            Some(blocker) => {
+                share += weight;
+                depth += weight * blocker;
+            }
+            None => is_whole = false,
         };
         match taps {
             Taps::All => {
                 let window = Window { at: self.at, half, is_round: self.is_round };
-                let area = window.area();
-                window.for_each_texel(self.limits(), |i, j, part| {
-                    self.blocker(i, j).into_iter().for_each(|depth| add(part / area, depth));
-                });
+                let (area, limits) = (window.area(), self.limits());
+                window.for_each_texel(limits, |i, j, part| add(part / area, self.blocker(i, j)));
+                if window.is_beyond(limits) {
+                    add(0.0, None);
+                }
             }
             Taps::Some(count) => {
                 let [low, high] = self.limits();
@@ -99,15 +107,14 @@ impl Receiver<'_> {
                     let even = r2(index);
                     let [x, y] = [0, 1].map(|axis| 2.0 * (even[axis] + shift[axis]).fract() - 1.0);
                     let [x, y] = if self.is_round { concentric(x, y) } else { [x, y] };
-                    let [i, j] =
-                        [self.at[0] + half[0] * x, self.at[1] + half[1] * y].map(|t| t.floor() as i64);
-                    if (low..high).contains(&i) && (low..high).contains(&j) {
-                        self.blocker(i, j).into_iter().for_each(|d| add(1.0 / f64::from(count), d));
-                    }
+                    let at = [self.at[0] + half[0] * x, self.at[1] + half[1] * y];
+                    let [i, j] = at.map(|t| t.floor() as i64);
+                    let is_within = [i, j].iter().all(|t| (low..high).contains(t));
+                    add(1.0 / f64::from(count), is_within.then(|| self.blocker(i, j)).flatten());
                 }
             }
         }
-        Blockers { share, depth }
+        Blockers { share, depth, is_whole }
     }
 }
 
@@ -118,4 +125,6 @@ struct Blockers {
     share: f64,
     /// Their depths, each times its part.
     depth: f64,
+    /// Whether nothing in the window is open.
+    is_whole: bool,
 }

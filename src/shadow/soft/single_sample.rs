@@ -6,8 +6,9 @@
 //! light point leaves is found where an occluder is smaller than the lamp, and corners are too dark.
 //!
 //! `literal=yes` is the transcription of A. Schiltknecht (*Ombres douces en temps réel*, 2009), taken word for
-//! word. Its profile has its light inside the shadow, its widths mix texels with depths, and an inner point
-//! asks the lit surface found instead of the blocker above it.
+//! word, but for its comparison without a bias, which would fill most pictures with acne. Its profile has its
+//! light inside the shadow, its widths mix texels with depths, and an inner point asks the lit surface found
+//! instead of the blocker above it.
 
 use super::light_map::{LightMap, Receiver};
 use super::offsets::offsets;
@@ -78,21 +79,18 @@ impl Receiver<'_> {
         const R_BIAS: f64 = 1.0;
         const R_FACT: f64 = 0.5;
         const STEP: f64 = 1.0;
-        // Without a bias, and against the depth of the point itself.
-        let d = self.d;
         let [column, row] = self.at.map(|t| t.floor() as i64);
-        let Some(own) = self.depth(column, row) else { return 1.0 };
-        let is_inner = own > d;
-        let r_max = R_SCALE * (1.0 - d).abs() + R_BIAS;
+        let Some((_, is_inner)) = self.look(column, row) else { return 1.0 };
+        let r_max = R_SCALE * (1.0 - self.d).abs() + R_BIAS;
         let mut r = STEP;
         while r <= r_max {
             let ring = |distance: f32| (f64::from(distance) - r).abs() < 0.5 * STEP;
             let near = offsets().iter().take_while(|offset| f64::from(offset.distance) < r + STEP);
             for offset in near.filter(|offset| ring(offset.distance)) {
-                let found = self.depth(column + i64::from(offset.i), row + i64::from(offset.j));
-                let Some(found) = found.filter(|&found| (found > d) != is_inner) else { continue };
+                let found = self.look(column + i64::from(offset.i), row + i64::from(offset.j));
+                let Some((found, _)) = found.filter(|(_, blocks)| *blocks != is_inner) else { continue };
                 // Texels over a difference of depths: far above 1 but for the nearest of contacts.
-                let part = (f64::from(offset.distance) / (r_max * (found - d).abs())).clamp(0.0, 1.0);
+                let part = (f64::from(offset.distance) / (r_max * (found - self.d).abs())).clamp(0.0, 1.0);
                 return if is_inner { R_FACT * part } else { 1.0 - R_FACT * part };
             }
             r += STEP;

@@ -24,6 +24,13 @@ impl Window {
         self.half.iter().all(|half| 2.0 * half + 2.0 <= f64::from(MOST_STRIPS))
     }
 
+    /// Whether a part of it lies beyond the limits.
+    pub(super) fn is_beyond(&self, [low, high]: [i64; 2]) -> bool {
+        (0..2).any(|axis| {
+            self.at[axis] - self.half[axis] < low as f64 || self.at[axis] + self.half[axis] > high as f64
+        })
+    }
+
     /// Calls `visit` with column, row and area of each texel within the limits. Without limits the areas add
     /// up to that of the window.
     pub(super) fn for_each_texel(&self, limits: [i64; 2], mut visit: impl FnMut(i64, i64, f64)) {

@@ -25,7 +25,7 @@ use crate::shadow::stencil::StencilMethod;
 /// assert_eq!("zfail".parse(), Ok(Technique::ZFail));
 /// assert_eq!("samples:n=16".parse::<Technique>()?.to_string(), "samples:n=16");
 /// assert_eq!(Technique::Rays.to_string(), "rays");
-/// assert_eq!("msm".parse::<Technique>().unwrap_err().to_string(), "not built yet: msm");
+/// assert_eq!("blob".parse::<Technique>().unwrap_err().to_string(), "not built yet: blob");
 /// # Ok::<(), umbrage::shadow::TechniqueError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

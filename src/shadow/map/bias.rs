@@ -71,10 +71,10 @@ impl Reach {
 #[non_exhaustive]
 pub enum Bias {
     /// The bound on the receiver's own plane.
-    #[default]
     Receiver,
     /// The receiver's plane at each texel's center, and half a texel of slack for faces that are smaller than
     /// a texel (John Isidoro, *Shadow Mapping: GPU-based Tips and Techniques*, GDC 2006).
+    #[default]
     Texel,
     /// One number for all receivers: the bound of a plane that meets the light at 76°.
     Constant,

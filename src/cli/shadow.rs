@@ -10,8 +10,8 @@ use super::Failure;
 /// How shadows are found.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ShadowArgs {
-    /// How shadows are found: `auto`, `rays`, `stencil`, `zfail`, `zpass`, `none` or `dark`; for one light
-    /// `LAMP=TECHNIQUE`, by its name or its number from 1; may be repeated
+    /// How shadows are found: `auto`, or a technique, with options as in `pcf:size=512,kernel=tent5`; for one
+    /// light `LAMP=TECHNIQUE`, by its name or its number from 1; may be repeated
     ///
     /// `rays`: exact ray cast. `stencil`: a stencil pass on a graphics adapter, z-pass for each shell for
     /// which it is proven right, else z-fail; `zfail`: right everywhere; `zpass`: wrong where the eye is in a
@@ -19,7 +19,10 @@ pub(crate) struct ShadowArgs {
     /// there is an adapter, else `rays`; also `rays` if another light asks for it. For example: --shadow
     /// zfail --shadow 2=none.
     ///
-    /// Soft shadows of a light with an extent: `samples` (exact rays to many points of it), `soft-hybrid` (the
+    /// Hard shadows on the CPU from a shadow map: `map`, `pcf` (filtered), `map-ids` (with an exact test of the
+    /// faces), `hybrid-3x3` (an exact ray where its texels differ).
+    ///
+    /// Soft shadows of a light with an extent: `area` (the visible fraction, analytic), `samples` (exact rays to many points of it), `soft-hybrid` (the
     /// same where a shadow map is not sure), and from maps alone `pcss`, `single-sample`, `vsm`, `msm`; from
     /// silhouettes `penumbra-map` and `smoothies`; blurred in the picture `contact-blur`.
     #[arg(long, visible_alias = "method", value_name = "[LAMP=]TECHNIQUE", default_value = "auto")]

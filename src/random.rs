@@ -38,9 +38,9 @@ impl SplitMix64 {
     }
 }
 
-/// The element `index` of a sequence that fills the unit square evenly: the additive recurrence of the plastic
-/// number, beginning at the center (Martin Roberts, *The Unreasonable Effectiveness of Quasirandom Sequences*,
-/// 2018). Error of a mean over `n` elements: about `n^(−3/4)` for the area of a shape.
+/// The element `index` of a sequence that fills the unit square evenly: the additive recurrence of the
+/// plastic number, beginning at the center (Martin Roberts, *The Unreasonable Effectiveness of Quasirandom
+/// Sequences*, 2018). Error of a mean over `n` elements: about `n^(−3/4)` for the area of a shape.
 pub(crate) fn r2(index: u32) -> [f64; 2] {
     const PLASTIC: f64 = 1.324_717_957_244_746;
     [PLASTIC, PLASTIC * PLASTIC].map(|base| (0.5 + f64::from(index) / base).fract())

@@ -19,12 +19,13 @@ pub(crate) struct ShadowArgs {
     /// there is an adapter, else `rays`; also `rays` if another light asks for it. For example: --shadow
     /// zfail --shadow 2=none.
     ///
-    /// Hard shadows on the CPU from a shadow map: `map`, `pcf` (filtered), `map-ids` (with an exact test of the
-    /// faces), `hybrid-3x3` (an exact ray where its texels differ).
+    /// Hard shadows on the CPU from a shadow map: `map`, `pcf` (filtered), `map-ids` (with an exact test of
+    /// the faces), `hybrid-3x3` (an exact ray where its texels differ).
     ///
-    /// Soft shadows of a light with an extent: `area` (the visible fraction, analytic), `samples` (exact rays to many points of it), `soft-hybrid` (the
-    /// same where a shadow map is not sure), and from maps alone `pcss`, `single-sample`, `vsm`, `msm`; from
-    /// silhouettes `penumbra-map` and `smoothies`; blurred in the picture `contact-blur`.
+    /// Soft shadows of a light with an extent: `area` (the visible fraction, analytic), `samples` (exact rays
+    /// to many points of it), `soft-hybrid` (the same where a shadow map is not sure), and from maps alone
+    /// `pcss`, `single-sample`, `vsm`, `msm`; from silhouettes `penumbra-map` and `smoothies`; blurred in the
+    /// picture `contact-blur`.
     #[arg(long, visible_alias = "method", value_name = "[LAMP=]TECHNIQUE", default_value = "auto")]
     shadow: Vec<Asked>,
 }

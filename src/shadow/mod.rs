@@ -1,8 +1,9 @@
 //! Shadows: one contract for every technique, one module per technique.
 //!
-//! A [`Technique`] answers a [`Request`]: how much of a lamp's light reaches each visible point ([`Samples`]), as a
-//! [`Visibility`] with a [`Claim`]. [`Technique::ALL`] lists the built techniques. Measurements, pictures and
-//! tests iterate this list, so that every new technique is measured, rendered and compared with the truth.
+//! A [`Technique`] answers a [`Request`]: how much of a lamp's light reaches each visible point
+//! ([`Samples`]), as a [`Visibility`] with a [`Claim`]. [`Technique::ALL`] lists the built techniques.
+//! Measurements, pictures and tests iterate this list, so that every new technique is measured, rendered and
+//! compared with the truth.
 //!
 //! ```
 //! use umbrage::caster::{Caster, CasterGroup};

@@ -4,8 +4,8 @@
 //! footprint of the technique that drew it. A judged sample is wrong if its value and the truth lie on
 //! different sides of one half. The kind of a wrong sample depends on its surroundings. Outside a shadow map
 //! nothing could be known. If the exact verdict changes within two texels of a map, measured on the plane of
-//! the sample's face, the error is aliasing, dark or lit. Otherwise a false shadow is acne, and false light is
-//! a leak. Techniques without texels have no aliasing.
+//! the sample's face, the error is aliasing, dark or lit. Otherwise a false shadow is acne, and false light
+//! is a leak. Techniques without texels have no aliasing.
 //!
 //! Soft shadows, of a lamp with an extent: the truth is the fraction of the lamp that a sample sees. Every
 //! front-lit sample outside the footprint is judged, and the magnitude of its error counts. A technique for

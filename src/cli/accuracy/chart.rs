@@ -160,8 +160,8 @@ fn panel(svg: &mut Svg, top: f64, panel: &Panel) {
     for spot in &spots {
         draw(svg, spot);
     }
-    // What nothing dominates is labeled first. Lines to labels come before the labels, lest one cross the text
-    // of another.
+    // What nothing dominates is labeled first. Lines to labels come before the labels, lest one cross the
+    // text of another.
     let room = [top + TOP, top + panel.bottom()];
     let mut order: Vec<&Spot<'_>> = spots.iter().collect();
     order.sort_by_key(|spot| spot.entry.dominated);
@@ -197,8 +197,8 @@ fn draw(svg: &mut Svg, spot: &Spot<'_>) {
     ));
 }
 
-/// The text beside a mark: a name in bold, and below it what was measured; where many marks crowd a panel, what
-/// is dominated has its name alone.
+/// The text beside a mark: a name in bold, and below it what was measured; where many marks crowd a panel,
+/// what is dominated has its name alone.
 struct Label {
     name: String,
     said: Option<String>,

@@ -1,15 +1,16 @@
 //! The boundary of everything that hides part of a light, seen from a receiver.
 //!
 //! Every face that the receiver does not see edge-on is turned so that its projection onto the light runs
-//! counter-clockwise. The faces cover a light point at least as often as 0 times, and how often is the winding
-//! number of their boundaries, added up. Edges between two faces cancel, so that only outlines are left.
+//! counter-clockwise. The faces cover a light point at least as often as 0 times, and how often is the
+//! winding number of their boundaries, added up. Edges between two faces cancel, so that only outlines are
+//! left.
 //!
-//! Nothing is clipped at the sides of the pyramid. Every edge is taken whole, with its projection moved to the
-//! nearest point of the light's square: u < 0 to u = 0, and so on. This map is continuous, so that each face's
-//! boundary stays closed and winds around every point inside the square as often as before, and both faces of
-//! an edge, cut or not, agree about it bit by bit. Two planes cut. At γ = 1, where the light is, faces end,
-//! and the cut is part of the boundary. At γ = 0, across the receiver, projections go to infinity: there the cut
-//! runs around the square, and the exact side of the face says which way.
+//! Nothing is clipped at the sides of the pyramid. Every edge is taken whole, with its projection moved to
+//! the nearest point of the light's square: u < 0 to u = 0, and so on. This map is continuous, so that each
+//! face's boundary stays closed and winds around every point inside the square as often as before, and both
+//! faces of an edge, cut or not, agree about it bit by bit. Two planes cut. At γ = 1, where the light is,
+//! faces end, and the cut is part of the boundary. At γ = 0, across the receiver, projections go to infinity:
+//! there the cut runs around the square, and the exact side of the face says which way.
 
 use hashbrown::HashTable;
 use hashbrown::hash_table::Entry;
@@ -103,8 +104,8 @@ impl Chain {
         if some & NEAR != 0 {
             let [left, back] = crossed(corners, codes, NEAR)
                 .map(|[x, y]| cut_at_receiver(&pyramid.place(x), &pyramid.place(y)).b > 0.0);
-            // The cut keeps the square on its left. From above to below it passes u = 0 on its way down, which
-            // adds 1 right of there; from below to above it passes u = 1.
+            // The cut keeps the square on its left. From above to below it passes u = 0 on its way down,
+            // which adds 1 right of there; from below to above it passes u = 1.
             self.at_left += i32::from(left && !back);
         }
     }

@@ -77,10 +77,10 @@ impl<'a> Form<'a> {
 
     /// Along r(t), x = side·cos t and y = sin t: the integral of n·(r × r′)/|r|².
     ///
-    /// Sixteen points of Gauss on pieces that are short against their distance. The integrand has no pole where
-    /// |r(t) − r(middle)| < (√2 − 1)·|r(middle)|. With half a piece at most 0.4 and at most a sixth of that
-    /// distance over the speed, a pole is more than twice as far as the ends: the rule is off by less than 4⁻³²
-    /// of the integral.
+    /// Sixteen points of Gauss on pieces that are short against their distance. The integrand has no pole
+    /// where |r(t) − r(middle)| < (√2 − 1)·|r(middle)|. With half a piece at most 0.4 and at most a sixth of
+    /// that distance over the speed, a pole is more than twice as far as the ends: the rule is off by less
+    /// than 4⁻³² of the integral.
     fn arc(&self, side: f64, ends: [f64; 2]) -> f64 {
         let center = self.on_disk([0.0, 0.0]);
         let (u, v) = (0.5 * side * self.pyramid.frame.e1, 0.5 * self.pyramid.frame.e2);

@@ -8,8 +8,8 @@ use crate::geom::predicate::{Homogeneous, Sign, directions_turn, side_of_point};
 /// Half an ulp of 1: the largest relative error of one rounding.
 pub(super) const EPSILON: f64 = f64::EPSILON / 2.0;
 
-/// The points `anchor` + `offset` + u·`e1` + v·`e2`, u and v from 0 to 1. At infinity these are directions, and
-/// the anchor is 0.
+/// The points `anchor` + `offset` + u·`e1` + v·`e2`, u and v from 0 to 1. At infinity these are directions,
+/// and the anchor is 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
     pub(super) anchor: [f32; 3],

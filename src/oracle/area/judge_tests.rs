@@ -1,5 +1,5 @@
-//! The fraction against exact rays, on meshes with holes, seams, sheets in one another and edges of many faces,
-//! and faults of the chain that the rays catch.
+//! The fraction against exact rays, on meshes with holes, seams, sheets in one another and edges of many
+//! faces, and faults of the chain that the rays catch.
 
 use super::fault::{Fault, Faults};
 use super::*;

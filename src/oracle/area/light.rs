@@ -1,5 +1,5 @@
-//! Lights with an extent: a parallelogram, a planar polygon, a disk, a disk that faces the receiver, a round or
-//! straight-sided patch of the sky.
+//! Lights with an extent: a parallelogram, a planar polygon, a disk, a disk that faces the receiver, a round
+//! or straight-sided patch of the sky.
 
 use glam::DVec3;
 

@@ -1,11 +1,11 @@
-//! How much of a light with an extent a point sees: the analytic fraction, with its error bound, and a judge by
-//! exact rays beside it.
+//! How much of a light with an extent a point sees: the analytic fraction, with its error bound, and a judge
+//! by exact rays beside it.
 //!
-//! The outline of everything between the receiver and the light is projected onto the light (`chain.rs`), and a
-//! sweep measures what it winds around (`sweep.rs`, `measure.rs`, `form.rs`). A point of the light is hidden if
-//! and only if the winding number around it is not 0, for any mesh: open, non-manifold, with duplicate faces.
-//! Sides of faces are exact, so that faces seen edge-on, and those of which the receiver is a corner, hide
-//! nothing. [`SoftOracle::sampled`] shares no code with this but the sign of a determinant.
+//! The outline of everything between the receiver and the light is projected onto the light (`chain.rs`), and
+//! a sweep measures what it winds around (`sweep.rs`, `measure.rs`, `form.rs`). A point of the light is
+//! hidden if and only if the winding number around it is not 0, for any mesh: open, non-manifold, with
+//! duplicate faces. Sides of faces are exact, so that faces seen edge-on, and those of which the receiver is
+//! a corner, hide nothing. [`SoftOracle::sampled`] shares no code with this but the sign of a determinant.
 
 mod batch;
 mod chain;
@@ -162,12 +162,12 @@ impl<'a> SoftOracle<'a> {
         size_of_val(&*self.corners)
     }
 
-    /// How much of `light` is visible from a point, and with a normal also how strongly it lights the surface.
-    /// `None` if nothing can be told: the point lies exactly in the plane of the light, where the light has no
-    /// extent, or is the center of a disk that faces its receiver, or is not finite.
+    /// How much of `light` is visible from a point, and with a normal also how strongly it lights the
+    /// surface. `None` if nothing can be told: the point lies exactly in the plane of the light, where the
+    /// light has no extent, or is the center of a disk that faces its receiver, or is not finite.
     ///
-    /// Cost: about 0.2 µs if no face is near the pyramid between point and light, otherwise about 5 µs, and 0.2 µs
-    /// per face of the answer.
+    /// Cost: about 0.2 µs if no face is near the pyramid between point and light, otherwise about 5 µs, and
+    /// 0.2 µs per face of the answer.
     #[must_use]
     pub fn visible(&self, receiver: impl Into<Receiver>, light: &AreaLight) -> Option<Visible> {
         self.visible_with(receiver.into(), light, &mut Scratch::default())

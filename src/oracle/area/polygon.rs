@@ -7,10 +7,10 @@ const ON_A_LINE: AreaLightError = AreaLightError::NoArea("its corners lie on one
 
 /// The bounding rectangle in the polygon's plane, and the corners in its coordinates.
 ///
-/// The plane goes through three corners: the first one, a; the corner b farthest from it; the corner c farthest
-/// from the line ab. Every corner is a + s(b − a) + t(c − a) with |t| ≤ 1 and |s| ≤ 2. Corners that were
-/// rounded to `f32` lie within √3·2⁻²⁴·M of a true plane, M the largest coordinate, so none lies farther than
-/// (1 + |1 − s − t| + |s| + |t|)·√3·2⁻²⁴·M < 2⁻²⁰·M from that of a, b and c.
+/// The plane goes through three corners: the first one, a; the corner b farthest from it; the corner c
+/// farthest from the line ab. Every corner is a + s(b − a) + t(c − a) with |t| ≤ 1 and |s| ≤ 2. Corners that
+/// were rounded to `f32` lie within √3·2⁻²⁴·M of a true plane, M the largest coordinate, so none lies farther
+/// than (1 + |1 − s − t| + |s| + |t|)·√3·2⁻²⁴·M < 2⁻²⁰·M from that of a, b and c.
 pub(super) fn planar(corners: &[[f32; 3]]) -> Result<(Frame, Vec<[f64; 2]>), AreaLightError> {
     let Some(&a) = corners.first() else { return Err(ON_A_LINE) };
     let from_a = |&x: &[f32; 3]| wide(x) - wide(a);

@@ -1,11 +1,12 @@
 //! The pyramid of a receiver and a light, in coordinates in which it is a unit square seen from the origin.
 //!
-//! With d from the receiver P to the corner of the light, x − P = α·e1 + β·e2 + γ·d. The segment from P through x
-//! meets the light's plane at u = α/γ, v = β/γ; γ = 1 is that plane, γ = 0 the parallel one through P. The
-//! coordinates are linear in x: the rows of a 3 × 3 inverse. For a light at infinity γ ≤ 1 is left out.
+//! With d from the receiver P to the corner of the light, x − P = α·e1 + β·e2 + γ·d. The segment from P
+//! through x meets the light's plane at u = α/γ, v = β/γ; γ = 1 is that plane, γ = 0 the parallel one through
+//! P. The coordinates are linear in x: the rows of a 3 × 3 inverse. For a light at infinity γ ≤ 1 is left
+//! out.
 //!
-//! Nothing here overflows: coordinates are `f32`, so that products of three stay within 2^±450, and the ratios of
-//! such products within the range of `f64` too.
+//! Nothing here overflows: coordinates are `f32`, so that products of three stay within 2^±450, and the
+//! ratios of such products within the range of `f64` too.
 
 use glam::DVec3;
 
@@ -56,10 +57,10 @@ impl Pyramid {
     /// `reach` bounds |x − p| for every corner x of a face.
     ///
     /// Error of the coordinates, with ε the rounding unit. Entries of e1, e2 and d err by at most 2ε of their
-    /// bounds, a cross product by 6ε of its terms, the determinant D by ρ|D|, ρ = 16ε times its terms over |D|. A
-    /// row entry errs by (8ε + ρ) of its terms over |D|, and a coordinate, a dot product with x − P that is
-    /// rounded once, by (13ε + ρ) of its terms, times 1/(1 − ρ). Interpolation between two points adds 6ε, the
-    /// division by γ another ε. 24ε + 2ρ bounds it all if ρ ≤ ¼.
+    /// bounds, a cross product by 6ε of its terms, the determinant D by ρ|D|, ρ = 16ε times its terms over
+    /// |D|. A row entry errs by (8ε + ρ) of its terms over |D|, and a coordinate, a dot product with x − P
+    /// that is rounded once, by (13ε + ρ) of its terms, times 1/(1 − ρ). Interpolation between two points
+    /// adds 6ε, the division by γ another ε. 24ε + 2ρ bounds it all if ρ ≤ ¼.
     #[inline(always)]
     pub(super) fn new(frame: Frame, p: [f32; 3], reach: [f64; 3]) -> Result<Self, Flat> {
         let side_of_p = frame.side(p);
@@ -143,8 +144,8 @@ impl Pyramid {
 
     /// How large an area may belong to faces that were left out as outside of a side by less than rounding.
     ///
-    /// In the pyramid |x − P| is at most γ(|e1| + |e2| + |d|), axis by axis, which bounds the terms over γ. Each
-    /// of four sides is 1 long.
+    /// In the pyramid |x − P| is at most γ(|e1| + |e2| + |d|), axis by axis, which bounds the terms over γ.
+    /// Each of four sides is 1 long.
     #[inline]
     pub(super) fn least_error(&self) -> f64 {
         let size = self.frame.e1.abs() + self.frame.e2.abs() + self.d.abs();

@@ -18,8 +18,8 @@ pub struct Sampled {
     pub rays: u32,
 }
 
-/// Groups of rays with shifts of their own: the points of one group depend on each other, so that only the spread
-/// of groups tells an error.
+/// Groups of rays with shifts of their own: the points of one group depend on each other, so that only the
+/// spread of groups tells an error.
 const GROUPS: u32 = 4;
 
 impl SoftOracle<'_> {

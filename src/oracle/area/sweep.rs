@@ -1,8 +1,8 @@
 //! A sweep over the unit square: what is covered, cut into trapezoids.
 //!
-//! Events are the ends of all edges. Between two neighboring events every active edge spans the slab; the edges
-//! are sorted by u in the middle, and where two neighbors have another order at the lower or upper end, the slab
-//! is divided at their crossing. From left to right, winding numbers are added up.
+//! Events are the ends of all edges. Between two neighboring events every active edge spans the slab; the
+//! edges are sorted by u in the middle, and where two neighbors have another order at the lower or upper end,
+//! the slab is divided at their crossing. From left to right, winding numbers are added up.
 
 use super::fault::{Fault, Faults};
 use super::frame::EPSILON;
@@ -192,8 +192,8 @@ impl Sweep {
         }
     }
 
-    /// The lowest height strictly within a slab at which two neighbors cross. A crossing that rounds to an end
-    /// is as close to it as ε: the area between the two lines beyond it is less than that.
+    /// The lowest height strictly within a slab at which two neighbors cross. A crossing that rounds to an
+    /// end is as close to it as ε: the area between the two lines beyond it is less than that.
     fn crossing(&mut self, v: [f64; 2]) -> Option<f64> {
         let mut lowest = f64::INFINITY;
         for pair in self.active.windows(2) {
@@ -211,8 +211,8 @@ impl Sweep {
     }
 }
 
-/// From left to right, by the middle. Spans are nearly in order from the slab before, so that each moves by a few
-/// places; where that is not so, a sort that does not depend on it takes over.
+/// From left to right, by the middle. Spans are nearly in order from the slab before, so that each moves by a
+/// few places; where that is not so, a sort that does not depend on it takes over.
 fn sort(spans: &mut [Span]) {
     let before = |a: &Span, b: &Span| {
         let middle = |span: &Span| span.u[0] + span.u[1];

@@ -24,8 +24,8 @@ impl<'a> LampArea<'a> {
         Self { oracle, light: *lamp.light(), soft }
     }
 
-    /// The fraction at every front-lit sample, exact within [`Visible::bound`] and the rounding to `f32`. A lamp
-    /// without extent, or of which nothing can be told, is its center; a grazing ray counts as lit.
+    /// The fraction at every front-lit sample, exact within [`Visible::bound`] and the rounding to `f32`. A
+    /// lamp without extent, or of which nothing can be told, is its center; a grazing ray counts as lit.
     pub(in crate::shadow) fn shade(&self, samples: &Samples) -> Visibility {
         let points = front_lit(samples, &self.light);
         let found = self.fractions(&points);

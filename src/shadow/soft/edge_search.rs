@@ -1,9 +1,9 @@
 //! The nearest change between blocked and open texels, in half-widths of its penumbra.
 //!
-//! The search is that of single-sample soft shadows. It gives the *darkest* answer: of all changes the one that
-//! is least far in terms of its own width. Tiles of the map are left out by their least and greatest depth: by
-//! the penumbra law a tile at a distance of g texels matters only if something in it lies above the receiver's
-//! plane by more than g/K.
+//! The search is that of single-sample soft shadows. It gives the *darkest* answer: of all changes the one
+//! that is least far in terms of its own width. Tiles of the map are left out by their least and greatest
+//! depth: by the penumbra law a tile at a distance of g texels matters only if something in it lies above the
+//! receiver's plane by more than g/K.
 
 use super::light_map::Receiver;
 use super::offsets::FARTHEST;

@@ -8,8 +8,8 @@ use crate::shadow::map::{LightSpace, Spread, wide};
 
 /// Edges per leaf.
 const LEAF: usize = 4;
-/// The part of the near distance at which edges are cut off before the light. Nothing that casts within the map
-/// is nearer than all of it.
+/// The part of the near distance at which edges are cut off before the light. Nothing that casts within the
+/// map is nearer than all of it.
 const NEAREST: f64 = 0.5;
 
 /// The exact silhouette of all casters, in each layer of a map.
@@ -53,9 +53,9 @@ impl Edges {
         self.layers.iter().map(of_tree).sum()
     }
 
-    /// The least distance from the receiver to an edge above its plane, over the penumbra's half-width of that
-    /// edge; at most 1. `width` is the width along the wider axis, of a depth and its height above the plane;
-    /// it grows with both.
+    /// The least distance from the receiver to an edge above its plane, over the penumbra's half-width of
+    /// that edge; at most 1. `width` is the width along the wider axis, of a depth and its height above the
+    /// plane; it grows with both.
     pub(super) fn nearest(&self, receiver: &Receiver<'_>, width: impl Fn(f64, f64) -> f64) -> f64 {
         let query = Query::of(receiver);
         self.layers[receiver.layer].nearest(&query, &width)

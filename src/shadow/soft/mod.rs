@@ -1,7 +1,7 @@
 //! Soft shadows: how much of a lamp with extent reaches each sample.
 //!
-//! The techniques that read a shadow map share one law: a blocker of stored depth `b` over a receiver of depth
-//! `r` has a penumbra of half-width `K·(b − r)` texels, whatever the slope of the receiver
+//! The techniques that read a shadow map share one law: a blocker of stored depth `b` over a receiver of
+//! depth `r` has a penumbra of half-width `K·(b − r)` texels, whatever the slope of the receiver
 //! ([`LightSpace::penumbra_scale`](super::map::LightSpace::penumbra_scale)). No radius is tuned. Without an
 //! extent K is 0, and these techniques are hard shadow maps with a bilinear filter.
 

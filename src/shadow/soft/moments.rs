@@ -1,10 +1,10 @@
 //! Filtered moments of depth: the techniques `vsm` and `msm`.
 //!
 //! (William Donnelly and Andrew Lauritzen, *Variance Shadow Maps*, I3D 2006; Christoph Peters and Reinhard
-//! Klein, *Moment Shadow Mapping*, I3D 2015.) Two or four moments of the depths under the penumbra's window bound
-//! the part of it that lies before the receiver. Where there are two depths the bound is exact; where there are
-//! more, light leaks. The width is that of `pcss` with all blockers, and does not grow the cost of the filter:
-//! sums over boxes come from a summed-area table.
+//! Klein, *Moment Shadow Mapping*, I3D 2015.) Two or four moments of the depths under the penumbra's window
+//! bound the part of it that lies before the receiver. Where there are two depths the bound is exact; where
+//! there are more, light leaks. The width is that of `pcss` with all blockers, and does not grow the cost of
+//! the filter: sums over boxes come from a summed-area table.
 
 use super::light_map::{LightMap, Receiver};
 use super::sums::Sums;
@@ -16,7 +16,8 @@ use crate::shadow::{Claim, Samples, Visibility};
 
 /// Least variance: rounding and the slope within a texel.
 const LEAST_VARIANCE: f64 = 1e-7;
-/// Part of the moments that is replaced by those of the two ends of the range, so that rounding does not invert them.
+/// Part of the moments that is replaced by those of the two ends of the range, so that rounding does not
+/// invert them.
 const MIXED: f64 = 3e-5;
 /// By how much a receiver is moved towards the light, of the range of depths.
 const MOVED: f64 = 1e-3;

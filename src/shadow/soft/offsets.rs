@@ -2,9 +2,9 @@
 
 use std::sync::OnceLock;
 
-/// The farthest that a search goes, in texels. A penumbra that is wider on one side ends there: the value stays
-/// on its side of one half, and jumps by less than a half. (A map of 1024 texels has penumbrae this wide under a
-/// lamp as large as a quarter of the scene.)
+/// The farthest that a search goes, in texels. A penumbra that is wider on one side ends there: the value
+/// stays on its side of one half, and jumps by less than a half. (A map of 1024 texels has penumbrae this
+/// wide under a lamp as large as a quarter of the scene.)
 pub(super) const FARTHEST: f64 = 128.0;
 
 /// A texel relative to another one.

@@ -1,8 +1,8 @@
 //! Percentage-closer soft shadows: the technique `pcss`.
 //!
-//! (Randima Fernando, *Percentage-Closer Soft Shadows*, SIGGRAPH sketches 2005.) The mean depth of the blockers
-//! in a search window gives the width of the penumbra, and with it the window of the filter. What errs:
-//! blockers at different depths over one receiver are averaged into one.
+//! (Randima Fernando, *Percentage-Closer Soft Shadows*, SIGGRAPH sketches 2005.) The mean depth of the
+//! blockers in a search window gives the width of the penumbra, and with it the window of the filter. What
+//! errs: blockers at different depths over one receiver are averaged into one.
 
 use super::light_map::{LightMap, Receiver};
 use super::window::Window;

@@ -1,14 +1,15 @@
 //! Penumbrae of exact silhouette edges: the techniques `penumbra-map` and `smoothies`.
 //!
-//! (Chris Wyman and Charles Hansen, *Penumbra Maps*, EGSR 2003; Eric Chan and Frédo Durand, *Rendering Fake Soft
-//! Shadows with Smoothies*, EGSR 2003.) The hard shadow is exact. Outside it the nearest edge counts, in
-//! half-widths of its penumbra: by the penumbra law for `penumbra-map`; for `smoothies` from one width that all
-//! edges have in the map. That width is right for edges of mean depth. No picture of the edges is drawn: each
-//! sample asks the edges themselves.
+//! (Chris Wyman and Charles Hansen, *Penumbra Maps*, EGSR 2003; Eric Chan and Frédo Durand, *Rendering Fake
+//! Soft Shadows with Smoothies*, EGSR 2003.) The hard shadow is exact. Outside it the nearest edge counts, in
+//! half-widths of its penumbra: by the penumbra law for `penumbra-map`; for `smoothies` from one width that
+//! all edges have in the map. That width is right for edges of mean depth. No picture of the edges is drawn:
+//! each sample asks the edges themselves.
 //!
-//! As published (`profile=full`) light grows from 0 at the hard edge to 1, and the umbra stays as large as the
-//! hard shadow. With `profile=half` it grows from one half, and inside the hard shadow the map gives the other
-//! half, as `single-sample` does. (Edges inside a shadow are hidden from the light: they do not brighten it.)
+//! As published (`profile=full`) light grows from 0 at the hard edge to 1, and the umbra stays as large as
+//! the hard shadow. With `profile=half` it grows from one half, and inside the hard shadow the map gives the
+//! other half, as `single-sample` does. (Edges inside a shadow are hidden from the light: they do not
+//! brighten it.)
 
 use super::edges::Edges;
 use super::light_map::{LightMap, Receiver};
@@ -85,8 +86,8 @@ impl Silhouettes<'_> {
     }
 }
 
-/// The inner half of the penumbra, at a point in the hard shadow. An open texel there says that an edge passes
-/// within a texel.
+/// The inner half of the penumbra, at a point in the hard shadow. An open texel there says that an edge
+/// passes within a texel.
 fn inner(receiver: &mut Receiver<'_>) -> f64 {
     match receiver.own_texel() {
         Some((depth, true)) if receiver.k[0] > 0.0 => {
@@ -120,7 +121,8 @@ mod tests {
     fn silhouettes_equal_the_visible_part_of_an_aligned_half_plane() {
         for name in ["penumbra-map", "smoothies"] {
             let technique = format!("{name}:size=256");
-            // Outside the hard shadow without any map: to rounding, where all edges that matter are at one depth.
+            // Outside the hard shadow without any map: to rounding, where all edges that matter are at one
+            // depth.
             let square = values(&technique, SQUARE, 0.0);
             let is_exact = name == "penumbra-map";
             let outer: Vec<_> = square.iter().copied().filter(|(x, _)| *x > 1e-3).collect();

@@ -1,14 +1,14 @@
 //! Single-sample soft shadows: the technique `single-sample`.
 //!
-//! (Stefan Brabec and Hans-Peter Seidel, *Single Sample Soft Shadows using Depth Maps*, Graphics Interface 2002,
-//! after Parker, Shirley and Smits 1998.) The distance to the nearest change between blocked and open texels
-//! gives the visible part of the lamp, inside the hard shadow and outside it. What errs: an umbra that no
-//! light point leaves is found where an occluder is smaller than the lamp, and corners are too dark.
+//! (Stefan Brabec and Hans-Peter Seidel, *Single Sample Soft Shadows using Depth Maps*, Graphics Interface
+//! 2002, after Parker, Shirley and Smits 1998.) The distance to the nearest change between blocked and open
+//! texels gives the visible part of the lamp, inside the hard shadow and outside it. What errs: an umbra that
+//! no light point leaves is found where an occluder is smaller than the lamp, and corners are too dark.
 //!
-//! `literal=yes` is the transcription of A. Schiltknecht (*Ombres douces en temps réel*, 2009), taken word for
-//! word, but for its comparison without a bias, which would fill most pictures with acne. Its profile has its
-//! light inside the shadow, its widths mix texels with depths, and an inner point asks the lit surface found
-//! instead of the blocker above it.
+//! `literal=yes` is the transcription of A. Schiltknecht (*Ombres douces en temps réel*, 2009), taken word
+//! for word, but for its comparison without a bias, which would fill most pictures with acne. Its profile has
+//! its light inside the shadow, its widths mix texels with depths, and an inner point asks the lit surface
+//! found instead of the blocker above it.
 
 use super::light_map::{LightMap, Receiver};
 use super::offsets::offsets;

@@ -52,8 +52,8 @@ fn on_layer(layer: u32, q: vec3f) -> vec4f {
     return vec4f(x, y, (z - light.lowest) * light.per_range, 1.0);
 }
 
-// The depth on the plane through q; 0, infinitely far, where the plane contains the direction to the light and
-// covers nothing.
+// The depth on the plane through q; 0, infinitely far, where the plane contains the direction to the light
+// and covers nothing.
 fn depth_plane(layer: u32, normal: vec3f, q: vec3f) -> vec3f {
     let r = dot(normal, light.right[layer].xyz);
     let u = dot(normal, light.up[layer].xyz);

@@ -176,10 +176,13 @@ fn error(value: f64) -> String {
     if value == 0.0 { "0".to_owned() } else { format!("{value:.5}") }
 }
 
+/// What four decimals show as 0.
+const NEGLIGIBLE: f64 = 5e-5;
+
 /// A mean error in a sentence.
 fn brief(value: f64) -> String {
     match value {
-        x if x < 5e-5 => "less than 0.0001".to_owned(),
+        x if x < NEGLIGIBLE => "less than 0.0001".to_owned(),
         x => format!("{x:.4}"),
     }
 }
@@ -256,6 +259,7 @@ fn went_wrong(row: &ShadowRow) -> String {
             .penumbra_mean
             .map_or(String::new(), |mean| format!(" and by {} inside penumbrae", brief(mean)));
         let sign = match errors.mean_signed {
+            _ if errors.mean < NEGLIGIBLE => "",
             x if x > 0.0 => ", on the whole too light",
             x if x < 0.0 => ", on the whole too dark",
             _ => "",

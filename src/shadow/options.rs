@@ -24,7 +24,7 @@ pub(crate) trait Options: Copy + Default {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Refusal {
     Key,
-    /// The key does not take this value, but what is told here.
+    /// The key does not take this value. Holds the text of the values that it takes.
     Value(&'static str),
 }
 

@@ -186,7 +186,8 @@ fn area_fraction_of_coordinates_at_the_end_of_the_range() {
 }
 
 /// Points around a mesh, half of them at its vertices, and lights of three sizes: the answers that differ from
-/// those of rays by more than six times the error of rays, and of sixteen times as many, the points in penumbra, and the largest difference.
+/// those of rays by more than six times the error of rays, and of sixteen times as many, the points in
+/// penumbra, and the largest difference.
 fn disagreements(mesh: &Mesh, points: usize, rays: u32) -> (usize, usize, f64) {
     let soft = SoftOracle::build(mesh);
     let bounds = soft.oracle().bounds();
@@ -249,7 +250,7 @@ fn area_fraction_of_real_meshes_agrees_with_rays() {
 }
 
 #[test]
-#[ignore = "minutes: 2^17 rays a point"]
+#[ignore = "minutes: 2^17 rays a point; cargo test --release --test suite area_fraction_of_all -- --ignored"]
 fn area_fraction_of_all_real_meshes_agrees_with_many_rays() {
     let Some(folder) = real_meshes() else { return };
     let mut all = 0;

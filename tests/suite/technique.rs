@@ -83,7 +83,7 @@ fn technique_claims_hold_on_every_scene() {
 }
 
 /// The analytic fraction and the mean of exact rays share nothing but predicates: near to each other, and the
-/// nearer the more rays there are. A lamp of another size is told apart.
+/// nearer the more rays there are. Sabotage: a truth about the lamp's center alone is far from both.
 #[test]
 fn technique_of_many_rays_comes_near_to_the_analytic_fraction() {
     let size = Size::new(24, 18).unwrap();

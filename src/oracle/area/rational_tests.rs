@@ -1,4 +1,4 @@
-//! The fraction and its bound against whole numbers of any length, on small random scenes.
+//! The fraction and its bound against rational arithmetic with big integers, on small random scenes.
 //!
 //! The reference unites triangles, where the oracle sums up edges: each face is clipped to the pyramid in
 //! homogeneous integers, and the area of the union is found between all heights at which anything happens.

@@ -114,7 +114,8 @@ fn space_of_a_scene_holds_the_scene_and_its_near_distance_lies_before_every_cast
             }
         }
     }
-    // A ground far larger than what stands on it does not make texels larger; below another one it does.
+    // A large ground with nothing behind it leaves the texels as they are; with a second ground behind it the
+    // map covers the first ground, and texels grow.
     let half = |meshes: &[Mesh]| {
         let caster = Caster::new(Mesh::concat(meshes).unwrap());
         let casters = CasterGroup::new(vec![&caster]);

@@ -7,8 +7,8 @@ pub(super) const TILE: usize = 8;
 /// Cells along each side of a box that are looked at.
 const SPAN: i64 = 4;
 
-/// Most that a depth grows when it is told in terms of another layer, one layer's side beyond its rim: the
-/// axis there is three times as far from the direction.
+/// Bound of the ratio between a point's depths in two neighboring layers of a cube, up to one layer's side
+/// beyond the rim.
 const MOST_RATIO: f64 = 3.0;
 
 /// Least and greatest depth of a square of texels.

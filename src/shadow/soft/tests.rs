@@ -130,7 +130,7 @@ fn pcss_width_doubles_with_the_map_and_the_lamp_and_is_that_of_the_geometry() {
     let lamps = [SQUARE, "rect:-2,-2,4:4,0,0:0,4,0", "rect:-1,-1,4:1,1,0:1,-1,0", SUN];
     let [(once, world), (_, twice), (_, turned), (_, sun)] = lamps.map(|lamp| width(lamp, 256));
     assert!((world - 1.0).abs() < 1e-3 && (twice - 2.0).abs() < 2e-3 && (sun - 1.0).abs() < 1e-2);
-    // A square that stands on its corner has the mean squares of the upright one with half-size 1/√2.
+    // A square rotated by 45° has the mean squares, along each axis, of an upright square of half-size 1/√2.
     assert!((turned - 0.5_f64.sqrt()).abs() < 1e-3, "{turned}");
     assert!((width(SQUARE, 512).0 - 2.0 * once).abs() < 1e-2);
 }

@@ -120,7 +120,7 @@ impl Measured {
     }
 }
 
-/// What is told of verdicts; nothing where magnitudes count.
+/// A count of wrong samples as text; a dash for soft shadows, whose errors are magnitudes.
 fn verdicts(errors: &Errors, text: impl Fn() -> String) -> String {
     if errors.is_soft { "-".to_owned() } else { text() }
 }

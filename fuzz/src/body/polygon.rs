@@ -43,7 +43,15 @@ impl Placed {
 }
 
 pub(crate) fn run(data: &[u8]) {
-    judge(&drawn(&mut Bytes::new(data)), cut);
+    let mut bytes = Bytes::new(data);
+    let polygon = drawn(&mut bytes);
+    judge(&polygon, cut);
+    judge_sides(&uneven(&polygon, &mut bytes), cut);
+}
+
+/// The corners of a polygon at heights of their own: corners that are one along an axis are two in space.
+pub(crate) fn uneven(polygon: &Polygon, draw: &mut impl Draw) -> Vec<[f32; 3]> {
+    polygon.corners.iter().map(|&[x, y]| [x as f32, y as f32, draw.below(2) as f32]).collect()
 }
 
 /// The polygon that some bytes mean: any points of a small grid, or cells glued to a tree.
@@ -121,25 +129,30 @@ pub(crate) fn cut(positions: &[[f32; 3]]) -> Answer {
 /// Panics unless the triangles that `cut` makes of a polygon, from each corner and in both directions, are as
 /// they should be.
 pub(crate) fn judge(polygon: &Polygon, cut: impl Fn(&[[f32; 3]]) -> Answer) {
-    let n = polygon.corners.len();
     let positions: Vec<[f32; 3]> = polygon.corners.iter().map(|&p| polygon.placed.point(p)).collect();
-    let (triangles, crosses) = cut(&positions);
-    assert_eq!(triangles.len(), n - 2, "{polygon:?}");
-    sides_are_used_once(n as u32, &triangles);
-    let strictly = n > 3 && is_strictly_simple(&polygon.corners);
+    let (triangles, crosses) = judge_sides(&positions, cut);
+    let strictly = positions.len() > 3 && is_strictly_simple(&polygon.corners);
     let simple = strictly || polygon.simple;
     assert!(!(simple && crosses), "said to cross itself: {polygon:?}");
     if !crosses && (simple || polygon.placed != Placed::Saddle) {
         do_not_overlap(&polygon.corners, &triangles, simple);
     }
-    // The same triangles, whichever corner is the first, and turned with the polygon.
-    let of = |triangle: &[u32; 3], at: &dyn Fn(usize) -> usize| {
-        let mut corners = triangle.map(|corner| polygon.corners[at(corner as usize)]);
-        corners.sort_unstable();
-        corners
-    };
+}
+
+/// What `cut` makes of a polygon. Panics unless there are two triangles fewer than corners, their sides cancel
+/// to the polygon's, and they are the same whichever corner is the first, and turn with the polygon.
+pub(crate) fn judge_sides(positions: &[[f32; 3]], cut: impl Fn(&[[f32; 3]]) -> Answer) -> Answer {
+    let n = positions.len();
+    let (triangles, crosses) = cut(positions);
+    assert_eq!(triangles.len(), n - 2, "{positions:?}");
+    sides_are_used_once(n as u32, &triangles);
     let sorted = |triangles: &[[u32; 3]], at: &dyn Fn(usize) -> usize| {
-        let mut all: Vec<[Point; 3]> = triangles.iter().map(|triangle| of(triangle, at)).collect();
+        let of = |triangle: &[u32; 3]| {
+            let mut corners = triangle.map(|corner| positions[at(corner as usize)].map(f32::to_bits));
+            corners.sort_unstable();
+            corners
+        };
+        let mut all: Vec<[[u32; 3]; 3]> = triangles.iter().map(of).collect();
         all.sort_unstable();
         all
     };
@@ -150,9 +163,10 @@ pub(crate) fn judge(polygon: &Polygon, cut: impl Fn(&[[f32; 3]]) -> Answer) {
         for at in [&ahead as &dyn Fn(usize) -> usize, &back] {
             let turned: Vec<[f32; 3]> = (0..n).map(|corner| positions[at(corner)]).collect();
             let (triangles, again) = cut(&turned);
-            assert_eq!((sorted(&triangles, at), again), (wanted.clone(), crosses), "{start} {polygon:?}");
+            assert_eq!((sorted(&triangles, at), again), (wanted.clone(), crosses), "{start} {positions:?}");
         }
     }
+    (triangles, crosses)
 }
 
 /// Panics unless the directed sides of all triangles cancel to the polygon's.

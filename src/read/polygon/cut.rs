@@ -72,9 +72,12 @@ impl Cutter {
         self.corners.clear();
         self.corners.extend(0..outline.ring.len() as u32);
         self.drop_where(filled, |a, b, _| outline.order(a, b) == Ordering::Equal);
+        let dropped = filled.len;
         if self.pieces(outline, filled) {
             return true;
         }
+        // A failed try leaves triangles that mean nothing.
+        filled.len = dropped;
         // Where the polygon runs out and back, nothing can be done but to leave these corners without area.
         let is_spike = |a, b, c| {
             let (to, back) = (outline.order(a, b), outline.order(b, c));
@@ -126,7 +129,7 @@ impl Cutter {
         left < n
     }
 
-    /// Cuts what is left; `false`, with no triangle added, if that crosses itself.
+    /// Cuts what is left; `false` if that crosses itself: then what was added means nothing.
     fn pieces(&mut self, outline: &Outline<'_>, filled: &mut Filled<'_>) -> bool {
         let before = filled.len;
         if let [a, b, c] = self.corners[..] {

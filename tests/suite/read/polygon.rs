@@ -10,7 +10,7 @@ use umbrage::topology::Topology;
 
 use super::outlines::{comb, plate, spiral, star, u_shape};
 use super::scene;
-use crate::fuzz::body::polygon::{Answer, Placed, Point, Polygon, cut, drawn, judge};
+use crate::fuzz::body::polygon::{Answer, Placed, Point, Polygon, cut, drawn, judge, judge_sides, uneven};
 
 const FLAT: Placed = Placed::Plane { slopes: [0, 0], turns: 0 };
 
@@ -54,6 +54,44 @@ fn polygon_random_ones_are_cut_as_all_pairs_say() {
     }
     assert!(met[0] > 1000 && met[1] > 1000, "{met:?}");
     assert!(crossed > 500 && crossed < met[0] - 100, "{crossed} of {met:?}");
+}
+
+#[test]
+fn polygon_uneven_ones_use_every_side_once() {
+    // These cross themselves as they are, and do not once their spikes are cut off: what the first try has
+    // made must be forgotten, or triangles are lost.
+    let spiked: [&[[f32; 3]]; 2] = [
+        &[
+            [2.0, 3.0, 0.0],
+            [0.0, 0.0, 0.0],
+            [2.0, 1.0, 1.0],
+            [2.0, 3.0, 1.0],
+            [0.0, 3.0, 0.0],
+            [2.0, 1.0, 1.0],
+            [2.0, 2.0, 0.0],
+            [4.0, 1.0, 1.0],
+        ],
+        &[
+            [2.0, 1.0, 0.0],
+            [4.0, 1.0, 1.0],
+            [2.0, 1.0, 1.0],
+            [4.0, 2.0, 1.0],
+            [4.0, 2.0, 0.0],
+            [3.0, 1.0, 1.0],
+            [1.0, 2.0, 0.0],
+            [1.0, 3.0, 1.0],
+            [1.0, 3.0, 0.0],
+        ],
+    ];
+    for positions in spiked {
+        assert!(!judge_sides(positions, cut).1, "{positions:?}");
+    }
+    for seed in 0..2000 {
+        let bytes = bytes(seed);
+        let mut bytes = Bytes::new(&bytes);
+        let polygon = drawn(&mut bytes);
+        judge_sides(&uneven(&polygon, &mut bytes), cut);
+    }
 }
 
 #[test]

@@ -124,6 +124,7 @@ pub mod facing;
 pub mod caster;
 pub mod silhouette;
 pub mod shadow;
+pub mod ambient;
 pub mod verify;
 pub mod testing;
 #[cfg(feature = "verify")]

@@ -31,6 +31,7 @@
 //! | [`caster`] | [`Caster`](caster::Caster), proofs |
 //! | [`silhouette`] | silhouette edges: scan, tree, certificates for a moving light |
 //! | [`shadow`] | the contract of every technique; stencil shadow volumes, rays |
+//! | [`ambient`] | ambient occlusion: exact rays, the analytic form, disks |
 //! | [`verify`] | every method against every other, at points and at pixels; errors by kind |
 //! | [`testing`] | generated shapes, strategies, torture; promises nothing between versions |
 //! | `accuracy` | error against time |

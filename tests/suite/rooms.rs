@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the library, lowest first. `gpu` wraps wgpu and knows no mesh. `built`, `choice`,
 /// `parallel` and `random` are single files that every module may use.
-const ORDER: [&str; 24] = [
+const ORDER: [&str; 25] = [
     "random",
     "parallel",
     "choice",
@@ -25,6 +25,7 @@ const ORDER: [&str; 24] = [
     "caster",
     "silhouette",
     "shadow",
+    "ambient",
     "verify",
     "testing",
     "accuracy",

@@ -3,7 +3,9 @@
 //! [`Ambient::openness`] is the share of the light of an even sky that arrives, weighted by the cosine to the
 //! normal: 1 with nothing in the way, 0 inside a closed shell. Occlusion is 1 less openness.
 
+mod inside;
 mod receivers;
+mod smooth;
 
 pub use receivers::{Per, Receiver, Receivers};
 

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::rc::Rc;
 
-use glam::{DMat4, DVec3, Mat4};
+use glam::{DVec3, Mat4};
 use serde_json::Value;
 
 use super::document::{Document, whole};
@@ -209,29 +209,33 @@ fn own_meshes(document: &mut Document<'_, '_>, planned: &[Planned]) -> Vec<usize
     meshes
 }
 
-/// The normals of the corners of all planned faces, in the world.
+/// The normals of the corners of all planned faces in the world, of any length; `None` where the file has none.
 pub(super) fn normals(
     stored: &Stored<'_>,
     kept: Option<&[bool]>,
     options: &OcclusionOptions,
-) -> Result<Vec<[Option<[f32; 3]>; 3]>, WriteError> {
+) -> Result<Vec<Option<[[f32; 3]; 3]>>, WriteError> {
     let mut normals = Vec::new();
     for planned in plan(stored, kept, options)? {
         let (primitive, order) = (planned.primitive(), planned.order());
         let at = format!("{}/attributes/NORMAL", planned.pointer(planned.mesh));
-        let of_vertices = match whole(stored.root().pointer(&at)) {
-            Some(accessor) => stored.numbers(accessor)?,
-            None => Vec::new(),
-        };
-        // Normals stay at right angles to their surface under the inverse transpose.
+        // Normals stay at right angles to their surface under the inverse transpose, if there is one.
         let world = planned.world_from_mesh.as_dmat4();
-        let world = if world.determinant() == 0.0 { DMat4::ZERO } else { world.inverse().transpose() };
-        let placed = |vertex: u32| {
-            let [x, y, z, _] = of_vertices.get(vertex as usize)?.map(f64::from);
-            let normal = world.transform_vector3(DVec3::new(x, y, z)).try_normalize()?;
-            Some(normal.as_vec3().to_array())
+        let accessor = whole(stored.root().pointer(&at)).filter(|_| world.determinant() != 0.0);
+        let Some(accessor) = accessor else {
+            normals.resize(normals.len() + primitive.triangles.len(), None);
+            continue;
         };
-        normals.extend(primitive.triangles.iter().map(|face| order.map(|corner| placed(face[corner]))));
+        let of_vertices = stored.numbers(accessor)?;
+        let world = world.inverse().transpose();
+        let placed = |vertex: u32| match of_vertices.get(vertex as usize) {
+            None => [0.0; 3],
+            Some(&[x, y, z, _]) => {
+                let normal = world.transform_vector3(DVec3::new(x.into(), y.into(), z.into()));
+                normal.try_normalize().map_or([0.0; 3], |unit| unit.as_vec3().to_array())
+            }
+        };
+        normals.extend(primitive.triangles.iter().map(|face| Some(order.map(|corner| placed(face[corner])))));
     }
     Ok(normals)
 }

@@ -186,8 +186,8 @@ impl GltfFile {
         })
     }
 
-    /// The normals that the file gives the corners of these faces, in the world, of length 1; `None` for
-    /// those without a normal that is a direction.
+    /// The normals that the file gives the corners of each face, in the world; `None` where it has none. Zero
+    /// is one that is no direction.
     ///
     /// # Errors
     ///
@@ -196,7 +196,7 @@ impl GltfFile {
         &self,
         kept: Option<&[bool]>,
         options: &OcclusionOptions,
-    ) -> Result<Vec<[Option<[f32; 3]>; 3]>, WriteError> {
+    ) -> Result<Vec<Option<[[f32; 3]; 3]>>, WriteError> {
         stored::open(&self.bytes, self.format, self.folder.as_deref(), |stored| {
             edit::normals(stored, kept, options)
         })

@@ -3,8 +3,10 @@
 //! [`Ambient::openness`] is the share of the light of an even sky that arrives, weighted by the cosine to the
 //! normal: 1 with nothing in the way, 0 inside a closed shell. Occlusion is 1 less openness.
 
+mod exact;
 mod receivers;
 
+pub use exact::{Exact, exact};
 pub use receivers::{Per, Receiver, Receivers};
 
 /// Openness of receivers, one value each, in their order.

@@ -3,6 +3,7 @@
 //! [`Ambient::openness`] is the share of the light of an even sky that arrives, weighted by the cosine to the
 //! normal: 1 with nothing in the way, 0 inside a closed shell. Occlusion is 1 less openness.
 
+mod exact;
 mod fan;
 mod inside;
 mod lattice;
@@ -14,6 +15,7 @@ mod start;
 #[cfg(test)]
 mod closed_tests;
 
+pub use exact::{Exact, exact};
 pub use rays::{Cast, Effort, MOST_RAYS, RayOptions, Reach, Ring};
 pub use receivers::{Per, Receiver, Receivers};
 

@@ -15,6 +15,8 @@ pub(super) enum Fault {
     ZeroIsFront,
     /// Edges between three faces or more count once.
     NoMultiplicity,
+    /// Faces with the receiver as a corner hide nothing.
+    NoFan,
 }
 
 /// The fault that is injected: none, outside of tests.

@@ -3,8 +3,11 @@
 //! [`Ambient::openness`] is the share of the light of an even sky that arrives, weighted by the cosine to the
 //! normal: 1 with nothing in the way, 0 inside a closed shell. Occlusion is 1 less openness.
 
+pub mod disks;
 mod exact;
+mod inside;
 mod receivers;
+mod smooth;
 
 pub use exact::{Exact, exact};
 pub use receivers::{Per, Receiver, Receivers};

@@ -7,7 +7,7 @@ use umbrage::read::Format;
 use umbrage::scene::{Pattern, Scene};
 use umbrage::write::{GltfFile, OcclusionOptions, Target};
 
-use super::{Args, PerArg, note};
+use super::{Args, PerArg};
 use crate::cli::{Failure, files, load};
 
 /// Faces in two orders: that of the file, and that in which they are worked on, those that hide first.
@@ -61,7 +61,7 @@ impl Input {
         }
         let normals = match &gltf {
             Some(gltf) if args.per == PerArg::Corner => {
-                let normals = gltf.file.normals(Some(&gltf.kept), &gltf.options);
+                let normals = gltf.file.normals(Some(&gltf.kept));
                 // What cannot be added to (compressed data) may still be written anew.
                 if target == Target::Glb {
                     normals.map_err(|error| in_file(error.into()))?
@@ -71,6 +71,9 @@ impl Input {
             }
             _ => Vec::new(),
         };
+        if !normals.is_empty() && normals.len() != faces {
+            return Err(in_file(Failure::new("has changed while it was read", "try again")));
+        }
         let mut input = Self {
             format,
             casting: Vec::new(),
@@ -161,8 +164,6 @@ impl Gltf {
         let options = OcclusionOptions::new(args.form()).replacing(args.replace);
         if target == Target::Glb {
             file.check(Some(&kept), &options).map_err(|error| Failure::from(error).in_file(&args.file))?;
-        } else if args.per != PerArg::Corner {
-            note(args, "its normals are not used");
         }
         Ok(Some(Self { file, kept, options }))
     }

@@ -43,11 +43,11 @@ impl Planned {
     }
 }
 
-/// What gets values, in the order of the faces; an error where something stands in the way.
+/// What gets values, in the order of the faces; with `options`, an error where something stands in the way.
 pub(super) fn plan(
     stored: &Stored<'_>,
     kept: Option<&[bool]>,
-    options: &OcclusionOptions,
+    options: Option<&OcclusionOptions>,
 ) -> Result<Vec<Planned>, WriteError> {
     let (mut planned, mut flag, mut face) = (Vec::new(), 0, 0);
     let mut of_mesh: HashMap<usize, Rc<Vec<Primitive>>> = HashMap::new();
@@ -88,7 +88,9 @@ pub(super) fn plan(
                 );
                 return Err(WriteError::new(problem, "export single nodes, or leave it out with --only"));
             }
-            next.set = free(stored.root(), &next.pointer(placed.mesh), options)?;
+            if let Some(options) = options {
+                next.set = free(stored.root(), &next.pointer(placed.mesh), options)?;
+            }
             face += count;
             planned.push(next);
         }
@@ -133,7 +135,7 @@ pub(super) fn add(
     occlusion: &Occlusion<'_>,
     options: &OcclusionOptions,
 ) -> Result<(Vec<u8>, Vec<u8>, Vec<String>), WriteError> {
-    let planned = plan(stored, kept, options)?;
+    let planned = plan(stored, kept, Some(options))?;
     if planned.last().map_or(0, |last| last.faces.end) != occlusion.corners.len() {
         return Err(changed());
     }
@@ -213,10 +215,9 @@ fn own_meshes(document: &mut Document<'_, '_>, planned: &[Planned]) -> Vec<usize
 pub(super) fn normals(
     stored: &Stored<'_>,
     kept: Option<&[bool]>,
-    options: &OcclusionOptions,
 ) -> Result<Vec<Option<[[f32; 3]; 3]>>, WriteError> {
     let mut normals = Vec::new();
-    for planned in plan(stored, kept, options)? {
+    for planned in plan(stored, kept, None)? {
         let (primitive, order) = (planned.primitive(), planned.order());
         let at = format!("{}/attributes/NORMAL", planned.pointer(planned.mesh));
         // Normals stay at right angles to their surface under the inverse transpose, if there is one.

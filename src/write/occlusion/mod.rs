@@ -182,7 +182,7 @@ impl GltfFile {
     /// there already, four sets of texture coordinates; or what [`read`](crate::read::read) refuses.
     pub fn check(&self, kept: Option<&[bool]>, options: &OcclusionOptions) -> Result<(), WriteError> {
         stored::open(&self.bytes, self.format, self.folder.as_deref(), |stored| {
-            edit::plan(stored, kept, options).map(|_| ())
+            edit::plan(stored, kept, Some(options)).map(|_| ())
         })
     }
 
@@ -191,15 +191,9 @@ impl GltfFile {
     ///
     /// # Errors
     ///
-    /// [`WriteError`] as [`GltfFile::check`].
-    pub fn normals(
-        &self,
-        kept: Option<&[bool]>,
-        options: &OcclusionOptions,
-    ) -> Result<Vec<Option<[[f32; 3]; 3]>>, WriteError> {
-        stored::open(&self.bytes, self.format, self.folder.as_deref(), |stored| {
-            edit::normals(stored, kept, options)
-        })
+    /// [`WriteError`] if the file cannot be read, or a node places its mesh many times.
+    pub fn normals(&self, kept: Option<&[bool]>) -> Result<Vec<Option<[[f32; 3]; 3]>>, WriteError> {
+        stored::open(&self.bytes, self.format, self.folder.as_deref(), |stored| edit::normals(stored, kept))
     }
 }
 

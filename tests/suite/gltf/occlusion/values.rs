@@ -170,7 +170,7 @@ fn occlusion_normals_are_those_of_the_file_in_the_world() {
     builder.doc["nodes"] = json!([{"mesh": 0, "scale": [2, 1, -1]}, {"mesh": 0, "scale": [0, 1, 1]}]);
     builder.doc["scenes"] = json!([{"nodes": [0, 1]}]);
     let file = GltfFile::from_bytes(builder.glb()).unwrap();
-    let found = file.normals(None, &OcclusionOptions::new(Form::Color)).unwrap();
+    let found = file.normals(None).unwrap();
     let tilted = glam::Vec3::new(0.3, 0.0, -0.8).normalize();
     // Mirrored: the corners of the faces are 0, 2, 1 and 2, 3, 1.
     let [down, none] = [[0.0, 0.0, -1.0], [0.0; 3]];

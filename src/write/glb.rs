@@ -244,6 +244,9 @@ mod tests {
             layer.w = primitive.get(&Semantic::Extras("W".to_owned())).map(|accessor| {
                 gltf::accessor::Iter::<f32>::new(accessor, |_| Some(blob)).unwrap().collect()
             });
+            layer.quality = primitive.get(&Semantic::Extras("QUALITY".to_owned())).map(|accessor| {
+                gltf::accessor::Iter::<f32>::new(accessor, |_| Some(blob)).unwrap().collect()
+            });
             let material = primitive.material();
             layer.color = material.index().map(|_| {
                 assert!(material.unlit() && material.double_sided());
@@ -262,6 +265,7 @@ mod tests {
             color: Some([1.0, 0.5, 0.0, 0.25]),
             positions: odd,
             w: Some(vec![0.0, 1.0]),
+            quality: Some(vec![1.0 / 3.0, 1.0]),
             elements: Elements::Lines(vec![[0, 1], [1, 0]]),
             ..Layer::default()
         };

@@ -4,11 +4,11 @@ use std::io::Write;
 
 use super::{Elements, GENERATOR, Layer, Model, WriteError};
 
-/// Writes the element `vertex` with `x y z`, then `red green blue alpha` where any layer has a color (the
-/// other layers are opaque white), then `w` and `quality` where any layer has one (the other layers have 1);
-/// a color is darkened by the quality; the element
-/// `face` with a list of three indices, and the element `edge` with two, each where there are any. Points are
-/// vertices that no element names. A comment per layer says where it begins.
+/// Writes the element `vertex` with `x y z`, then `red green blue alpha` where any layer has a color or a
+/// quality (the other layers are opaque white), then `w` and `quality` where any layer has them (the other
+/// layers have 1); the element `face` with a list of three indices, and the element `edge` with two, each
+/// where there are any. A color is darkened by the quality. Points are vertices that no element names. A
+/// comment per layer says where it begins.
 pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteError> {
     let layers = &model.layers;
     let vertex_count: u64 = layers.iter().map(|layer| layer.positions.len() as u64).sum();
@@ -188,6 +188,23 @@ mod tests {
         assert_eq!(tail(0), ([255, 0, 128, 128], 0.0));
         assert_eq!(tail(2), ([255, 0, 128, 128], 2.0));
         assert_eq!(tail(3), ([255; 4], 1.0));
+    }
+
+    #[test]
+    fn ply_quality_stands_in_every_vertex_and_darkens_the_color() {
+        let mut open = layer(Elements::Points(vec![]));
+        open.quality = Some(vec![0.0, 0.25, 1.0]);
+        open.color = Some([1.0, 0.5, 0.0, 0.5]);
+        let (header, bytes) = parts(vec![open, layer(Elements::Points(vec![]))]);
+        assert_eq!(header.last().unwrap(), "property float quality");
+        assert_eq!(bytes.len(), 6 * 20);
+        let tail = |vertex: usize| {
+            let tail = &bytes[vertex * 20 + 12..][..8];
+            ([tail[0], tail[1], tail[2], tail[3]], f32::from_le_bytes([tail[4], tail[5], tail[6], tail[7]]))
+        };
+        // Linear 0.25, 0.125 and 0.5 are 137, 99 and 188 in sRGB.
+        assert_eq!([tail(0), tail(1)], [([0, 0, 0, 128], 0.0), ([137, 99, 0, 128], 0.25)]);
+        assert_eq!([tail(2), tail(5)], [([255, 188, 0, 128], 1.0), ([255; 4], 1.0)]);
     }
 
     #[test]

@@ -128,13 +128,22 @@ fn changed() -> WriteError {
     WriteError::new("has other faces than those that were asked about", "read it again")
 }
 
-/// The document with values as JSON, its binary chunk, and what there is to say.
+/// The document with values.
+pub(super) struct Edited {
+    pub(super) json: Vec<u8>,
+    /// The binary chunk.
+    pub(super) bytes: Vec<u8>,
+    /// What there is to say.
+    pub(super) notes: Vec<String>,
+}
+
+/// Adds the values to the planned primitives.
 pub(super) fn add(
     stored: &Stored<'_>,
     kept: Option<&[bool]>,
     occlusion: &Occlusion<'_>,
     options: &OcclusionOptions,
-) -> Result<(Vec<u8>, Vec<u8>, Vec<String>), WriteError> {
+) -> Result<Edited, WriteError> {
     let planned = plan(stored, kept, Some(options))?;
     if planned.last().map_or(0, |last| last.faces.end) != occlusion.corners.len() {
         return Err(changed());
@@ -179,7 +188,7 @@ pub(super) fn add(
         }
     }
     let (json, bytes) = document.finish()?;
-    Ok((json, bytes, notes))
+    Ok(Edited { json, bytes, notes })
 }
 
 /// The mesh of each planned primitive: its own, or a copy where other nodes show the mesh too.
@@ -189,7 +198,9 @@ fn own_meshes(document: &mut Document<'_, '_>, planned: &[Planned]) -> Vec<usize
         document.root["nodes"].as_array().into_iter().flatten().map(|node| whole(node.get("mesh"))).collect()
     };
     for mesh in nodes_of(document).into_iter().flatten() {
-        nodes.get_mut(mesh).map(|count| *count += 1);
+        if let Some(count) = nodes.get_mut(mesh) {
+            *count += 1;
+        }
     }
     let mut meshes: Vec<usize> = Vec::with_capacity(planned.len());
     let mut last: Option<(usize, usize)> = None;

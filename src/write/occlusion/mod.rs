@@ -165,12 +165,12 @@ impl GltfFile {
     ) -> Result<Written, WriteError> {
         assert!(occlusion.bent.is_none_or(|bent| bent.len() == occlusion.openness.len()), "one bent a value");
         let folder = self.folder.as_deref();
-        let (json, bin, notes) = stored::open(&self.bytes, self.format, folder, |stored| {
+        let edited = stored::open(&self.bytes, self.format, folder, |stored| {
             edit::add(stored, kept, occlusion, options)
         })?;
         let mut bytes = Vec::new();
-        glb::container(json, bin, &mut bytes)?;
-        Ok(Written { bytes, notes })
+        glb::container(edited.json, edited.bytes, &mut bytes)?;
+        Ok(Written { bytes, notes: edited.notes })
     }
 
     /// Whether occlusion can be added, before any of it is computed.

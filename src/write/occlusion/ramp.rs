@@ -29,7 +29,7 @@ pub(super) fn add(document: &mut Document<'_, '_>) -> Result<usize, WriteError> 
         writer.write_image_data(&texels)?;
         writer.finish()
     });
-    written.map_err(|error| std::io::Error::other(error))?;
+    written.map_err(std::io::Error::other)?;
     let view = document.view(&png, None, None);
     let image = document.push("images", json!({"bufferView": view, "mimeType": "image/png"}));
     // Linear filters, and clamped: the ramp does not repeat.

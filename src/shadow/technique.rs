@@ -296,7 +296,7 @@ impl Technique {
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
         };
-        Ok(Prepared { technique: self, light: *light, step })
+        Ok(Prepared { technique: self, lamp: lamp.clone(), step })
     }
 
     /// Prepares and shades, on the CPU.
@@ -313,7 +313,7 @@ impl Technique {
 #[derive(Debug)]
 pub struct Prepared<'a> {
     technique: Technique,
-    light: Light,
+    lamp: Lamp,
     step: Step<'a>,
 }
 
@@ -341,15 +341,21 @@ impl Prepared<'_> {
     #[must_use]
     pub fn shade(&self, samples: &Samples) -> Visibility {
         match &self.step {
-            Step::Rays(rays) => rays.shade(&self.light, samples),
+            Step::Rays(rays) => rays.shade(self.lamp.light(), samples),
             Step::Counting(counting) => counting.shade(samples),
             Step::Samples(rays) => rays.shade(samples),
             Step::Area(area) => area.shade(samples),
             Step::Map(map) => map.shade(samples),
             Step::Ids(map) => map.shade(samples),
             Step::Hybrid(map) => map.shade(samples),
-            Step::Soft(map) => map.shade(samples),
-            Step::Plain(plain) => plain.shade(&self.light, samples),
+            Step::Soft(map) => {
+                let mut visibility = map.shade(samples);
+                if !map.sees_horizon() {
+                    soft::above_horizon(&mut visibility, samples, &self.lamp);
+                }
+                visibility
+            }
+            Step::Plain(plain) => plain.shade(self.lamp.light(), samples),
         }
     }
 

@@ -235,15 +235,16 @@ fn soft_values_are_cut_at_the_horizon_of_their_face() {
     let size = Size::new(16, 12).unwrap();
     let camera = Camera::look_at([1.0, 1.0, 4.0], [1.0, 1.0, 0.0], 0.3, Up::Y).unwrap();
     let samples = Samples::of_view(&casters, &camera.projection(size, 0.125), size, 1).unwrap();
-    // The center 10° above the wall's plane, the rim 20° around it: a chord at tan 10° / tan 20° of the radius.
+    // The center 10° above the wall's plane, the rim 20° around it: a chord at tan 10° / tan 20° of the
+    // radius.
     let (sin, cos) = 10_f64.to_radians().sin_cos();
     let lamp: Lamp = format!("directional:{},0,{},angle=20", -cos, -sin).parse().unwrap();
     let request = Request { casters: &casters, lamp: &lamp, samples: &samples };
     let [x, _, z] = lamp.light().xyz().map(f64::from); // as rounded
     let radius = lamp.patch([0.0; 3]).unwrap().across.length();
     let expected = disk_fraction((z / x).abs() / radius);
-    // A visible point lies before the wall, and light passes over the wall's rim below the horizon: 0.2 away at
-    // least, and a share of the disk is at most 2/π of a height in radii.
+    // A visible point lies before the wall, and light passes over the wall's rim below the horizon: 0.2 away
+    // at least, and a share of the disk is at most 2/π of a height in radii.
     let height = samples.hits().iter().flatten().map(|hit| f64::from(hit.point[2])).fold(0.0, f64::max);
     let rim = height / 0.2 / radius * std::f64::consts::FRAC_2_PI;
     for technique in Technique::ALL.into_iter().filter(|technique| technique.is_soft()) {

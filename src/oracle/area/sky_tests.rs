@@ -190,6 +190,25 @@ fn grooves_show_the_fan_s_rule() {
 }
 
 #[test]
+fn point_on_an_edge_or_within_a_face_is_hidden_by_what_is_below() {
+    let face = [[-1.0, -1.0, 0.0], [3.0, -1.0, 0.0], [-1.0, 3.0, 0.0]];
+    let (mesh, tilted) = (triangles(&[face]), [3.0, 0.0, 4.0]);
+    holds(&mesh, at([0.0; 3], tilted), 0.9, 1e-13);
+    catches(&mesh, at([0.0; 3], tilted), 0.9, Fault::NoFan);
+    // On the edge x = −1 the part below is hidden if the normal leans to the face.
+    holds(&mesh, at([-1.0, 1.0, 0.0], tilted), 0.9, 1e-13);
+    holds(&mesh, at([-1.0, 1.0, 0.0], [-3.0, 0.0, 4.0]), 1.0, 1e-13);
+    // With faces across the edge that end at the point, as without the edge.
+    let junction = triangles(&[
+        face,
+        [[-1.0, 1.0, 0.0], [-1.0, 3.0, 0.0], [-4.0, 1.0, 0.0]],
+        [[-1.0, 1.0, 0.0], [-4.0, 1.0, 0.0], [-1.0, -1.0, 0.0]],
+    ]);
+    holds(&junction, at([-1.0, 1.0, 0.0], [-3.0, 0.0, 4.0]), 0.9, 1e-13);
+    holds(&junction, at([-1.0, 1.0, 0.0], [1.0, 2.0, 2.0]), 0.5 * (1.0 + 2.0 / 3.0), 1e-13);
+}
+
+#[test]
 fn sphere_over_a_plane_lies_between_those_around_and_inside_it() {
     let sphere = shapes::icosphere(3);
     let least = (0..sphere.face_count()).map(|face| {

@@ -139,6 +139,7 @@ fn pictures(
         ground: None,
         paint: &paint,
         edge_samples: samples.per_side(),
+        ambient: None,
     };
     let progress = Progress::bar("drawing the page", found.len() as u64);
     let draw = |found: &ShadowAccuracy| {

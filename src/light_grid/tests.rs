@@ -126,8 +126,8 @@ fn over_cases(seed: u64, cases: usize, count: usize, fault: Option<Fault>) -> Ta
 
 #[test]
 fn light_grid_proves_nothing_that_is_false() {
-    let tally = over_cases(1, 300, 150, None);
-    assert!(tally.wrong == 0 && tally.decided * 5 > tally.all * 2 && tally.all > 100_000, "{tally:?}");
+    let tally = over_cases(1, 120, 150, None);
+    assert!(tally.wrong == 0 && tally.decided * 5 > tally.all * 2 && tally.all > 40_000, "{tally:?}");
 }
 
 /// 10⁸ decided points, some hours: `cargo test --release --all-features --lib light_grid_long -- --ignored`.
@@ -143,7 +143,7 @@ fn light_grid_long_proves_nothing_that_is_false() {
 
 #[test]
 fn light_grid_without_outlines_is_caught() {
-    assert!(over_cases(2, 60, 100, Some(Fault::NoOutline)).wrong > 100);
+    assert!(over_cases(2, 30, 100, Some(Fault::NoOutline)).wrong > 100);
 }
 
 /// Four pages of a book, two of them on each side of its spine as the light sees them: at the spine the
@@ -269,7 +269,7 @@ fn sheets_are_crossed_as_often_as_they_say() {
         if far || mesh.face_count() > 400 || light.xyz().iter().any(|x| x.abs() > 1e4) {
             continue; // points behind everything might leave the range of `f32`
         }
-        let mut add = |sum: &mut [usize; 3], fault| {
+        let add = |sum: &mut [usize; 3], fault| {
             let found = sheets_by_brute_force(&mut SplitMix64(number), mesh.clone(), &light, 6, fault);
             for (sum, found) in sum.iter_mut().zip(found) {
                 *sum += found;
@@ -307,7 +307,7 @@ fn light_grid_that_takes_a_touched_vertex_for_a_crossing_is_caught() {
 #[test]
 fn light_grid_of_a_scaled_scene_has_the_same_verdicts() {
     let scaled = |p: [f32; 3], by: f32| p.map(|x| by * x);
-    let mut random = SplitMix64(6);
+    let (mut random, mut lit, mut dark) = (SplitMix64(6), 0, 0);
     for mesh in [shapes::torus(16, 9, 2.0, 0.75), shapes::book(5), shapes::torus_knot(2, 3, 40, 6, 0.4)] {
         let free: Vec<[f32; 3]> =
             (0..500).map(|_| [(); 3].map(|()| 6.0 * random.unit() as f32 - 3.0)).collect();
@@ -321,8 +321,10 @@ fn light_grid_of_a_scaled_scene_has_the_same_verdicts() {
         };
         let plain = verdicts(1.0);
         assert!([0.0625, 1024.0].iter().all(|&by| verdicts(by) == plain));
-        assert!([GridVerdict::Lit, GridVerdict::Dark].iter().all(|verdict| plain.contains(verdict)));
+        lit += plain.iter().filter(|verdict| **verdict == GridVerdict::Lit).count();
+        dark += plain.iter().filter(|verdict| **verdict == GridVerdict::Dark).count();
     }
+    assert!(lit > 500 && dark > 50, "{lit} {dark}");
 }
 
 /// Where pairs would not fit, cells are larger: less is decided, and nothing wrong.
@@ -340,7 +342,7 @@ fn light_grid_is_coarser_where_memory_would_not_do() {
     let built = |most| LightGrid::build_with(&chain, all(), 256, most, Faults::default());
     let [fine, coarse] = [1 << 20, 4000].map(built);
     assert_eq!(fine.sides(), [256]);
-    assert!(coarse.sides()[0] < 16 && coarse.pair_count() <= 4000 && coarse.bytes() < fine.bytes());
+    assert!(coarse.sides()[0] < 128 && coarse.pair_count() <= 4000 && coarse.bytes() < fine.bytes());
     let [fine, coarse] = [fine, coarse].map(|grid| tally(&grid, &casters, &hits, &free));
     assert!(fine.wrong == 0 && coarse.wrong == 0 && coarse.decided < fine.decided, "{coarse:?} {fine:?}");
 }

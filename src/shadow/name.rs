@@ -49,11 +49,10 @@ pub enum TechniqueError {
 }
 
 /// Names of planned techniques.
-const PLANNED: [&str; 15] = [
+const PLANNED: [&str; 14] = [
     "auto",
     "zpass-plus",
     "zpass-reversed",
-    "hybrid",
     "hybrid-2x2",
     "alias-free",
     "counter",

@@ -1,5 +1,6 @@
 //! The closed list of techniques, and the two steps of each: prepare for a lamp, shade samples.
 
+use super::grid::{GridHybrid, GridOptions};
 use super::map::{ExactOptions, HybridShadow, IdShadow, MapError, MapOptions, MapShadow, PcfOptions};
 use super::options::{self, Refusal};
 use super::plain::Plain;
@@ -68,6 +69,8 @@ pub enum Technique {
     Smoothies(SilhouetteOptions),
     /// The exact hard shadow, blurred in the picture as wide as the penumbra.
     ContactBlur(SoftMapOptions),
+    /// A light grid where it proves lit or dark, an exact shadow ray elsewhere.
+    Hybrid(GridOptions),
     /// No shadows: every front-lit sample is lit.
     None,
     /// No light: every sample is dark.
@@ -119,7 +122,7 @@ pub enum PrepareError {
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
@@ -138,6 +141,7 @@ impl Technique {
         Self::PenumbraMap(SilhouetteOptions::DEFAULT),
         Self::Smoothies(SilhouetteOptions::DEFAULT),
         Self::ContactBlur(SoftMapOptions::DEFAULT),
+        Self::Hybrid(GridOptions::DEFAULT),
         Self::None,
         Self::Dark,
     ];
@@ -164,6 +168,7 @@ impl Technique {
             Self::PenumbraMap(_) => "penumbra-map",
             Self::Smoothies(_) => "smoothies",
             Self::ContactBlur(_) => "contact-blur",
+            Self::Hybrid(_) => "hybrid",
             Self::None => "none",
             Self::Dark => "dark",
         }
@@ -191,6 +196,7 @@ impl Technique {
             Self::PenumbraMap(options) => options::listed(&options),
             Self::Smoothies(options) => options::listed(&options),
             Self::ContactBlur(options) => options::listed(&options),
+            Self::Hybrid(options) => options::listed(&options),
             _ => Vec::new(),
         }
     }
@@ -211,6 +217,7 @@ impl Technique {
             Self::PenumbraMap(options) => options::changed(options, key, value).map(Self::PenumbraMap),
             Self::Smoothies(options) => options::changed(options, key, value).map(Self::Smoothies),
             Self::ContactBlur(options) => options::changed(options, key, value).map(Self::ContactBlur),
+            Self::Hybrid(options) => options::changed(options, key, value).map(Self::Hybrid),
             _ => Err(Refusal::Key),
         }
     }
@@ -242,6 +249,7 @@ impl Technique {
             | Self::Pcf(_)
             | Self::MapIds(_)
             | Self::Hybrid3x3(_)
+            | Self::Hybrid(_)
             | Self::None
             | Self::Dark => false,
         }
@@ -293,6 +301,7 @@ impl Technique {
             Self::ContactBlur(options) => {
                 Step::Soft(soft::contact_blur(casters, lamp, options).map_err(refused)?)
             }
+            Self::Hybrid(options) => Step::Grid(GridHybrid::prepare(casters, light, options)),
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
         };
@@ -327,6 +336,7 @@ enum Step<'a> {
     Ids(Box<IdShadow<'a>>),
     Hybrid(Box<HybridShadow<'a>>),
     Soft(Box<dyn SoftShadow + 'a>),
+    Grid(GridHybrid<'a>),
     Plain(Plain),
 }
 
@@ -355,6 +365,7 @@ impl Prepared<'_> {
                 }
                 visibility
             }
+            Step::Grid(grid) => grid.shade(samples),
             Step::Plain(plain) => plain.shade(self.lamp.light(), samples),
         }
     }
@@ -371,6 +382,7 @@ impl Prepared<'_> {
             Step::Ids(map) => map.bytes(),
             Step::Hybrid(map) => map.bytes(),
             Step::Soft(map) => map.bytes(),
+            Step::Grid(grid) => grid.bytes(),
         }
     }
 

@@ -16,6 +16,22 @@ pub enum ChangeKind {
     OppositeCancelled,
     /// Two faces of the same three vertices and opposite windings were left: alone, they cast.
     OppositeKept,
+    /// A face was turned over.
+    FaceTurned,
+    /// A surface that has no orientation (a Möbius strip) was left; `old` is its first face.
+    ShellLeft,
+    /// A face was cut at a vertex that lies on its edge; `new` is that vertex.
+    FaceCut,
+    /// A vertex that lies on the edge of a face was left: there were too many.
+    TJunctionLeft,
+    /// A fan of faces got a vertex of its own, at the same position.
+    VertexSplit,
+    /// An edge of more than two faces was left: its fans are one at both ends.
+    EdgeLeft,
+    /// A hole was closed; `new` is the first face of the patch, and [`Change::patch`] tells more.
+    HoleFilled,
+    /// A hole was left, for the reason that [`Change::patch`] has.
+    HoleLeft,
 }
 
 impl ChangeKind {
@@ -29,13 +45,22 @@ impl ChangeKind {
             Self::DuplicateDropped => "duplicate_dropped",
             Self::OppositeCancelled => "opposite_cancelled",
             Self::OppositeKept => "opposite_kept",
+            Self::FaceTurned => "face_turned",
+            Self::ShellLeft => "shell_left",
+            Self::FaceCut => "face_cut",
+            Self::TJunctionLeft => "t_junction_left",
+            Self::VertexSplit => "vertex_split",
+            Self::EdgeLeft => "edge_left",
+            Self::HoleFilled => "hole_filled",
+            Self::HoleLeft => "hole_left",
         }
     }
 
     /// Whether the mesh was changed; `false` for what a step found and left.
     #[must_use]
     pub fn is_change(self) -> bool {
-        !matches!(self, Self::OppositeKept)
+        use ChangeKind::{EdgeLeft, HoleLeft, OppositeKept, ShellLeft, TJunctionLeft};
+        !matches!(self, OppositeKept | ShellLeft | TJunctionLeft | EdgeLeft | HoleLeft)
     }
 }
 
@@ -51,6 +76,57 @@ pub struct Change {
     pub new: Option<u32>,
     /// Where it is.
     pub at: [f32; 3],
+    /// The hole, if it is about one.
+    pub patch: Option<Patch>,
+}
+
+/// A hole, and the faces that close it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Patch {
+    /// The number of its edges.
+    pub edges: usize,
+    /// The length around it, in mesh units.
+    pub length: f64,
+    /// The area of the patch; `None` if there is none.
+    pub area: Option<f64>,
+    /// The largest distance of a corner from the plane of the hole: the one through the mean of its corners
+    /// whose normal is the hole's area as a vector.
+    pub off_plane: f64,
+    /// Whether the patch meets other faces where it should not; `None` if that was not found out.
+    pub meets: Option<bool>,
+    /// Why the hole was left; `None` if it was closed.
+    pub left: Option<Left>,
+}
+
+/// Why a hole was left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Left {
+    /// It has more edges than was asked for.
+    TooLong,
+    /// Its edges do not close to a loop: windings disagree, or edges of more than two faces interrupt it.
+    NoLoop,
+    /// The patch would meet other faces where it should not.
+    Meets,
+    /// An edge of the patch would have more than two faces.
+    EdgeInUse,
+    /// Whether the patch meets other faces was not decided: too many overlap.
+    NotDecided,
+}
+
+impl Left {
+    /// The reason in words that follow "left:".
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::TooLong => "more edges than the limit",
+            Self::NoLoop => "its edges do not close to a loop",
+            Self::Meets => "the patch would meet other faces",
+            Self::EdgeInUse => "an edge of the patch would have more than two faces",
+            Self::NotDecided => "not decided whether the patch meets other faces",
+        }
+    }
 }
 
 /// What one step did to a mesh.
@@ -84,7 +160,17 @@ impl Step {
             self.left += 1;
         }
         if self.changes.len() < Self::LISTED {
-            self.changes.push(Change { kind, old, new, at });
+            self.changes.push(Change { kind, old, new, at, patch: None });
+        }
+    }
+
+    /// Adds a hole that was closed, or left.
+    pub(super) fn add_hole(&mut self, patch: Patch, new: Option<u32>, at: [f32; 3]) {
+        let listed = self.changes.len();
+        let kind = if patch.left.is_none() { ChangeKind::HoleFilled } else { ChangeKind::HoleLeft };
+        self.add(kind, None, new, at);
+        if let Some(change) = self.changes.get_mut(listed) {
+            change.patch = Some(patch);
         }
     }
 }

@@ -9,15 +9,27 @@
 mod change;
 mod collapsed;
 mod duplicates;
+mod fill;
+mod orient;
+mod parity;
+mod prepare;
+mod radial;
 mod rewrite;
+mod split;
+mod stitch;
 #[cfg(test)]
 mod test_support;
 mod unreferenced;
 mod walls;
 mod weld;
 
-pub use change::{Change, ChangeKind, Step};
+pub use change::{Change, ChangeKind, Left, Patch, Step};
 pub use collapsed::drop_collapsed;
 pub use duplicates::drop_duplicates;
+pub use fill::{Fill, fill};
+pub use orient::orient;
+pub use prepare::{Options, Prepared, prepare};
+pub use split::split;
+pub use stitch::stitch;
 pub use unreferenced::drop_unreferenced;
 pub use weld::weld;

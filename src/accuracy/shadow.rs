@@ -98,7 +98,8 @@ impl PartTimes {
             | Technique::SoftHybrid(_)
             | Technique::PenumbraMap(_)
             | Technique::Smoothies(_)
-            | Technique::ContactBlur(_) => self.oracle,
+            | Technique::ContactBlur(_)
+            | Technique::Planar(_) => self.oracle,
             Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
             Technique::Map(_)
             | Technique::Pcf(_)
@@ -231,6 +232,7 @@ fn asks_exactly(technique: Technique) -> bool {
             | Technique::PenumbraMap(_)
             | Technique::Smoothies(_)
             | Technique::ContactBlur(_)
+            | Technique::Planar(_)
     )
 }
 

@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn shadow_that_is_not_built_or_unknown_is_refused_by_name() {
         let error = |text: &str| text.parse::<Asked>().unwrap_err();
-        assert_eq!(error("projective:size=16"), "not built yet: projective");
+        assert_eq!(error("counter:tile=16"), "not built yet: counter");
         assert_eq!(error("plan.json"), "not built yet: a saved plan");
         assert!(error("key=ray").starts_with("`ray` is not a technique"));
         assert!(error("zfail:size=3").contains("no option `size`"));

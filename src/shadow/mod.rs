@@ -29,6 +29,7 @@ pub mod map;
 mod name;
 mod options;
 mod plain;
+pub mod planar;
 mod rays;
 mod samples;
 pub mod soft;

@@ -3,6 +3,7 @@
 use super::map::{ExactOptions, HybridShadow, IdShadow, MapError, MapOptions, MapShadow, PcfOptions};
 use super::options::{self, Refusal};
 use super::plain::Plain;
+use super::planar::{self, PlanarOptions, PlanarShadow};
 use super::rays::Rays;
 use super::soft::area::LampArea;
 use super::soft::samples::{LampSamples, SamplesOptions};
@@ -25,7 +26,7 @@ use crate::shadow::stencil::StencilMethod;
 /// assert_eq!("zfail".parse(), Ok(Technique::ZFail));
 /// assert_eq!("samples:n=16".parse::<Technique>()?.to_string(), "samples:n=16");
 /// assert_eq!(Technique::Rays.to_string(), "rays");
-/// assert_eq!("blob".parse::<Technique>().unwrap_err().to_string(), "not built yet: blob");
+/// assert_eq!("lod".parse::<Technique>().unwrap_err().to_string(), "not built yet: lod");
 /// # Ok::<(), umbrage::shadow::TechniqueError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -68,6 +69,8 @@ pub enum Technique {
     Smoothies(SilhouetteOptions),
     /// The exact hard shadow, blurred in the picture as wide as the penumbra.
     ContactBlur(SoftMapOptions),
+    /// Casters flattened onto the plane of most samples, decided exactly; exact shadow rays elsewhere.
+    Planar(PlanarOptions),
     /// No shadows: every front-lit sample is lit.
     None,
     /// No light: every sample is dark.
@@ -119,7 +122,7 @@ pub enum PrepareError {
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
@@ -138,6 +141,7 @@ impl Technique {
         Self::PenumbraMap(SilhouetteOptions::DEFAULT),
         Self::Smoothies(SilhouetteOptions::DEFAULT),
         Self::ContactBlur(SoftMapOptions::DEFAULT),
+        Self::Planar(PlanarOptions::DEFAULT),
         Self::None,
         Self::Dark,
     ];
@@ -164,6 +168,7 @@ impl Technique {
             Self::PenumbraMap(_) => "penumbra-map",
             Self::Smoothies(_) => "smoothies",
             Self::ContactBlur(_) => "contact-blur",
+            Self::Planar(_) => "planar",
             Self::None => "none",
             Self::Dark => "dark",
         }
@@ -191,6 +196,7 @@ impl Technique {
             Self::PenumbraMap(options) => options::listed(&options),
             Self::Smoothies(options) => options::listed(&options),
             Self::ContactBlur(options) => options::listed(&options),
+            Self::Planar(options) => options::listed(&options),
             _ => Vec::new(),
         }
     }
@@ -211,6 +217,7 @@ impl Technique {
             Self::PenumbraMap(options) => options::changed(options, key, value).map(Self::PenumbraMap),
             Self::Smoothies(options) => options::changed(options, key, value).map(Self::Smoothies),
             Self::ContactBlur(options) => options::changed(options, key, value).map(Self::ContactBlur),
+            Self::Planar(options) => options::changed(options, key, value).map(Self::Planar),
             _ => Err(Refusal::Key),
         }
     }
@@ -242,6 +249,7 @@ impl Technique {
             | Self::Pcf(_)
             | Self::MapIds(_)
             | Self::Hybrid3x3(_)
+            | Self::Planar(_)
             | Self::None
             | Self::Dark => false,
         }
@@ -293,6 +301,7 @@ impl Technique {
             Self::ContactBlur(options) => {
                 Step::Soft(soft::contact_blur(casters, lamp, options).map_err(refused)?)
             }
+            Self::Planar(options) => Step::Planar(planar::planar(casters, lamp, options)),
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
         };
@@ -327,6 +336,7 @@ enum Step<'a> {
     Ids(Box<IdShadow<'a>>),
     Hybrid(Box<HybridShadow<'a>>),
     Soft(Box<dyn SoftShadow + 'a>),
+    Planar(Box<dyn PlanarShadow + 'a>),
     Plain(Plain),
 }
 
@@ -349,6 +359,7 @@ impl Prepared<'_> {
             Step::Ids(map) => map.shade(samples),
             Step::Hybrid(map) => map.shade(samples),
             Step::Soft(map) => map.shade(samples),
+            Step::Planar(planar) => planar.shade(samples),
             Step::Plain(plain) => plain.shade(&self.light, samples),
         }
     }
@@ -365,6 +376,7 @@ impl Prepared<'_> {
             Step::Ids(map) => map.bytes(),
             Step::Hybrid(map) => map.bytes(),
             Step::Soft(map) => map.bytes(),
+            Step::Planar(planar) => planar.bytes(),
         }
     }
 

@@ -34,6 +34,9 @@ pub(super) fn what(technique: Technique) -> &'static str {
             "The exact hard shadow, with a rim as wide as the penumbra at each silhouette edge."
         }
         "contact-blur" => "The exact hard shadow, blurred on the picture as wide as the blockers suggest.",
+        "planar" => {
+            "The casters flattened onto one plane, decided exactly; exact rays for all other samples."
+        }
         "none" => "No shadows: every surface that faces the lamp is lit.",
         "dark" => "No light from this lamp at all.",
         _ => "A technique without a description.",
@@ -59,6 +62,7 @@ pub(super) fn when(technique: Technique) -> &'static str {
         "vsm" | "msm" => "Take it where many samples share one filtered map, and some leaking is accepted.",
         "smoothies" | "penumbra-map" => "Take it for clean models, where silhouettes are few.",
         "contact-blur" => "Take it where an exact hard shadow is there already.",
+        "planar" => "Take it where a floor receives nearly all of the shadow.",
         "none" => "Take it where the shadow is not seen: it is the cost of drawing without any.",
         "dark" => "Take it for a lamp that is switched off: it is the other end of the scale.",
         _ => "",

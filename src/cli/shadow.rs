@@ -26,6 +26,10 @@ pub(crate) struct ShadowArgs {
     /// to many points of it), `soft-hybrid` (the same where a shadow map is not sure), and from maps alone
     /// `pcss`, `single-sample`, `vsm`, `msm`; from silhouettes `penumbra-map` and `smoothies`; blurred in the
     /// picture `contact-blur`.
+    ///
+    /// On one plane, that of most samples or `plane=A/B/C/D`, with exact rays for all else: `planar` (exact),
+    /// soft `planar-layers`, `planar-blur` and `planar-contact`, and without regard to shapes `blob`;
+    /// `projective`: what the casters cover, on what does not cast, or on the plane.
     #[arg(long, visible_alias = "method", value_name = "[LAMP=]TECHNIQUE", default_value = "auto")]
     shadow: Vec<Asked>,
 }

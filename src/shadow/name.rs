@@ -49,7 +49,7 @@ pub enum TechniqueError {
 }
 
 /// Names of planned techniques.
-const PLANNED: [&str; 14] = [
+const PLANNED: [&str; 9] = [
     "auto",
     "zpass-plus",
     "zpass-reversed",
@@ -59,11 +59,6 @@ const PLANNED: [&str; 14] = [
     "counter",
     "reconstruct",
     "lod",
-    "planar-blur",
-    "planar-contact",
-    "planar-layers",
-    "blob",
-    "projective",
 ];
 
 fn names() -> String {

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use glam::DVec3;
+
 use super::Plane;
 use super::options::Ground;
 use crate::geom::Light;
@@ -15,11 +17,25 @@ const STEPS: f64 = (1_u64 << 16) as f64;
 
 impl Ground {
     /// The plane, if there is one: without samples that face the light there is none with most of them.
-    pub(super) fn plane(self, samples: &Samples, light: &Light) -> Option<Plane> {
+    pub(crate) fn plane(self, samples: &Samples, light: &Light) -> Option<Plane> {
         match self {
             Self::Given(given) => Some(given.plane()),
             Self::Most => most(samples, light),
         }
+    }
+}
+
+impl Plane {
+    /// The middle of the samples that are on the plane and face the light; the plane's origin if there are
+    /// none.
+    pub(super) fn middle(&self, samples: &Samples, light: &Light) -> [f32; 3] {
+        let on_plane = samples.hits().iter().flatten();
+        let on_plane = on_plane.filter(|hit| is_front_lit(hit, light) && self.holds(hit.corners));
+        let (sum, count) = on_plane.fold((DVec3::ZERO, 0.0), |(sum, count), hit| {
+            (sum + DVec3::from(hit.point.map(f64::from)), count + 1.0)
+        });
+        let middle = if count > 0.0 { sum / count } else { self.origin };
+        middle.clamp(DVec3::splat(f32::MIN.into()), DVec3::splat(f32::MAX.into())).as_vec3().into()
     }
 }
 

@@ -74,7 +74,7 @@ impl Plane {
 
     /// Whether the plane passes through all three corners, as far as `f32` tells: within half a unit in the
     /// last place of each coordinate.
-    pub(super) fn holds(&self, corners: [[f32; 3]; 3]) -> bool {
+    pub(crate) fn holds(&self, corners: [[f32; 3]; 3]) -> bool {
         corners.iter().all(|&corner| {
             // A coordinate was rounded by at most 2⁻²⁴ of itself; the height takes a few roundings of f64.
             let slack = (0..3).map(|i| {

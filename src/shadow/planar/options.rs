@@ -1,7 +1,7 @@
 //! Options of the planar techniques.
 
 use super::Plane;
-use crate::shadow::options::{Key, Options};
+use crate::shadow::options::{Key, Options, set_number};
 
 const PLANE_KEY: Key =
     Key { name: "plane", takes: "`most`, or a plane A/B/C/D: the numbers of A·x + B·y + C·z + D = 0" };
@@ -90,5 +90,72 @@ impl Options for PlanarOptions {
 
     fn set(&mut self, _: &str, value: &str) -> bool {
         self.plane.set(value)
+    }
+}
+
+/// Options of `planar-layers`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LayersOptions {
+    /// Number of light points, 1 to 1024: planar shadows of which the mean is taken.
+    pub n: u32,
+    /// The plane that receives the shadow.
+    pub plane: Ground,
+}
+
+impl LayersOptions {
+    /// 16 light points, and the plane with most samples.
+    pub const DEFAULT: Self = Self { n: 16, plane: Ground::Most };
+}
+
+impl Default for LayersOptions {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Options for LayersOptions {
+    const KEYS: &'static [Key] = &[Key { name: "n", takes: "a number from 1 to 1024" }, PLANE_KEY];
+
+    fn get(&self, key: &str) -> String {
+        if key == "n" { self.n.to_string() } else { self.plane.get() }
+    }
+
+    fn set(&mut self, key: &str, value: &str) -> bool {
+        if key == "n" { set_number(&mut self.n, value, 1..=1024) } else { self.plane.set(value) }
+    }
+}
+
+/// Options of the techniques with a texture: `planar-blur`, `planar-contact` and `projective`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TextureOptions {
+    /// Side of the texture in texels, 1 to [`MOST_TEXELS`].
+    pub size: u32,
+    /// The plane that receives the shadow.
+    pub plane: Ground,
+}
+
+/// Largest side of a texture: its sums take 270 MB.
+pub const MOST_TEXELS: u32 = 4096;
+
+impl TextureOptions {
+    /// 1024², and the plane with most samples.
+    pub const DEFAULT: Self = Self { size: 1024, plane: Ground::Most };
+}
+
+impl Default for TextureOptions {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Options for TextureOptions {
+    const KEYS: &'static [Key] = &[Key { name: "size", takes: "a number from 1 to 4096" }, PLANE_KEY];
+
+    fn get(&self, key: &str) -> String {
+        if key == "size" { self.size.to_string() } else { self.plane.get() }
+    }
+
+    fn set(&mut self, key: &str, value: &str) -> bool {
+        if key == "size" { set_number(&mut self.size, value, 1..=MOST_TEXELS) } else { self.plane.set(value) }
     }
 }

@@ -37,14 +37,15 @@ fn covers_plainly(mesh: &Mesh, plane: &Plane, light: &Light, p: [f32; 3], clips:
         if clips[1] {
             clip(&mut polygon, |corner| corner[2]);
         }
-        holds(&polygon, [x / w, y / w])
+        holds(&polygon, [x / w, y / w], clips[1])
     })
 }
 
-/// Whether the image of a convex polygon contains a point. A corner with a divisor of zero is a direction.
-fn holds(polygon: &[Corner<f64>], [u, v]: [f64; 2]) -> bool {
+/// Whether the image of a convex polygon contains a point. After the second clip no divisor is below zero; one
+/// of zero is a direction.
+fn holds(polygon: &[Corner<f64>], [u, v]: [f64; 2], is_clipped: bool) -> bool {
     let beside = |&[x, y, w, _]: &Corner<f64>| {
-        let side = if w < 0.0 { -1.0 } else { 1.0 };
+        let side = if w < 0.0 && !is_clipped { -1.0 } else { 1.0 };
         [side * (x - u * w), side * (y - v * w)]
     };
     let corners: Vec<[f64; 2]> = polygon.iter().map(beside).collect();

@@ -284,7 +284,7 @@ fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
             umbrage::shadow::Technique::ALL.iter().map(|technique| technique.name()).collect();
         assert_eq!(names[..all.len()], all);
         // Then the device form of those that have one, where there is an adapter.
-        let on_device = ["stencil", "zfail", "zpass", "map", "pcf"];
+        let on_device = ["stencil", "zfail", "zpass", "map", "pcf", "planar"];
         assert!(names.len() == all.len() || names[all.len()..] == on_device, "{names:?}");
         assert!(rows[all.len()..].iter().all(|row| row["device"].is_string()));
         for row in rows {

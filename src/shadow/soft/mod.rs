@@ -40,6 +40,7 @@ pub(super) use pcss::pcss;
 pub use samples::SamplesOptions;
 pub(super) use silhouettes::{penumbra_map, smoothies};
 pub(super) use single_sample::single_sample;
+pub(super) use sums::Sums;
 
 use super::{Samples, Visibility};
 

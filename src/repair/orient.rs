@@ -125,7 +125,6 @@ mod tests {
             shapes::cube(),
             shapes::torus(7, 5, 2.0, 0.5),
             shapes::hollow_cube(),
-            shapes::nested_cubes(4),
             shapes::cubes_sharing_edge(),
             shapes::cubes_sharing_vertex(),
             shapes::menger_sponge(1),
@@ -151,6 +150,16 @@ mod tests {
                 assert_ne!(canonical(&tousled(&mesh, 5)), canonical(&shape));
             }
         }
+    }
+
+    #[test]
+    fn oriented_shells_alternate_where_they_nest() {
+        let (mesh, step) = orient(shapes::nested_cubes(4)).unwrap();
+        let report = CrackReport::of(&mesh, &Topology::of(&mesh));
+        assert!(report.counts.sound() && step.count == 24);
+        assert!(report.shell_list.iter().all(|shell| (shell.signed_volume > 0.0) == (shell.depth % 2 == 0)));
+        // Fault injected: all of them as they were.
+        assert_eq!(inside_out(&shapes::nested_cubes(4)), 2);
     }
 
     #[test]

@@ -133,21 +133,26 @@ mod tests {
         }
     }
 
+    /// An hourglass, open at both ends, whose waist is the edge between its first two vertices: faces there are
+    /// in two pairs, those above and those below, or those in front and those behind.
+    fn hourglass() -> Mesh {
+        let ring = |z: f32| [[-1.5, 0.0, z], [0.0, 1.0, z], [1.5, 0.0, z], [0.0, -1.0, z]];
+        let positions = [&[[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], &ring(1.0)[..], &ring(-1.0)].concat();
+        let [p, q, a, b, c, d, e, f, g, h] = std::array::from_fn(|vertex| vertex as u32);
+        let above = [[p, q, b], [p, b, a], [q, c, b], [q, p, d], [q, d, c], [p, a, d]];
+        let below = [[q, p, f], [f, p, e], [g, q, f], [p, q, h], [h, q, g], [e, p, h]];
+        Mesh::new(positions, [above, below].concat()).unwrap()
+    }
+
     #[test]
-    fn split_by_any_other_pairs_would_be_seen() {
-        // Fault injected: each face at the shared edge stays alone.
-        let mesh = shapes::cubes_sharing_edge();
-        let topology = Topology::of(&mesh);
-        let edge = topology.edges().find(|&edge| topology.valence(edge) > 2).unwrap();
-        let found = radial::pairs(&mesh, &topology, edge);
-        assert_eq!(found.len(), 2);
-        let shells = topology.shells().of_face;
-        let faces = |pair: [HalfEdgeId; 2]| pair.map(|half_edge| topology.face(half_edge).index());
-        // The twelve faces of each cube come one after the other in no stated order: by their sides.
-        let side = |face: usize| {
-            let center: f32 = mesh.corners(crate::mesh::FaceId::new(face)).iter().map(|p| p[0]).sum();
-            center / 3.0 > 0.5 * (mesh.bounds().unwrap()[0][0] + mesh.bounds().unwrap()[1][0])
-        };
-        assert!(found.iter().all(|&pair| side(faces(pair)[0]) == side(faces(pair)[1])), "{shells:?}");
+    fn split_leaves_an_edge_whose_fans_are_one_at_both_ends() {
+        // Solid outside the hourglass keeps its two halves together.
+        let (mesh, step) = split(hourglass()).unwrap();
+        assert_eq!((mesh.vertex_count(), step.count, step.left), (10, 0, 1));
+        assert_eq!(step.changes[0].kind, ChangeKind::EdgeLeft);
+        // Solid inside parts there.
+        let (mesh, step) = split(shapes::inside_out(&hourglass())).unwrap();
+        assert_eq!((mesh.vertex_count(), step.count, step.left), (12, 2, 0));
+        assert_eq!(Topology::of(&mesh).shells().count, 2);
     }
 }

@@ -197,11 +197,11 @@ mod tests {
 
     #[test]
     fn stitch_of_edges_all_on_a_line_ends() {
-        let corner = |k: u32| [[k as f32, 0.0, 0.0], [(k + 900) as f32, 0.0, 0.0], [k as f32, 1.0, k as f32]];
-        let positions: Vec<_> = (0..300).flat_map(corner).collect();
-        let triangles = (0..300).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        let corner = |k: u32| [[k as f32, 0.0, 0.0], [(k + 150) as f32, 0.0, 0.0], [k as f32, 1.0, k as f32]];
+        let positions: Vec<_> = (0..50).flat_map(corner).collect();
+        let triangles = (0..50).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
         let mesh = Mesh::new(positions, triangles).unwrap();
         let (stitched, step) = stitch(mesh).unwrap();
-        assert!(step.count > 300 && stitched.face_count() < 1 << 20);
+        assert!(step.count > 50 && stitched.face_count() < 1 << 20);
     }
 }

@@ -417,10 +417,8 @@ impl Prepared<'_> {
                 visibility
             }
             Step::Grid(grid) => grid.shade(samples),
-            Step::Plain(plain) => plain.shade(self.lamp.light(), samples),
-            Step::Soft(map) => map.shade(samples),
             Step::Planar(planar) => planar.shade(samples),
-            Step::Plain(plain) => plain.shade(&self.light, samples),
+            Step::Plain(plain) => plain.shade(self.lamp.light(), samples),
         }
     }
 

@@ -2,8 +2,8 @@
 //!
 //! The sky is six lights at infinity, and Lambert's formula measures what the outlines of all faces leave of
 //! them ([`crate::oracle::area`]). A receiver lies off its point by nothing at all, in the direction of its
-//! normal: of a face with the point as a corner, what is beyond the opposite side is hidden. This is the rule
-//! of the rays too. A face in whose plane the point lies, without being a corner, hides nothing.
+//! normal: a face through the point hides what is beyond those of its sides that the point is not on. This is
+//! the rule of the rays too. A receiver without a normal has no such side, and faces through it hide nothing.
 
 use super::{Ambient, Receiver};
 use crate::oracle::area::{SoftOracle, UnderSky};

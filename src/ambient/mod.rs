@@ -12,6 +12,7 @@ mod lattice;
 mod rays;
 mod receivers;
 mod ring;
+mod sample;
 mod smooth;
 mod start;
 #[cfg(test)]

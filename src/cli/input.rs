@@ -95,6 +95,14 @@ impl SourceArgs {
     }
 }
 
+impl SourceArgs {
+    /// All that casts, as one mesh, for questions without lights.
+    pub(crate) fn load_caster(&self) -> Result<Mesh, Failure> {
+        let (baked, _) = self.mesh.read_visible(&self.file, &self.cast.no_cast)?;
+        self.mesh.joined(baked.meshes, &self.file)
+    }
+}
+
 impl Source {
     /// All that is seen: the caster, unless some of it only receives.
     pub(crate) fn seen(&self) -> &Caster {

@@ -189,6 +189,11 @@ impl MeshArgs {
         self.scope != ScopeArg::Scene
     }
 
+    /// Which vertices are the same.
+    pub(crate) fn weld_rule(&self) -> Weld {
+        self.weld
+    }
+
     /// Welds one mesh, in its own memory.
     pub(crate) fn weld(&self, mesh: Mesh) -> WeldedMesh {
         let vertices = mesh.vertex_count();

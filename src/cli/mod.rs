@@ -21,6 +21,7 @@ mod stencil_render;
 mod view;
 
 mod check;
+mod prepare;
 mod silhouette;
 mod volume;
 mod verify;
@@ -57,6 +58,7 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Check(check::Args),
+    Prepare(prepare::Args),
     Silhouette(silhouette::Args),
     Volume(volume::Args),
     Verify(verify::Args),
@@ -71,6 +73,7 @@ impl Command {
     fn run(self) -> Result<Outcome, Failure> {
         match self {
             Self::Check(args) => check::run(args),
+            Self::Prepare(args) => prepare::run(args),
             Self::Silhouette(args) => silhouette::run(args),
             Self::Volume(args) => volume::run(args),
             Self::Verify(args) => verify::run(args),

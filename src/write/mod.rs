@@ -1,16 +1,17 @@
 //! Mesh file writers: one format per module, chosen by the extension, each file written completely or not at
 //! all.
 //!
-//! | carries | `.obj` | `.ply` | `.glb` |
-//! |---|---|---|---|
-//! | positions, bit for bit | yes | yes | yes |
-//! | layers | objects | one after another, named in comments | nodes |
-//! | parts | groups | no | no |
-//! | color | no | `red green blue alpha`, sRGB | an unlit material |
-//! | homogeneous w | no | `w` | attribute `_W` |
-//! | quality | no | `quality`, and in the color | attribute `_QUALITY` |
-//! | triangles, lines | `f`, `l` | elements `face`, `edge` | modes 4, 1 |
-//! | points | `p` | the vertices alone | mode 0 |
+//! | carries | `.obj` | `.ply` | `.glb` | [STL](Target::Stl) |
+//! |---|---|---|---|---|
+//! | positions, bit for bit | yes | yes | yes | yes |
+//! | vertices that faces share | yes | yes | yes | no |
+//! | layers | objects | one after another, named in comments | nodes | one after another |
+//! | parts | groups | no | no | no |
+//! | color | no | `red green blue alpha`, sRGB | an unlit material | no |
+//! | homogeneous w | no | `w` | attribute `_W` | refused |
+//! | quality | no | `quality`, and in the color | attribute `_QUALITY` | no |
+//! | triangles, lines | `f`, `l` | elements `face`, `edge` | modes 4, 1 | triangles; lines are refused |
+//! | points | `p` | the vertices alone | mode 0 | refused |
 //!
 //! The same model gives the same bytes.
 
@@ -20,6 +21,7 @@ mod glb;
 mod obj;
 mod occlusion;
 mod ply;
+mod stl;
 
 use std::fmt;
 use std::io::Write;
@@ -134,10 +136,12 @@ pub enum Target {
     Ply,
     /// glTF 2.0, binary container.
     Glb,
+    /// STL, binary: triangles alone. Never chosen by an extension, since it loses which faces share vertices.
+    Stl,
 }
 
 impl Target {
-    /// The format that the extension of `path` names, in any case.
+    /// The format that the extension of `path` names, in any case; one that holds layers of any kind.
     ///
     /// # Errors
     ///
@@ -166,6 +170,7 @@ impl fmt::Display for Target {
             Self::Obj => "obj",
             Self::Ply => "ply",
             Self::Glb => "glb",
+            Self::Stl => "stl",
         })
     }
 }
@@ -201,6 +206,7 @@ pub fn write_to(model: &Model, target: Target, writer: &mut dyn Write) -> Result
         Target::Obj => obj::write(model, writer)?,
         Target::Ply => ply::write(model, writer)?,
         Target::Glb => glb::write(model, writer)?,
+        Target::Stl => stl::write(model, writer)?,
     }
     Ok(())
 }

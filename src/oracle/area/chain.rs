@@ -89,6 +89,7 @@ impl Chain {
 
     /// Adds the boundary of a face with the receiver as its third corner, as seen from just off that corner
     /// in the direction opposite to `down`: of the triangle of directions to both other corners and `down`.
+    /// A face that the receiver is on is three of these.
     pub(super) fn add_below(
         &mut self,
         pyramid: &Pyramid,

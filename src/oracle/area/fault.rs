@@ -15,7 +15,7 @@ pub(super) enum Fault {
     ZeroIsFront,
     /// Edges between three faces or more count once.
     NoMultiplicity,
-    /// Faces with the receiver as a corner hide nothing.
+    /// Faces through the receiver hide nothing.
     NoFan,
 }
 

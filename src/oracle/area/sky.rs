@@ -16,6 +16,7 @@ use super::frame::{EPSILON, Frame, Plane, wide};
 use super::pyramid::Pyramid;
 use super::sweep::{AtLeft, Sink, Trapezoid};
 use super::{Scratch, SoftOracle};
+use crate::geom::predicate::{on_triangle, side_of_point};
 use crate::mesh::FaceId;
 
 /// A surface point.
@@ -43,8 +44,8 @@ impl SoftOracle<'_> {
     /// The open share of the sky above each receiver, on several threads if the feature `parallel` is on.
     ///
     /// A receiver with a normal lies off its point by nothing at all, in the direction of the normal: a face
-    /// with the point as a corner hides what is beyond its opposite side. Other faces whose plane goes through
-    /// the point hide nothing.
+    /// with the point as a corner hides what is beyond its opposite side, and one that the point is on what is
+    /// beyond any of its sides. Other faces whose plane goes through the point hide nothing.
     pub(crate) fn open_sky(&self, receivers: &[UnderSky]) -> Vec<Open> {
         let slots = receivers.iter().any(|receiver| receiver.face.is_some()).then(|| self.slots());
         let own = |receiver: &UnderSky| {
@@ -215,6 +216,16 @@ fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     2.0 * height.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }
 
+/// Whether a point lies on a face.
+#[inline(always)]
+fn goes_through(corners: [[f32; 3]; 3], p: [f32; 3]) -> bool {
+    let within = |i: usize| {
+        let [a, b, c] = corners.map(|x| x[i]);
+        a.min(b).min(c) <= p[i] && p[i] <= a.max(b).max(c)
+    };
+    (0..3).all(within) && side_of_point(corners, p).is_zero() && on_triangle(corners, p)
+}
+
 /// The traversal, with AVX2 instructions where the processor has them.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]
 fn gather(
@@ -233,11 +244,14 @@ fn gather(
         if own.is_some_and(|own| own == ordered(ids)) {
             return;
         }
-        match (corners.iter().position(|&x| x == p), down) {
-            (None, _) => chain.add(pyramid, corners, ids),
-            (Some(at), Some(down)) if !chain.faults.has(Fault::NoFan) => {
-                let others = [(at + 1) % 3, (at + 2) % 3];
-                chain.add_below(pyramid, others.map(|i| corners[i]), others.map(|i| ids[i]), down);
+        match down {
+            _ if !goes_through(corners, p) => chain.add(pyramid, corners, ids),
+            Some(down) if !chain.faults.has(Fault::NoFan) => {
+                // A side through the point subtends nothing with the direction down.
+                for i in 0..3 {
+                    let side = [i, (i + 1) % 3];
+                    chain.add_below(pyramid, side.map(|i| corners[i]), side.map(|i| ids[i]), down);
+                }
             }
             _ => {}
         }

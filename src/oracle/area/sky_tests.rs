@@ -176,17 +176,34 @@ fn grooves_show_the_fan_s_rule() {
         let cos = (along / f64::hypot(along, across)).abs();
         holds(&flat, at(point, normal), 0.5 * (1.0 + cos), 1e-13);
     }
-    // On the inside of one side, with the side for its own face: cos²ψ at any distance from the line.
-    let across = quads(&[[
-        [0.0, -long, 0.0],
-        [3.0 * long, -long, 4.0 * long],
-        [3.0 * long, long, 4.0 * long],
-        [0.0, long, 0.0],
-    ]]);
+    // On the inside of one side, across from the other one: cos²ψ at any distance from the line, but for what
+    // passes over the far end of the other side.
+    let top = [3.0 * long, 4.0 * long];
+    let across =
+        quads(&[[[0.0, -long, 0.0], [top[0], -long, top[1]], [top[0], long, top[1]], [0.0, long, 0.0]]]);
     for distance in [1.0_f32, 7.0, 0.25] {
         let receiver = at([-3.0 * distance, 0.0, 4.0 * distance], [0.8, 0.0, 0.6]);
-        holds(&across, receiver, 0.36, 1e-11);
+        holds(&across, receiver, 0.36, f64::from(4.0 * distance / long));
     }
+}
+
+#[test]
+fn point_on_an_edge_or_within_a_face_is_hidden_by_what_is_below() {
+    let face = [[-1.0, -1.0, 0.0], [3.0, -1.0, 0.0], [-1.0, 3.0, 0.0]];
+    let (mesh, tilted) = (triangles(&[face]), [3.0, 0.0, 4.0]);
+    holds(&mesh, at([0.0; 3], tilted), 0.9, 1e-13);
+    catches(&mesh, at([0.0; 3], tilted), 0.9, Fault::NoFan);
+    // On the edge x = −1 the part below is hidden if the normal leans to the face.
+    holds(&mesh, at([-1.0, 1.0, 0.0], tilted), 0.9, 1e-13);
+    holds(&mesh, at([-1.0, 1.0, 0.0], [-3.0, 0.0, 4.0]), 1.0, 1e-13);
+    // With faces across the edge that end at the point, as without the edge.
+    let junction = triangles(&[
+        face,
+        [[-1.0, 1.0, 0.0], [-1.0, 3.0, 0.0], [-4.0, 1.0, 0.0]],
+        [[-1.0, 1.0, 0.0], [-4.0, 1.0, 0.0], [-1.0, -1.0, 0.0]],
+    ]);
+    holds(&junction, at([-1.0, 1.0, 0.0], [-3.0, 0.0, 4.0]), 0.9, 1e-13);
+    holds(&junction, at([-1.0, 1.0, 0.0], [1.0, 2.0, 2.0]), 0.5 * (1.0 + 2.0 / 3.0), 1e-13);
 }
 
 #[test]

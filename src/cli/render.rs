@@ -118,8 +118,7 @@ fn counts(technique: Option<Technique>) -> bool {
 impl ShadowArgs {
     /// A stencil pass if any lamp asks for one, or leaves it to us and no other asks for rays; else rays.
     /// Where some lamps count and others cast rays, or one asks for a technique of the CPU, all is done on
-    /// the CPU, on the same samples.
-    /// With ambient light by rays too.
+    /// the CPU, on the same samples; ambient light by rays is of the CPU, too.
     fn settle(&self, adapter: &AdapterArgs, ambient: bool) -> Result<Renderer, Failure> {
         if self.asks_for(is_of_samples) {
             return Ok(Renderer::Samples);

@@ -30,7 +30,7 @@ pub(super) fn values(args: &Args, input: &Input) -> Result<Values, Failure> {
         Method::Rays => {
             let (ambient, cast) =
                 Ambient::by_rays(&Oracle::over(&casting), &receivers, &options(args), &|count| {
-                    progress.done(count)
+                    progress.done(count);
                 });
             (rays, ring) = (Some(cast.rays), cast.ring);
             ambient

@@ -219,8 +219,10 @@ impl Args {
         let target = Target::from_path(&self.output)?;
         let at = |failure: Failure| failure.in_file(&self.output);
         match target {
-            Target::Obj => {
-                return Err(at(Failure::new("OBJ has no values of vertices", "name a .glb or .ply file")));
+            Target::Obj | Target::Stl => {
+                let name = if target == Target::Obj { "OBJ" } else { "STL" };
+                let problem = format!("{name} has no values of vertices");
+                return Err(at(Failure::new(problem, "name a .glb or .ply file")));
             }
             Target::Ply if self.form.is_some() || self.bent || self.replace => {
                 let problem = "--as, --bent and --replace: a PLY has `quality` and colors";

@@ -81,7 +81,7 @@ impl Solids {
     /// touches one.
     fn winding(&self, oracle: &Oracle, receivers: &Receivers, index: usize, start: &Start) -> Option<i32> {
         let normal = DVec3::from(receivers.list[index].normal.unwrap_or([0.0, 0.0, 1.0]).map(f64::from));
-        let inward = receivers.inward.get(index).map_or(DVec3::ZERO, |into| DVec3::from(into.map(f64::from)));
+        let inward = DVec3::from(receivers.sides.inward(index).map(f64::from));
         let mut random = SplitMix64(0);
         for attempt in 0..TRIES {
             let tilt = inward / 4.0 + DVec3::from([(); 3].map(|()| random.unit() - 0.5)) / 4.0;

@@ -13,6 +13,7 @@ mod rays;
 mod receivers;
 mod ring;
 mod sample;
+mod sides;
 mod smooth;
 mod start;
 #[cfg(test)]

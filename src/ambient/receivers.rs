@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::inside::Solids;
+use super::sides::Sides;
 use super::smooth::{CornerNormal, FaceNormal, corner_normals, normalized, towards_middle};
 use crate::mesh::{FaceId, Mesh, Weld, weld_in_place};
 use crate::topology::Topology;
@@ -35,8 +36,7 @@ pub enum Per {
 pub struct Receivers {
     pub(super) list: Vec<Receiver>,
     pub(super) corners: Vec<[u32; 3]>,
-    /// For receivers whose faces do not surround them: a direction into these faces, else 0.
-    pub(super) inward: Vec<[f32; 3]>,
+    pub(super) sides: Sides,
     pub(super) solids: Solids,
 }
 
@@ -182,7 +182,7 @@ impl Joined {
                 corners.as_flattened_mut()[corner as usize] = receiver as u32; // at most one per corner
             }
         }
-        Receivers { list, corners, inward, solids: self.solids() }
+        Receivers { list, sides: Sides::new(inward, &corners), corners, solids: self.solids() }
     }
 
     /// A direction into the faces of these corners, which share a vertex; 0 if the faces surround it, that is,
@@ -220,7 +220,7 @@ impl Joined {
         Receivers {
             list: self.topology.faces().zip(&self.faces).map(receiver).collect(),
             corners: self.topology.faces().map(|face| [face.0; 3]).collect(),
-            inward: Vec::new(),
+            sides: Sides::default(),
             solids: self.solids(),
         }
     }

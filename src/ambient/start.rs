@@ -17,13 +17,25 @@ pub(super) struct Start {
     fan: Fan,
 }
 
-/// How steeply a receiver at a hard edge is moved off its own faces, as it is moved into them: by less than a
-/// sixteenth of a degree, and by far more than normals are rounded.
-const RISE: f64 = 1.0 / 1024.0;
-
 impl Start {
     pub(super) fn at(oracle: &Oracle, receivers: &Receivers, index: usize) -> Self {
-        let Receiver { point, normal, face: own_face } = receivers.list[index];
+        let (receiver, sides) = (&receivers.list[index], &receivers.sides);
+        let off = receiver.normal.map(|normal| sides.off(index, normal));
+        Self::new(oracle, receiver, off, |face| sides.is_own(index, face))
+    }
+
+    /// Without knowing what faces a receiver stands for.
+    pub(super) fn alone(oracle: &Oracle, receiver: &Receiver) -> Self {
+        Self::new(oracle, receiver, receiver.normal, |_| false)
+    }
+
+    /// `off` is where the receiver is moved, to see on which side of a face it is that `is_ours` denies.
+    fn new(
+        oracle: &Oracle,
+        &Receiver { point, normal, face: own_face }: &Receiver,
+        off: Option<[f32; 3]>,
+        is_ours: impl Fn(FaceId) -> bool,
+    ) -> Self {
         let (mut faces, mut own) = (Vec::new(), None);
         // Faces through the point: those that the receiver stands for, and others.
         let (mut ours, mut others) = (Vec::new(), Vec::new());
@@ -33,16 +45,13 @@ impl Start {
                 own = Some(corners);
             } else if corners.contains(&point) {
                 faces.push(face);
-                let receivers = receivers.corners.get(face.index());
-                let is_ours = receivers.is_some_and(|of_face| of_face.contains(&(index as u32)));
-                if is_ours { &mut ours } else { &mut others }.push(corners);
+                if is_ours(face) { &mut ours } else { &mut others }.push(corners);
             } else if side_of_point(corners, point).is_zero() && on_triangle(corners, point) {
                 others.push(corners);
             }
         });
         let mut fan = Fan::default();
-        if let Some(normal) = normal {
-            let off = receivers.off(index, normal);
+        if let Some((normal, off)) = normal.zip(off) {
             let mut copies: Vec<_> = ours.iter().copied().map(sorted).collect();
             copies.sort_unstable();
             ours.iter().for_each(|&corners| fan.add(point, normal, normal, corners));
@@ -78,20 +87,6 @@ impl Start {
         let Reach::Fading(distance) = reach else { return 1.0 };
         let first = oracle.first_crossing(self.point, direction, self.own);
         first.map_or(0.0, |t| (1.0 - t / f64::from(distance)).clamp(0.0, 1.0))
-    }
-}
-
-impl Receivers {
-    /// Where a receiver is moved, by nothing, to see which side of a face that is not its own it is on: along
-    /// its normal. At a hard edge, where the other side of the edge may contain the normal, into its own
-    /// faces.
-    fn off(&self, index: usize, normal: [f32; 3]) -> [f32; 3] {
-        match self.inward.get(index) {
-            Some(&inward) if inward != [0.0; 3] => {
-                [0, 1, 2].map(|i| (f64::from(inward[i]) + RISE * f64::from(normal[i])) as f32)
-            }
-            _ => normal,
-        }
     }
 }
 

@@ -9,6 +9,7 @@ use super::start::Start;
 use super::*;
 use crate::mesh::{FaceId, Mesh};
 use crate::oracle::Oracle;
+use crate::oracle::area::SoftOracle;
 use crate::testing::shapes;
 
 const UP: [f32; 3] = [0.0, 0.0, 1.0];
@@ -227,6 +228,12 @@ fn tilted(mesh: &Mesh) -> Mesh {
     Mesh::new(mesh.positions().iter().map(turned).collect(), mesh.triangles().to_vec()).unwrap()
 }
 
+/// By the analytic form, per corner.
+fn analytic(mesh: &Mesh) -> Vec<f64> {
+    let receivers = Receivers::of(&[mesh], Per::Corner);
+    exact_part(&SoftOracle::build(mesh), &receivers, 0..receivers.list.len()).openness
+}
+
 #[test]
 fn at_hard_edges_a_receiver_is_on_its_own_side_of_walls_that_contain_its_normal() {
     // A closed room of two parts, convex and not, and its outside.
@@ -240,6 +247,7 @@ fn at_hard_edges_a_receiver_is_on_its_own_side_of_walls_that_contain_its_normal(
         let inside = shapes::inside_out(&solid);
         let found = cast(&[&inside], &Receivers::of(&[&inside], Per::Corner), &exactly(64));
         assert!(found.openness.iter().all(|&open| open == 0.0), "{found:?}");
+        assert!(analytic(&inside).iter().all(|&open| open < 1e-6), "{:?}", analytic(&inside));
         let outside = cast(&[&solid], &Receivers::of(&[&solid], Per::Corner), &exactly(64));
         let convex = solid.face_count() == 12;
         assert!(outside.openness.iter().all(|&open| open == 1.0 || (!convex && open > 0.2)), "{outside:?}");
@@ -254,6 +262,7 @@ fn at_hard_edges_a_receiver_is_on_its_own_side_of_walls_that_contain_its_normal(
     for mesh in [both.clone(), tilted(&both)] {
         let receivers = Receivers::of(&[&mesh], Per::Corner);
         let found = cast(&[&mesh], &receivers, &exactly(256));
+        assert!(analytic(&mesh).iter().zip(&found.openness).all(|(a, &b)| (a - f64::from(b)).abs() < 0.02));
         for (face, corners) in receivers.corners().iter().enumerate() {
             for (corner, &receiver) in mesh.triangles()[face].iter().zip(corners) {
                 let [x, _, z] = both.positions()[*corner as usize];

@@ -5,7 +5,7 @@ use super::{Reach, Receiver, Receivers};
 use crate::geom::Light;
 use crate::geom::predicate::{on_triangle, side_of_point};
 use crate::mesh::FaceId;
-use crate::oracle::Oracle;
+use crate::oracle::{Oracle, sorted_corners};
 
 /// A receiver, and what of the faces through it the ray cast does not see.
 #[derive(Clone, Debug)]
@@ -52,12 +52,12 @@ impl Start {
         });
         let mut fan = Fan::default();
         if let Some((normal, off)) = normal.zip(off) {
-            let mut copies: Vec<_> = ours.iter().copied().map(sorted).collect();
+            let mut copies: Vec<_> = ours.iter().copied().map(sorted_corners).collect();
             copies.sort_unstable();
             ours.iter().for_each(|&corners| fan.add(point, normal, normal, corners));
             for &corners in &others {
                 // The other side of the same sheet is as near as this one.
-                let is_copy = copies.binary_search(&sorted(corners)).is_ok();
+                let is_copy = copies.binary_search(&sorted_corners(corners)).is_ok();
                 fan.add(point, normal, if is_copy { normal } else { off }, corners);
             }
         }
@@ -88,13 +88,6 @@ impl Start {
         let first = oracle.first_crossing(self.point, direction, self.own);
         first.map_or(0.0, |t| (1.0 - t / f64::from(distance)).clamp(0.0, 1.0))
     }
-}
-
-/// The corners of a triangle in an order of their own.
-fn sorted(corners: [[f32; 3]; 3]) -> [[u32; 3]; 3] {
-    let mut bits = corners.map(|corner| corner.map(f32::to_bits));
-    bits.sort_unstable();
-    bits
 }
 
 impl Reach {

@@ -71,6 +71,13 @@ fn has_corners(triangle: [[f32; 3]; 3], own: [[f32; 3]; 3]) -> bool {
     own.iter().all(|corner| triangle.contains(corner)) && triangle.iter().all(|corner| own.contains(corner))
 }
 
+/// The corners of a triangle in an order of their own, to find copies of it by.
+pub(crate) fn sorted_corners(corners: [[f32; 3]; 3]) -> [[u32; 3]; 3] {
+    let mut bits = corners.map(|corner| corner.map(f32::to_bits));
+    bits.sort_unstable();
+    bits
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

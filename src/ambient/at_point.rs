@@ -37,7 +37,7 @@ impl PointRays {
     #[must_use]
     pub fn openness(&self, oracle: &Oracle, point: [f32; 3], normal: [f32; 3]) -> f32 {
         let receiver = Receiver { point, normal: Some(normal), face: None };
-        let start = Start::at(oracle, &receiver);
+        let start = Start::alone(oracle, &receiver);
         sample(oracle, &receiver, &start, &self.lattice, SEED, Reach::Unlimited).openness
     }
 }

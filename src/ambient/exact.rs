@@ -5,8 +5,10 @@
 //! normal: a face through the point hides what is beyond those of its sides that the point is not on. This is
 //! the rule of the rays too. A receiver without a normal has no such side, and faces through it hide nothing.
 
-use super::{Ambient, Receiver};
-use crate::oracle::area::{SoftOracle, UnderSky};
+use std::ops::Range;
+
+use super::{Ambient, Receiver, Receivers};
+use crate::oracle::area::{HardEdges, SoftOracle, UnderSky};
 
 /// The openness of receivers, with an error bound.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,9 +34,39 @@ pub struct Exact {
 /// ```
 #[must_use]
 pub fn exact(soft: &SoftOracle<'_>, receivers: &[Receiver]) -> Exact {
+    measured(soft, receivers, HardEdges { off: &|_| None, is_own: &|_, _| false })
+}
+
+/// As [`exact`], for a part of receivers that know their faces: at a hard edge, each is on its own side of
+/// walls that contain its normal, as it is for rays.
+///
+/// # Panics
+///
+/// Panics if there are no such receivers.
+///
+/// ```
+/// use umbrage::ambient::{Per, Receivers, exact_part};
+/// use umbrage::oracle::area::SoftOracle;
+/// use umbrage::testing::shapes;
+/// let room = shapes::inside_out(&shapes::cube());
+/// let receivers = Receivers::of(&[&room], Per::Corner);
+/// assert!(exact_part(&SoftOracle::build(&room), &receivers, 3..9).openness.iter().all(|&open| open < 1e-12));
+/// ```
+#[must_use]
+pub fn exact_part(soft: &SoftOracle<'_>, receivers: &Receivers, part: Range<usize>) -> Exact {
+    let (first, sides) = (part.start, &receivers.sides);
+    let off = |index: usize| {
+        let normal = receivers.list[first + index].normal?;
+        Some(sides.off(first + index, normal)).filter(|&off| off != normal)
+    };
+    let is_own = |index: usize, face| sides.is_own(first + index, face);
+    measured(soft, &receivers.list[part], HardEdges { off: &off, is_own: &is_own })
+}
+
+fn measured(soft: &SoftOracle<'_>, receivers: &[Receiver], edges: HardEdges<'_>) -> Exact {
     let under_sky = |&Receiver { point, normal, face }: &Receiver| UnderSky { point, normal, face };
     let receivers: Vec<UnderSky> = receivers.iter().map(under_sky).collect();
-    let found = soft.open_sky(&receivers);
+    let found = soft.open_sky(&receivers, edges);
     Exact {
         bound: found.iter().fold(0.0, |most, open| open.bound.max(most)),
         openness: found.into_iter().map(|open| open.share).collect(),

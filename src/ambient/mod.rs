@@ -13,13 +13,14 @@ mod rays;
 mod receivers;
 mod ring;
 mod sample;
+mod sides;
 mod smooth;
 mod start;
 #[cfg(test)]
 mod closed_tests;
 
 pub use at_point::PointRays;
-pub use exact::{Exact, exact};
+pub use exact::{Exact, exact, exact_part};
 pub use rays::{Cast, Effort, MOST_RAYS, RayOptions, Reach, Ring};
 pub use receivers::{Per, Receiver, Receivers};
 

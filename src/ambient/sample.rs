@@ -12,7 +12,7 @@ impl Receivers {
     /// The chosen receivers, ascending, without faces.
     pub(crate) fn only(&self, chosen: &[u32]) -> Self {
         let list = chosen.iter().map(|&index| self.list[index as usize]).collect();
-        Self { list, corners: Vec::new(), solids: self.solids.clone() }
+        Self { list, corners: Vec::new(), sides: self.sides.only(chosen), solids: self.solids.clone() }
     }
 
     /// The chosen receivers, ascending, with all faces at them and the receivers of these; and the numbers

@@ -1,11 +1,11 @@
 //! A receiver with the faces around it: where rays start.
 
 use super::fan::Fan;
-use super::{Reach, Receiver};
+use super::{Reach, Receiver, Receivers};
 use crate::geom::Light;
 use crate::geom::predicate::{on_triangle, side_of_point};
 use crate::mesh::FaceId;
-use crate::oracle::Oracle;
+use crate::oracle::{Oracle, sorted_corners};
 
 /// A receiver, and what of the faces through it the ray cast does not see.
 #[derive(Clone, Debug)]
@@ -18,24 +18,56 @@ pub(super) struct Start {
 }
 
 impl Start {
-    pub(super) fn at(oracle: &Oracle, receiver: &Receiver) -> Self {
-        let point = receiver.point;
-        let (mut faces, mut own, mut around) = (Vec::new(), None, Vec::new());
+    pub(super) fn at(oracle: &Oracle, receivers: &Receivers, index: usize) -> Self {
+        let (receiver, sides) = (&receivers.list[index], &receivers.sides);
+        let off = receiver.normal.map(|normal| sides.off(index, normal));
+        Self::new(oracle, receiver, off, |face| sides.is_own(index, face))
+    }
+
+    /// Without knowing what faces a receiver stands for.
+    pub(super) fn alone(oracle: &Oracle, receiver: &Receiver) -> Self {
+        Self::new(oracle, receiver, receiver.normal, |_| false)
+    }
+
+    /// `off` is where the receiver is moved, to see on which side of a face it is that `is_ours` denies.
+    fn new(
+        oracle: &Oracle,
+        &Receiver { point, normal, face: own_face }: &Receiver,
+        off: Option<[f32; 3]>,
+        is_ours: impl Fn(FaceId) -> bool,
+    ) -> Self {
+        let (mut faces, mut own) = (Vec::new(), None);
+        // Faces through the point: those that the receiver stands for, and others.
+        let (mut ours, mut others) = (Vec::new(), Vec::new());
         oracle.for_each_face_near(point, |face, corners| {
-            if receiver.face == Some(face) {
+            if own_face == Some(face) {
+                faces.push(face);
                 own = Some(corners);
             } else if corners.contains(&point) {
-                around.push(corners);
-            } else {
-                if side_of_point(corners, point).is_zero() && on_triangle(corners, point) {
-                    around.push(corners);
-                }
-                return;
+                faces.push(face);
+                if is_ours(face) { &mut ours } else { &mut others }.push(corners);
+            } else if side_of_point(corners, point).is_zero() && on_triangle(corners, point) {
+                others.push(corners);
             }
-            faces.push(face);
         });
-        let fan = receiver.normal.map(|normal| Fan::new(point, normal, &around)).unwrap_or_default();
+        let mut fan = Fan::default();
+        if let Some((normal, off)) = normal.zip(off) {
+            let mut copies: Vec<_> = ours.iter().copied().map(sorted_corners).collect();
+            copies.sort_unstable();
+            ours.iter().for_each(|&corners| fan.add(point, normal, normal, corners));
+            for &corners in &others {
+                // The other side of the same sheet is as near as this one.
+                let is_copy = copies.binary_search(&sorted_corners(corners)).is_ok();
+                fan.add(point, normal, if is_copy { normal } else { off }, corners);
+            }
+        }
         Self { point, faces, own, fan }
+    }
+
+    /// The fault that a test injects: faces through the receiver hide nothing.
+    #[cfg(test)]
+    pub(super) fn without_fan(self) -> Self {
+        Self { fan: Fan::default(), ..self }
     }
 
     /// Whether the faces through the receiver hide a direction.

@@ -16,6 +16,7 @@ mod segment_triangle;
 mod tests;
 
 pub(crate) use batch::Curve;
+pub(crate) use from_surface::sorted_corners;
 pub use primary_hit::PrimaryHit;
 pub use segment_triangle::{Intersection, intersect};
 

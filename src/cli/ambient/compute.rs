@@ -1,7 +1,7 @@
 //! Openness by the method that was asked for.
 
 use umbrage::ambient::disks::{Disks, Emitters, Passes};
-use umbrage::ambient::{Ambient, Effort, RayOptions, Reach, Receivers, exact};
+use umbrage::ambient::{Ambient, Effort, RayOptions, Reach, Receivers, exact_part};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::Oracle;
 use umbrage::oracle::area::SoftOracle;
@@ -38,9 +38,11 @@ pub(super) fn values(args: &Args, input: &Input) -> Result<Values, Failure> {
         Method::Exact => {
             let soft = SoftOracle::over(&casting);
             let mut openness = Vec::with_capacity(list.len());
-            for some in list.chunks(RUN) {
-                openness.extend(exact(&soft, some).openness.into_iter().map(|open| open as f32));
-                progress.done(some.len() as u64);
+            for start in (0..list.len()).step_by(RUN) {
+                let part = start..list.len().min(start + RUN);
+                progress.done(part.len() as u64);
+                let found = exact_part(&soft, &receivers, part);
+                openness.extend(found.openness.into_iter().map(|open| open as f32));
             }
             Ambient { openness, ..Ambient::default() }
         }

@@ -53,7 +53,10 @@ struct Side {
 }
 
 /// The vertex straight below a receiver, at infinity. No mesh has as many.
-const NADIR: u32 = u32::MAX;
+pub(super) const NADIR: u32 = u32::MAX;
+
+/// Likewise, opposite to another way off the receiver.
+pub(super) const ASIDE: u32 = NADIR - 1;
 
 const OUT_OF_RANGE: [u32; 6] = [1, 2, 4, 8, FAR, NEAR];
 /// Not before the plane of the light.
@@ -89,13 +92,13 @@ impl Chain {
 
     /// Adds the boundary of a face with the receiver as its third corner, as seen from just off that corner
     /// in the direction opposite to `down`: of the triangle of directions to both other corners and `down`.
-    /// A face that the receiver is on is three of these.
+    /// A face that the receiver is on is three of these. `id` is [`NADIR`] or [`ASIDE`].
     pub(super) fn add_below(
         &mut self,
         pyramid: &Pyramid,
         [a, b]: [[f32; 3]; 2],
         ids: [u32; 2],
-        down: [f32; 3],
+        (down, id): ([f32; 3], u32),
     ) {
         let ends = [End::Corner(a), End::Corner(b), End::Direction(down)];
         let codes = ends.map(|end| self.code(pyramid, pyramid.place(end).coordinates()));
@@ -104,7 +107,7 @@ impl Chain {
         // Counter-clockwise seen from the receiver is a left-handed triple.
         let side = -directions_turn([to_a, to_b, Homogeneous::point(down)]);
         if codes[0] & codes[1] & codes[2] == 0 && !side.is_zero() {
-            self.add_seen(pyramid, ends, [ids[0], ids[1], NADIR], codes, side);
+            self.add_seen(pyramid, ends, [ids[0], ids[1], id], codes, side);
         }
     }
 

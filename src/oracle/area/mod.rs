@@ -41,7 +41,7 @@ use self::frame::{EPSILON, wide};
 use self::light::Shape;
 use self::measure::{Area, outline_edges};
 use self::pyramid::{Flat, Pyramid};
-pub(crate) use self::sky::UnderSky;
+pub(crate) use self::sky::{HardEdges, UnderSky};
 use self::sweep::{AtLeft, Kind, Sink, Sweep, Trapezoid};
 use super::Oracle;
 use crate::mesh::{Mesh, Weld, weld};

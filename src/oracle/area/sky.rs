@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use multiversion::multiversion;
 
-use super::chain::Chain;
+use super::chain::{ASIDE, Chain, NADIR};
 use super::fault::Fault;
 use super::form::{Form, horizon};
 use super::frame::{EPSILON, Frame, Plane, wide};
@@ -18,6 +18,7 @@ use super::sweep::{AtLeft, Sink, Trapezoid};
 use super::{Scratch, SoftOracle};
 use crate::geom::predicate::{on_triangle, side_of_point};
 use crate::mesh::FaceId;
+use crate::oracle::sorted_corners;
 
 /// A surface point.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +28,25 @@ pub(crate) struct UnderSky {
     pub(crate) normal: Option<[f32; 3]>,
     /// The face whose middle this is. It hides nothing from the point, nor does a face of the same corners.
     pub(crate) face: Option<FaceId>,
+}
+
+/// How receivers at hard edges lie off faces through their points that are not their own; each by its index.
+#[derive(Clone, Copy)]
+pub(crate) struct HardEdges<'a> {
+    /// The direction in place of the normal, if it is another one.
+    pub(crate) off: &'a (dyn Fn(usize) -> Option<[f32; 3]> + Sync),
+    pub(crate) is_own: &'a (dyn Fn(usize, FaceId) -> bool + Sync),
+}
+
+/// Faces through a receiver that are not like others.
+#[derive(Debug, Default)]
+struct Around {
+    /// The face whose middle it is.
+    middle_of: Option<[u32; 3]>,
+    /// The direction off faces that are not `own`.
+    off: Option<[f32; 3]>,
+    /// Ascending.
+    own: Vec<[[u32; 3]; 3]>,
 }
 
 /// The open share of the sky.
@@ -45,8 +65,8 @@ impl SoftOracle<'_> {
     ///
     /// A receiver with a normal lies off its point by nothing at all, in the direction of the normal: a face
     /// with the point as a corner hides what is beyond its opposite side, and one that the point is on what is
-    /// beyond any of its sides. Other faces whose plane goes through the point hide nothing.
-    pub(crate) fn open_sky(&self, receivers: &[UnderSky]) -> Vec<Open> {
+    /// beyond any of its sides; `edges` may name another direction. Other faces whose plane goes through the point hide nothing.
+    pub(crate) fn open_sky(&self, receivers: &[UnderSky], edges: HardEdges<'_>) -> Vec<Open> {
         let slots = receivers.iter().any(|receiver| receiver.face.is_some()).then(|| self.slots());
         let own = |receiver: &UnderSky| {
             let slot = *slots.as_ref()?.get(receiver.face?.index())?;
@@ -55,8 +75,19 @@ impl SoftOracle<'_> {
         let mut found = vec![Open::default(); receivers.len()];
         crate::parallel::rows(&mut found, RUN, |run, found| {
             let mut scratch = Scratch::default();
-            for (receiver, found) in receivers[run * RUN..].iter().zip(found) {
-                *found = self.sky_above(receiver, own(receiver), &mut scratch);
+            for (index, found) in (run * RUN..).zip(found) {
+                let receiver = &receivers[index];
+                let mut around =
+                    Around { middle_of: own(receiver), off: (edges.off)(index), own: Vec::new() };
+                if around.off.is_some() {
+                    self.oracle.for_each_face_near(receiver.point, |face, corners| {
+                        if (edges.is_own)(index, face) {
+                            around.own.push(sorted_corners(corners));
+                        }
+                    });
+                    around.own.sort_unstable();
+                }
+                *found = self.sky_above(receiver, &around, &mut scratch);
             }
         });
         found
@@ -71,7 +102,7 @@ impl SoftOracle<'_> {
         slots
     }
 
-    fn sky_above(&self, receiver: &UnderSky, own: Option<[u32; 3]>, scratch: &mut Scratch) -> Open {
+    fn sky_above(&self, receiver: &UnderSky, around: &Around, scratch: &mut Scratch) -> Open {
         if receiver.point.iter().any(|x| !x.is_finite()) {
             return Open { share: 1.0, bound: 1.0 };
         }
@@ -80,7 +111,7 @@ impl SoftOracle<'_> {
         for axis in 0..3 {
             for sign in [1.0, -1.0] {
                 let Some(frame) = side(axis, sign, normal) else { continue };
-                let open = self.side_above(receiver, normal, own, frame, scratch);
+                let open = self.side_above(receiver, normal, around, frame, scratch);
                 share += open.share;
                 bound += open.bound;
             }
@@ -92,7 +123,7 @@ impl SoftOracle<'_> {
         &self,
         receiver: &UnderSky,
         normal: Option<DVec3>,
-        own: Option<[u32; 3]>,
+        around: &Around,
         frame: Frame,
         scratch: &mut Scratch,
     ) -> Open {
@@ -109,7 +140,7 @@ impl SoftOracle<'_> {
         {
             chain.faults = self.faults;
         }
-        gather(self, &pyramid, reach, receiver, own, chain);
+        gather(self, &pyramid, reach, receiver, around, chain);
         chain.project(&pyramid);
         let above = normal.is_none_or(|normal| horizon(&pyramid, normal, &mut chain.edges));
         let at_left = AtLeft { chain: chain.at_left, light: 1, horizon: i32::from(above) };
@@ -233,7 +264,7 @@ fn gather(
     pyramid: &Pyramid,
     reach: [f64; 3],
     receiver: &UnderSky,
-    own: Option<[u32; 3]>,
+    around: &Around,
     chain: &mut Chain,
 ) {
     let (sides, count) = pyramid.sides(reach);
@@ -241,16 +272,21 @@ fn gather(
     let p = receiver.point;
     soft.oracle.tree.walk_within(p, reach, &sides[..count], |slot| {
         let (corners, ids) = (soft.oracle.triangles[slot], soft.corners[slot]);
-        if own.is_some_and(|own| own == ordered(ids)) {
+        if around.middle_of.is_some_and(|own| own == ordered(ids)) {
             return;
         }
         match down {
             _ if !goes_through(corners, p) => chain.add(pyramid, corners, ids),
             Some(down) if !chain.faults.has(Fault::NoFan) => {
+                let is_own = || around.own.binary_search(&sorted_corners(corners)).is_ok();
+                let below = match around.off {
+                    Some(off) if !is_own() => (off.map(|x| -x), ASIDE),
+                    _ => (down, NADIR),
+                };
                 // A side through the point subtends nothing with the direction down.
                 for i in 0..3 {
                     let side = [i, (i + 1) % 3];
-                    chain.add_below(pyramid, side.map(|i| corners[i]), side.map(|i| ids[i]), down);
+                    chain.add_below(pyramid, side.map(|i| corners[i]), side.map(|i| ids[i]), below);
                 }
             }
             _ => {}

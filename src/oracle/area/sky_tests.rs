@@ -11,6 +11,9 @@ use crate::testing::shapes;
 
 const UP: [f32; 3] = [0.0, 0.0, 1.0];
 
+/// No receiver is at a hard edge.
+const SMOOTH: HardEdges<'static> = HardEdges { off: &|_| None, is_own: &|_, _| false };
+
 fn at(point: [f32; 3], normal: [f32; 3]) -> UnderSky {
     UnderSky { point, normal: Some(normal), face: None }
 }
@@ -18,7 +21,7 @@ fn at(point: [f32; 3], normal: [f32; 3]) -> UnderSky {
 fn open(mesh: &Mesh, receiver: UnderSky, fault: Option<Fault>) -> Open {
     let mut soft = SoftOracle::build(mesh);
     soft.faults = Faults(fault);
-    soft.open_sky(&[receiver])[0]
+    soft.open_sky(&[receiver], SMOOTH)[0]
 }
 
 /// The share is right to `within` and within its bound; returns it.
@@ -231,7 +234,7 @@ fn another_caster_never_opens_the_sky_and_scale_changes_no_bit() {
     let ball = shapes::translated(&shapes::icosphere(1), [0.5, 0.25, 1.75]);
     let both = Mesh::concat(&[base.clone(), ball]).unwrap();
     let receivers: Vec<UnderSky> = vertices(&base).step_by(5).collect();
-    let shares = |mesh: &Mesh, receivers: &[UnderSky]| SoftOracle::build(mesh).open_sky(receivers);
+    let shares = |mesh: &Mesh, receivers: &[UnderSky]| SoftOracle::build(mesh).open_sky(receivers, SMOOTH);
     let (alone, under) = (shares(&base, &receivers), shares(&both, &receivers));
     assert!(alone.iter().zip(&under).all(|(alone, under)| under.share <= alone.share + 1e-12));
     assert!(alone.iter().zip(&under).any(|(alone, under)| under.share < alone.share - 0.1));

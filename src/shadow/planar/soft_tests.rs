@@ -34,8 +34,17 @@ fn scene(meshes: &[Mesh]) -> Caster {
 
 /// A view of the floor from below all plates.
 fn with_request<T>(caster: &Caster, lamp: &str, work: impl FnOnce(&Request<'_>) -> T) -> T {
+    with_view(caster, lamp, [48, 36], work)
+}
+
+fn with_view<T>(
+    caster: &Caster,
+    lamp: &str,
+    [width, height]: [u32; 2],
+    work: impl FnOnce(&Request<'_>) -> T,
+) -> T {
     let casters = CasterGroup::new(vec![caster]);
-    let size = Size::new(48, 36).unwrap();
+    let size = Size::new(width, height).unwrap();
     let camera = Camera::look_at([0.2, -0.75, 0.9], [0.2, 0.0, 0.0], 1.4, Up::Z).unwrap();
     let samples = Samples::of_view(&casters, &camera.projection(size, 0.125), size, 1).unwrap();
     let lamp: Lamp = lamp.parse().unwrap();
@@ -262,7 +271,7 @@ fn planar_techniques_answer_for_any_lamp_and_plane() {
     ];
     let planes = ["most", "0/0/1/0", "0/0/1e300/-1", "1/0/0/1e300", "1e-300/1/0/3e38", "0.3/0.4/0.5/0.6"];
     for lamp in lamps {
-        with_request(&caster, lamp, |request| {
+        with_view(&caster, lamp, [12, 9], |request| {
             let rays = shade(request, "rays");
             for plane in planes {
                 assert_eq!(

@@ -95,6 +95,7 @@ impl PartTimes {
             | Technique::Samples(_)
             | Technique::Area
             | Technique::Hybrid3x3(_)
+            | Technique::Hybrid(_)
             | Technique::SoftHybrid(_)
             | Technique::PenumbraMap(_)
             | Technique::Smoothies(_)
@@ -233,6 +234,7 @@ fn asks_exactly(technique: Technique) -> bool {
             | Technique::ZFail
             | Technique::ZPass
             | Technique::Hybrid3x3(_)
+            | Technique::Hybrid(_)
             | Technique::SoftHybrid(_)
             | Technique::PenumbraMap(_)
             | Technique::Smoothies(_)

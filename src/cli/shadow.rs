@@ -22,6 +22,9 @@ pub(crate) struct ShadowArgs {
     /// Hard shadows on the CPU from a shadow map: `map`, `pcf` (filtered), `map-ids` (with an exact test of
     /// the faces), `hybrid-3x3` (an exact ray where its texels differ).
     ///
+    /// Exact hard shadows on the CPU from a light grid: `hybrid` (it proves most points lit or dark; an exact
+    /// ray elsewhere).
+    ///
     /// Soft shadows of a light with an extent: `area` (the visible fraction, analytic), `samples` (exact rays
     /// to many points of it), `soft-hybrid` (the same where a shadow map is not sure), and from maps alone
     /// `pcss`, `single-sample`, `vsm`, `msm`; from silhouettes `penumbra-map` and `smoothies`; blurred in the

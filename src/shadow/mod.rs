@@ -25,6 +25,7 @@
 //! ```
 
 mod claim;
+mod grid;
 pub mod map;
 mod name;
 mod options;
@@ -41,6 +42,7 @@ pub mod volume;
 #[cfg(feature = "gpu")]
 pub use crate::gpu::raster::{Depth, GpuSamples, GpuVisibility};
 pub use claim::Claim;
+pub use grid::GridOptions;
 pub use name::TechniqueError;
 pub use samples::{Samples, TooManySamples};
 pub use technique::{PrepareError, Prepared, Request, Technique};

@@ -1,5 +1,6 @@
 //! The closed list of techniques, and the two steps of each: prepare for a lamp, shade samples.
 
+use super::grid::{GridHybrid, GridOptions};
 use super::map::{ExactOptions, HybridShadow, IdShadow, MapError, MapOptions, MapShadow, PcfOptions};
 use super::options::{self, Refusal};
 use super::plain::Plain;
@@ -69,6 +70,8 @@ pub enum Technique {
     Smoothies(SilhouetteOptions),
     /// The exact hard shadow, blurred in the picture as wide as the penumbra.
     ContactBlur(SoftMapOptions),
+    /// A light grid where it proves lit or dark, an exact shadow ray elsewhere.
+    Hybrid(GridOptions),
     /// Casters flattened onto the plane of most samples, decided exactly; exact shadow rays elsewhere.
     Planar(PlanarOptions),
     /// The planar shadow, blurred by one width.
@@ -132,7 +135,7 @@ pub enum PrepareError {
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 27] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
@@ -151,6 +154,7 @@ impl Technique {
         Self::PenumbraMap(SilhouetteOptions::DEFAULT),
         Self::Smoothies(SilhouetteOptions::DEFAULT),
         Self::ContactBlur(SoftMapOptions::DEFAULT),
+        Self::Hybrid(GridOptions::DEFAULT),
         Self::Planar(PlanarOptions::DEFAULT),
         Self::PlanarBlur(TextureOptions::DEFAULT),
         Self::PlanarContact(TextureOptions::DEFAULT),
@@ -183,6 +187,7 @@ impl Technique {
             Self::PenumbraMap(_) => "penumbra-map",
             Self::Smoothies(_) => "smoothies",
             Self::ContactBlur(_) => "contact-blur",
+            Self::Hybrid(_) => "hybrid",
             Self::Planar(_) => "planar",
             Self::PlanarBlur(_) => "planar-blur",
             Self::PlanarContact(_) => "planar-contact",
@@ -216,6 +221,7 @@ impl Technique {
             Self::PenumbraMap(options) => options::listed(&options),
             Self::Smoothies(options) => options::listed(&options),
             Self::ContactBlur(options) => options::listed(&options),
+            Self::Hybrid(options) => options::listed(&options),
             Self::Planar(options) | Self::Blob(options) => options::listed(&options),
             Self::PlanarBlur(options) | Self::PlanarContact(options) | Self::Projective(options) => {
                 options::listed(&options)
@@ -241,6 +247,7 @@ impl Technique {
             Self::PenumbraMap(options) => options::changed(options, key, value).map(Self::PenumbraMap),
             Self::Smoothies(options) => options::changed(options, key, value).map(Self::Smoothies),
             Self::ContactBlur(options) => options::changed(options, key, value).map(Self::ContactBlur),
+            Self::Hybrid(options) => options::changed(options, key, value).map(Self::Hybrid),
             Self::Planar(options) => options::changed(options, key, value).map(Self::Planar),
             Self::PlanarBlur(options) => options::changed(options, key, value).map(Self::PlanarBlur),
             Self::PlanarContact(options) => options::changed(options, key, value).map(Self::PlanarContact),
@@ -281,6 +288,7 @@ impl Technique {
             | Self::Pcf(_)
             | Self::MapIds(_)
             | Self::Hybrid3x3(_)
+            | Self::Hybrid(_)
             | Self::Planar(_)
             | Self::Blob(_)
             | Self::Projective(_)
@@ -335,6 +343,7 @@ impl Technique {
             Self::ContactBlur(options) => {
                 Step::Soft(soft::contact_blur(casters, lamp, options).map_err(refused)?)
             }
+            Self::Hybrid(options) => Step::Grid(GridHybrid::prepare(casters, light, options)),
             Self::Planar(options) => Step::Planar(planar::planar(casters, lamp, options)),
             Self::PlanarBlur(options) => Step::Planar(planar::planar_blur(casters, lamp, options)),
             Self::PlanarContact(options) => Step::Planar(planar::planar_contact(casters, lamp, options)),
@@ -346,7 +355,7 @@ impl Technique {
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
         };
-        Ok(Prepared { technique: self, light: *light, step })
+        Ok(Prepared { technique: self, lamp: lamp.clone(), step })
     }
 
     /// Prepares and shades, on the CPU.
@@ -363,7 +372,7 @@ impl Technique {
 #[derive(Debug)]
 pub struct Prepared<'a> {
     technique: Technique,
-    light: Light,
+    lamp: Lamp,
     step: Step<'a>,
 }
 
@@ -377,6 +386,7 @@ enum Step<'a> {
     Ids(Box<IdShadow<'a>>),
     Hybrid(Box<HybridShadow<'a>>),
     Soft(Box<dyn SoftShadow + 'a>),
+    Grid(GridHybrid<'a>),
     Planar(Box<dyn PlanarShadow + 'a>),
     Plain(Plain),
 }
@@ -392,16 +402,23 @@ impl Prepared<'_> {
     #[must_use]
     pub fn shade(&self, samples: &Samples) -> Visibility {
         match &self.step {
-            Step::Rays(rays) => rays.shade(&self.light, samples),
+            Step::Rays(rays) => rays.shade(self.lamp.light(), samples),
             Step::Counting(counting) => counting.shade(samples),
             Step::Samples(rays) => rays.shade(samples),
             Step::Area(area) => area.shade(samples),
             Step::Map(map) => map.shade(samples),
             Step::Ids(map) => map.shade(samples),
             Step::Hybrid(map) => map.shade(samples),
-            Step::Soft(map) => map.shade(samples),
+            Step::Soft(map) => {
+                let mut visibility = map.shade(samples);
+                if !map.sees_horizon() {
+                    soft::above_horizon(&mut visibility, samples, &self.lamp);
+                }
+                visibility
+            }
+            Step::Grid(grid) => grid.shade(samples),
             Step::Planar(planar) => planar.shade(samples),
-            Step::Plain(plain) => plain.shade(&self.light, samples),
+            Step::Plain(plain) => plain.shade(self.lamp.light(), samples),
         }
     }
 
@@ -417,6 +434,7 @@ impl Prepared<'_> {
             Step::Ids(map) => map.bytes(),
             Step::Hybrid(map) => map.bytes(),
             Step::Soft(map) => map.bytes(),
+            Step::Grid(grid) => grid.bytes(),
             Step::Planar(planar) => planar.bytes(),
         }
     }

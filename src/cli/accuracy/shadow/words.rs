@@ -34,6 +34,7 @@ pub(super) fn what(technique: Technique) -> &'static str {
             "The exact hard shadow, with a rim as wide as the penumbra at each silhouette edge."
         }
         "contact-blur" => "The exact hard shadow, blurred on the picture as wide as the blockers suggest.",
+        "hybrid" => "A light grid where it proves a sample lit or dark, and an exact shadow ray elsewhere.",
         "planar" => {
             "The casters flattened onto one plane, decided exactly; exact rays for all other samples."
         }
@@ -69,6 +70,7 @@ pub(super) fn when(technique: Technique) -> &'static str {
         "vsm" | "msm" => "Take it where many samples share one filtered map, and some leaking is accepted.",
         "smoothies" | "penumbra-map" => "Take it for clean models, where silhouettes are few.",
         "contact-blur" => "Take it where an exact hard shadow is there already.",
+        "hybrid" => "Take it where exact rays are dear, and most samples lie away from silhouettes.",
         "planar" => "Take it where a floor receives nearly all of the shadow.",
         "planar-blur" => "Take it where a floor is looked at from afar.",
         "planar-contact" => "Take it where casters stand on a floor under a lamp with an extent.",

@@ -73,8 +73,9 @@ impl Projective<'_> {
         let bytes = side * side * layers * size_of::<f32>();
         let error = MapError::Memory { size: self.options.size, layers, bytes };
         let of_layer = |layer| {
-            let polygons =
-                faces(self.casters).map(|corners| self.polygon(layer, corners, flattening.as_ref()));
+            // Faces of the plane itself have no shadow on it.
+            let casting = faces(self.casters).filter(|&corners| !plane.is_some_and(|it| it.holds(corners)));
+            let polygons = casting.map(|corners| self.polygon(layer, corners, flattening.as_ref()));
             Texture::draw(WINDOW, self.options.size, polygons).ok_or(error)
         };
         (0..layers).map(of_layer).collect()

@@ -34,8 +34,17 @@ fn scene(meshes: &[Mesh]) -> Caster {
 
 /// A view of the floor from below all plates.
 fn with_request<T>(caster: &Caster, lamp: &str, work: impl FnOnce(&Request<'_>) -> T) -> T {
+    with_view(caster, lamp, [48, 36], work)
+}
+
+fn with_view<T>(
+    caster: &Caster,
+    lamp: &str,
+    [width, height]: [u32; 2],
+    work: impl FnOnce(&Request<'_>) -> T,
+) -> T {
     let casters = CasterGroup::new(vec![caster]);
-    let size = Size::new(48, 36).unwrap();
+    let size = Size::new(width, height).unwrap();
     let camera = Camera::look_at([0.2, -0.75, 0.9], [0.2, 0.0, 0.0], 1.4, Up::Z).unwrap();
     let samples = Samples::of_view(&casters, &camera.projection(size, 0.125), size, 1).unwrap();
     let lamp: Lamp = lamp.parse().unwrap();
@@ -240,6 +249,52 @@ fn projective_onto_the_plane_is_off_by_texels_at_the_outline() {
             let all = CasterGroup::new(request.casters.casters().to_vec()).seen_with(&seen);
             let whole: Box<dyn PlanarShadow> = projective(&all, request.lamp, options).unwrap();
             assert_eq!(whole.shade(request.samples).values(), rays.values(), "all casts: all by rays");
+        });
+    }
+}
+
+/// Lamps in the plane, behind it, inside the mesh and of any size: a value for every sample, the same twice.
+#[test]
+fn planar_techniques_answer_for_any_lamp_and_plane() {
+    let caster = scene(&[shapes::torus(12, 6, 1.0, 0.5), plate(-6.0, 0.0, 3e5)]);
+    let lamps = [
+        "point:2,0,0,radius=0.1",     // in the plane
+        "point:2,0,1e-30,radius=0.1", // as good as in it
+        "point:0,0,-3",
+        "point:1,0,0.1,radius=1e30",
+        "point:3e38,0,3e38,radius=3e38",
+        "rect:0,0,3:1e30,0,0:0,1e30,0",
+        "directional:0,0,-1,angle=90",
+        "directional:1,0,-1e-30",
+        "spot:0,0,6:0,0,-1:89,radius=2",
+        "spot:0,0,1:0,0,1:20,radius=2", // turned away
+    ];
+    let planes = ["most", "0/0/1/0", "0/0/1e300/-1", "1/0/0/1e300", "1e-300/1/0/3e38", "0.3/0.4/0.5/0.6"];
+    for lamp in lamps {
+        with_view(&caster, lamp, [12, 9], |request| {
+            let rays = shade(request, "rays");
+            for plane in planes {
+                assert_eq!(
+                    shade(request, &format!("planar:plane={plane}")).values(),
+                    rays.values(),
+                    "{lamp} {plane}"
+                );
+                for technique in [
+                    "planar-blur:size=16",
+                    "planar-contact:size=16",
+                    "planar-layers:n=2",
+                    "blob:",
+                    "projective:size=16",
+                ] {
+                    let technique = format!("{technique},plane={plane}").replace(":,", ":");
+                    let found = shade(request, &technique);
+                    assert!(
+                        found.values().iter().all(|value| (0.0..=1.0).contains(value)),
+                        "{technique} {lamp}"
+                    );
+                    assert_eq!(found, shade(request, &technique), "{technique} {lamp}");
+                }
+            }
         });
     }
 }

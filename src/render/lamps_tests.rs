@@ -83,6 +83,7 @@ fn picture_of_two_lamps_is_the_sum_of_one_and_one() {
                 ground: None,
                 paint: &|_| CLAY,
                 edge_samples: 1,
+                ambient: None,
             };
             render_samples(&samples, &view, visible).unwrap()
         };
@@ -129,6 +130,7 @@ fn picture_of_two_lamps_on_a_device_is_the_sum_of_one_and_one() {
             ground: None,
             paint: &|_| CLAY,
             edge_samples: 1,
+            ambient: None,
         };
         render_visibility(&samples, &caster, &view, |lamp| Ok(visible[of[lamp]].clone())).unwrap()
     };

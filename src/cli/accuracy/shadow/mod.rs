@@ -85,6 +85,17 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     Ok(outcome)
 }
 
+/// Every technique, and the plain map twice more at twice the resolution: what texels alone are good for.
+fn default_rows() -> Vec<Technique> {
+    let doubled = |technique: Technique| {
+        let sizes: &[&str] =
+            if technique.name() == "map" { &["map:size=2048", "map:size=4096"] } else { &[] };
+        let finer = sizes.iter().map(|text| text.parse().expect("within the range of sizes"));
+        std::iter::once(technique).chain(finer)
+    };
+    Technique::ALL.into_iter().flat_map(doubled).collect()
+}
+
 fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
     let mut source = args.source(file).load()?;
     let size = args.size.unwrap_or(Size::new(SIZE.0, SIZE.1).expect("in range"));
@@ -101,7 +112,7 @@ fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
     // A technique that searches on an adapter is measured beside its twin on the CPU.
     let searches = args.shadow.iter().any(|&technique| search::needs_adapter(technique));
     let techniques: Vec<Technique> = match args.shadow.is_empty() {
-        true => Technique::ALL.to_vec(),
+        true => default_rows(),
         false => args.shadow.iter().map(|&technique| search::on_cpu(technique)).collect(),
     };
     if searches {
@@ -153,6 +164,7 @@ fn pictures(
         ground: None,
         paint: &paint,
         edge_samples: samples.per_side(),
+        ambient: None,
     };
     let progress = Progress::bar("drawing the page", found.len() as u64);
     let draw = |found: &ShadowAccuracy| {

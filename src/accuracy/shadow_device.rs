@@ -1,11 +1,12 @@
 //! The device form of techniques, beside their CPU form.
 
+mod maps;
+
+use self::maps::{MapForms, Passes};
 use super::Spread;
 use super::shadow::{ShadowAccuracy, ShadowRow, mark_dominated, timed};
 use crate::caster::{CasterGroup, GpuCaster};
 use crate::gpu::{Gpu, GpuError, wgpu};
-use crate::shadow::map::gpu::{Lookup, MapPass};
-use crate::shadow::map::{DepthSource, Fit, LightSpace, MapOptions, PcfOptions};
 use crate::shadow::planar::gpu::{Footprint, GpuGround, PlanarPass};
 use crate::shadow::stencil::{StencilMethod, StencilPass};
 use crate::shadow::{Claim, Depth, GpuSamples, Request, Samples, Technique, Visibility};
@@ -100,7 +101,8 @@ impl ShadowAccuracy {
                 values: shown.values().to_vec(),
             });
         }
-        self.add_maps(gpu, &request, &truth, &drawn, rounds)?;
+        let passes = Passes::new(gpu)?;
+        MapForms::new(gpu, &passes, &request, &truth, &drawn, rounds)?.add_rows(&mut self.rows)?;
         self.add_planar(gpu, &request, &truth, &drawn, rounds)?;
         mark_dominated(&mut self.rows);
         Ok(())
@@ -165,66 +167,4 @@ impl ShadowAccuracy {
         });
         Ok(())
     }
-
-    /// The rows of `map` and `pcf` that were measured on the CPU.
-    fn add_maps(
-        &mut self,
-        gpu: &Gpu,
-        request: &Request<'_>,
-        truth: &Truth,
-        drawn: &GpuSamples,
-        rounds: u32,
-    ) -> Result<(), GpuError> {
-        let [caster] = request.casters.casters() else { return Ok(()) };
-        let pass = MapPass::new(gpu)?;
-        let (on_device, upload_ms) = timed(|| GpuCaster::upload(gpu, caster));
-        let on_device = on_device?;
-        let wait = || gpu.attempt(|| gpu.device().poll(wgpu::PollType::wait_indefinitely())).map(|_| ());
-        let maps = self.rows.iter().filter_map(|row| Some((row.clone(), map_options(row.technique)?)));
-        for (on_cpu, options) in maps.collect::<Vec<_>>() {
-            let lookup = Lookup { filter: options.filter, bias: options.bias };
-            let Ok(space) = LightSpace::of_scene(request.casters, request.lamp, options.size) else {
-                continue;
-            };
-            let (map, draw_ms) = timed(|| {
-                let map = pass.draw(&on_device, &space)?;
-                wait().map(|()| map)
-            });
-            let map = map?;
-            let frame = || {
-                let visibility = pass.visibility(drawn, &map, lookup)?;
-                wait().map(|()| visibility)
-            };
-            let visibility = match frame() {
-                // A filter or bias that only the CPU has.
-                Err(GpuError::NotBuilt(_)) => continue,
-                found => found?,
-            };
-            let (values, readback_ms) = timed(|| visibility.download(gpu));
-            let frames = (0..rounds.max(1)).map(|_| timed(frame)).map(|(found, ms)| found.map(|_| ms));
-            let frames = frames.collect::<Result<Vec<f64>, _>>()?;
-            let claim = Claim::Approximate;
-            let shown = Visibility::from_values(request.samples, request.light(), values?, claim);
-            let made = Made { texel: on_cpu.texel_world, ..Made::default() };
-            let errors = Errors::of(request, &shown, truth, &made);
-            self.rows.push(ShadowRow {
-                device: Some(gpu.name()),
-                holds: errors.hold(claim),
-                errors,
-                prepare_ms: upload_ms + draw_ms,
-                frame_ms: Spread::of(frames),
-                readback_ms: Some(readback_ms),
-                bytes: (map.bytes() + 2 * request.samples.len()) as u64,
-                values: shown.values().to_vec(),
-                ..on_cpu
-            });
-        }
-        Ok(())
-    }
-}
-
-/// The options of a technique whose device form draws the map of the scene.
-fn map_options(technique: Technique) -> Option<MapOptions> {
-    let (Technique::Map(options) | Technique::Pcf(PcfOptions(options))) = technique else { return None };
-    (options.fit == Fit::Scene && options.depth == DepthSource::Plane).then_some(options)
 }

@@ -15,6 +15,7 @@ mod output;
 mod parsers;
 mod progress;
 mod resources;
+mod search;
 mod shadow;
 #[cfg(feature = "gpu")]
 mod stencil_render;

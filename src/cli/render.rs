@@ -14,7 +14,7 @@ use umbrage::render::{CLAY, Picture, ShadedLight, View};
 use umbrage::scene::{Lamp, Material};
 #[cfg(feature = "gpu")]
 use umbrage::shadow::stencil::{StencilMethod, ZPassVerdict, zpass_verdict};
-use umbrage::shadow::{PrepareError, Request, Samples, Technique, Visibility};
+use umbrage::shadow::{Request, Samples, Technique, Visibility};
 #[cfg(feature = "gpu")]
 use umbrage::view::Projection;
 use umbrage::view::Size;
@@ -24,6 +24,7 @@ use super::lights;
 use super::parsers::{refuse_overwriting, require_folder};
 use super::progress::Progress;
 use super::resources::{AdapterArgs, ThreadArgs};
+use super::search::Searcher;
 use super::shadow::ShadowArgs;
 #[cfg(feature = "gpu")]
 use super::stencil_render::{Shadowing, Stage};
@@ -239,7 +240,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let ambient = ambient.as_ref();
     let picture = match renderer {
         Renderer::Rays => by_rays(source, view(RAYS_SAMPLES), ambient)?,
-        Renderer::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &casting, ambient)?,
+        Renderer::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &casting, ambient, &args.adapter)?,
         #[cfg(feature = "gpu")]
         Renderer::Device(gpu) => match by_stencil(&gpu, &source, view(STENCIL_SAMPLES), &casting) {
             Ok(picture) => picture,
@@ -301,13 +302,15 @@ fn by_rays(source: Source, view: View<'_>, ambient: Option<&PointRays>) -> Resul
     picture.map_err(|error| Failure::new(error, "choose a smaller --size"))
 }
 
-/// Each lamp by the CPU form of its technique.
+/// Each lamp by the CPU form of its technique, or by a search on an adapter.
 fn by_samples(
     source: &Source,
     view: &View<'_>,
     casting: &[(Lamp, Option<Technique>)],
     ambient: Option<&PointRays>,
+    adapter: &AdapterArgs,
 ) -> Result<Picture, Failure> {
+    let searcher = Searcher::open(adapter, casting.iter().filter_map(|&(_, technique)| technique))?;
     let progress = Progress::spinner("rendering");
     let casters = source.group();
     let open = |point, normal| ambient.map_or(1.0, |rays| rays.openness(casters.oracle(), point, normal));
@@ -316,14 +319,16 @@ fn by_samples(
     let samples = Samples::of_view(&casters, &projection, view.size, view.edge_samples)
         .map_err(|error| Failure::new(error, "choose a smaller --size"))?;
     let shade = |(lamp, technique): &(Lamp, Option<Technique>)| {
-        technique.unwrap_or(Technique::Rays).shade(&Request { casters: &casters, lamp, samples: &samples })
+        let request = Request { casters: &casters, lamp, samples: &samples };
+        searcher.shade(technique.unwrap_or(Technique::Rays), &request)
     };
-    let visibility: Vec<Visibility> = casting.iter().map(shade).collect::<Result<_, PrepareError>>()?;
+    let visibility: Vec<Visibility> = casting.iter().map(shade).collect::<Result<_, Failure>>()?;
     let picture = render::render_samples(&samples, view, &visibility);
     drop(progress);
     for (lamp, technique) in casting {
         let name = technique.unwrap_or(Technique::Rays);
-        output::say(format_args!("note: {}: {name}, on the CPU", lights::lamp_label(lamp)));
+        let place = searcher.place(name);
+        output::say(format_args!("note: {}: {name}, on {place}", lights::lamp_label(lamp)));
     }
     picture.map_err(|error| Failure::new(error, "choose a smaller --size"))
 }

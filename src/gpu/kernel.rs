@@ -83,7 +83,15 @@ impl Kernel {
         gpu: &Gpu,
         buffers: &[(u32, &wgpu::Buffer)],
     ) -> Result<wgpu::BindGroup, GpuError> {
-        let resources = buffers.iter().map(|&(binding, buffer)| (binding, buffer.as_entire_binding()));
+        self.bind_all(gpu, buffers.iter().map(|&(binding, buffer)| (binding, buffer.as_entire_binding())))
+    }
+
+    /// The same with textures, too.
+    pub(crate) fn bind_all<'a>(
+        &self,
+        gpu: &Gpu,
+        resources: impl IntoIterator<Item = (u32, wgpu::BindingResource<'a>)>,
+    ) -> Result<wgpu::BindGroup, GpuError> {
         gpu.bind_group(&self.pipeline.get_bind_group_layout(0), resources)
     }
 

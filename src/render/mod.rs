@@ -5,6 +5,8 @@ mod color;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod ground;
+#[cfg(test)]
+mod lamps_tests;
 mod overlay;
 #[cfg(feature = "files")]
 mod png;

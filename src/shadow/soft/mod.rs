@@ -6,10 +6,13 @@
 //! extent K is 0, and these techniques are hard shadow maps with a bilinear filter.
 
 pub(super) mod area;
+mod around;
 mod blocks;
 mod contact_blur;
 mod edge_search;
 mod edges;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod horizon;
 mod hybrid;
 mod light_map;

@@ -200,19 +200,31 @@ fn soft_techniques_answer_for_any_lamp() {
 #[test]
 fn soft_options_are_refused_by_name() {
     let error = |text: &str| text.parse::<Technique>().unwrap_err().to_string();
-    let device = error("single-sample:search=device");
-    assert!(device.ends_with("not built yet: search=device"), "{device}");
+    let device = error("single-sample:search=gpu");
+    assert_eq!(device, "single-sample:search=gpu: `gpu` is not `cpu` or `device`");
     assert_eq!(error("pcss:taps=0"), "pcss:taps=0: `0` is not a number from 1 to 1024, or `all`");
     assert_eq!(error("vsm:size=16385"), "vsm:size=16385: `16385` is not a number from 1 to 16384");
     assert_eq!(error("msm:taps=4"), "`msm` has no option `taps`; it has size");
     for text in [
         "pcss:size=64,blockers=all,taps=64",
         "single-sample:adaptive=4,literal=yes",
+        "single-sample:search=device",
         "soft-hybrid:rays=16,certain=pcss",
         "smoothies:profile=full",
     ] {
         assert_eq!(text.parse::<Technique>().unwrap().to_string(), text);
     }
+}
+
+/// The form of the CPU does not silently search where it was not told to.
+#[test]
+fn single_sample_of_the_cpu_refuses_a_search_on_a_device() {
+    let caster = half_plane(0.0);
+    let casters = CasterGroup::new(vec![&caster]);
+    let technique: Technique = "single-sample:search=device".parse().unwrap();
+    let error = technique.prepare(&casters, &SQUARE.parse().unwrap()).unwrap_err().to_string();
+    assert!(error.starts_with("single-sample:search=device: search=device needs"), "{error}");
+    assert!(error.ends_with("use search=cpu"), "{error}");
 }
 
 /// Moments of a map that does not fit are refused with their bytes, and nothing is allocated.

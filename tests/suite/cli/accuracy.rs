@@ -299,6 +299,8 @@ fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
             on_device.is_empty()
                 || on_device.starts_with(&["stencil".into(), "zfail".into(), "zpass".into()])
         );
+        let maps = ["map", "pcf", "hybrid-3x3", "pcss", "single-sample"].map(str::to_owned);
+        assert!(on_device.is_empty() || maps.iter().all(|map| on_device.contains(map)), "{on_device:?}");
         assert!(on_device.iter().all(|name| all.contains(&name.as_str())), "{on_device:?}");
         assert!(rows[on_cpu.len()..].iter().all(|row| row["device"].is_string()));
         for row in rows {
@@ -320,6 +322,28 @@ fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
         };
         assert!(wrong("none") + wrong("dark") > 0);
     }
+}
+
+/// A search on an adapter has a row of its own, beside that of the CPU; without an adapter it is refused.
+#[test]
+fn accuracy_of_a_search_on_a_device_is_beside_that_of_the_cpu() {
+    let folder = folder();
+    let asked = "accuracy shadow torus.obj --light point:2,3,5,radius=0.3 --size 48x32 --rounds 1 \
+                 --shadow single-sample:size=64,search=device";
+    if cfg!(target_os = "linux") {
+        let run = folder.run_without_adapter(asked);
+        assert!(run.code == 2 && run.stderr.contains("mesa-vulkan-drivers"), "{}", run.stderr);
+    }
+    if crate::support::gpu().is_none() {
+        return;
+    }
+    let document = folder.json(asked);
+    let rows = document["lights"][0]["rows"].as_array().unwrap();
+    let found: Vec<_> =
+        rows.iter().map(|row| (row["device"].is_string(), row["parameters"]["search"].as_str())).collect();
+    assert_eq!(found, [(false, Some("cpu")), (true, Some("device"))]);
+    let errors = [0, 1].map(|row: usize| rows[row]["mean_error"].as_f64().unwrap());
+    assert!((errors[0] - errors[1]).abs() < 0.01, "{errors:?}");
 }
 
 #[test]

@@ -83,7 +83,7 @@ impl HybridPass {
     /// [`GpuError::OutOfMemory`], [`GpuError::Lost`].
     pub fn resolve(
         &self,
-        marked: Marked,
+        marked: &Marked,
         asked: &[u32],
         is_dark: &[bool],
     ) -> Result<GpuVisibility, GpuError> {
@@ -104,7 +104,7 @@ impl HybridPass {
         self.gpu.submit(|encoder| {
             everywhere(marked.visibility.0.begin(encoder, false), &self.resolve, Some(&group));
         })?;
-        Ok(marked.visibility)
+        Ok(marked.visibility.clone())
     }
 }
 
@@ -173,7 +173,7 @@ mod tests {
             .collect();
         let is_dark: Vec<bool> =
             asked.iter().map(|&index| truth[index as usize] == Some(Verdict::Shadowed)).collect();
-        let values = pass.resolve(marked, &asked, &is_dark).unwrap().download(gpu).unwrap();
+        let values = pass.resolve(&marked, &asked, &is_dark).unwrap().download(gpu).unwrap();
         let mut found = Count { asked_on_cpu: cpu.asked_exactly() as usize, ..Count::default() };
         found.asked = asked.iter().filter(|&&index| cpu.asked()[index as usize]).count();
         for (index, (&value, &on_cpu)) in values.iter().zip(cpu.values()).enumerate() {

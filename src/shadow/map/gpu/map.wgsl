@@ -111,6 +111,8 @@ struct Receiver {
     depth: f32,
     // In texels.
     at: vec2f,
+    // From the light, or from the middle of a parallel map.
+    q: vec3f,
     // Whether the map has a position for it: it is not behind a spot.
     is_there: bool,
 }
@@ -131,7 +133,7 @@ fn receiver_of(position: vec2f, face: u32) -> Receiver {
     let plane = depth_plane(layer, normal, corner);
     let depth = dot(plane, vec3f(at.xy / at.w, 1.0));
     let is_there = at.w > 0.0 && all(abs(texels) < vec2f(1e9));
-    return Receiver(layer, normal, corner, plane, depth, texels, is_there);
+    return Receiver(layer, normal, corner, plane, depth, texels, q, is_there);
 }
 
 // Depth of a plane at a texel's center, and what it changes over `slack` texels.

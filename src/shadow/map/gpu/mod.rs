@@ -12,13 +12,13 @@ use wgpu::{
     CompareFunction, StencilState, TextureAspect, TextureFormat, TextureUsages, TextureViewDimension,
 };
 
-use self::uniform::LightUniform;
+pub(in crate::shadow) use self::uniform::{LightUniform, ROUNDING};
 use super::{Bias, Filter, LightSpace};
 use crate::caster::GpuCaster;
 use crate::gpu::raster::{self, GpuSamples, GpuVisibility, Pipeline, Receivers, everywhere};
 use crate::gpu::{Gpu, GpuError, Shader, wgpu};
 
-pub(super) const SOURCE: &str = include_str!("map.wgsl");
+pub(in crate::shadow) const SOURCE: &str = include_str!("map.wgsl");
 
 const FORMAT: TextureFormat = TextureFormat::Depth32Float;
 
@@ -35,9 +35,9 @@ pub struct Lookup {
 #[derive(Clone, Debug)]
 pub struct GpuMap {
     texture: wgpu::Texture,
-    view: wgpu::TextureView,
+    pub(in crate::shadow) view: wgpu::TextureView,
     space: LightSpace,
-    uniform: LightUniform,
+    pub(in crate::shadow) uniform: LightUniform,
 }
 
 impl GpuMap {
@@ -261,7 +261,7 @@ impl MapPass {
 }
 
 /// Group 0 of a pipeline that reads triangles.
-fn bind<'a>(
+pub(in crate::shadow) fn bind<'a>(
     gpu: &Gpu,
     pipeline: &wgpu::RenderPipeline,
     receivers: &'a Receivers,

@@ -11,7 +11,7 @@ use crate::shadow::map::{Bias, Filter, LightSpace, Spread};
 /// Mirrors `struct Light` in map.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(super) struct LightUniform {
+pub(in crate::shadow) struct LightUniform {
     right: [[f32; 4]; 6],
     up: [[f32; 4]; 6],
     axis: [[f32; 4]; 6],
@@ -37,7 +37,7 @@ pub(super) struct LightUniform {
 
 /// Allowance for `f32`: the depth of a plane is a sum of three products of numbers of at most about 1, with
 /// coefficients of five roundings each.
-const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
+pub(in crate::shadow) const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
 
 impl LightUniform {
     /// For casters whose coordinates are at most `largest` in magnitude.
@@ -74,6 +74,11 @@ impl LightUniform {
             rounding: ROUNDING,
             spare: 0,
         }
+    }
+
+    /// The power of two that lengths are multiplied by.
+    pub(in crate::shadow) fn scale(&self) -> f64 {
+        self.scale.into()
     }
 
     /// For drawing one layer.

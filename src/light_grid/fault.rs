@@ -13,6 +13,8 @@ pub(super) enum Fault {
     RoundedInwards,
     /// The sheet of the visible face may be crossed twice.
     TwoCrossings,
+    /// A point is sorted into the cell of its rounded y.
+    NoErrorBox,
 }
 
 /// The fault that is injected: none, outside of tests.

@@ -35,12 +35,15 @@ pub(super) struct ViewGrid {
     pub(super) sheets: Vec<Sheet>,
 }
 
+/// Bounds `[low, high]` of both coordinates of rays.
+pub(super) type Rectangle = [[f64; 2]; 2];
+
 /// Where a point lies: in a cell, at a nearness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place<'a> {
     pub(super) view: &'a View,
     /// Bounds of y.
-    pub(super) y: [[f64; 2]; 2],
+    pub(super) y: Rectangle,
     /// Bounds of the nearness.
     pub(super) nearness: [f64; 2],
     /// The sheets of the cell.
@@ -134,31 +137,33 @@ impl<'a> LightGrid<'a> {
 }
 
 /// Bounds of a point's y; `None` if the view may not hold all of them.
-fn rectangle(view: &View, projected: &Projected) -> Option<[[f64; 2]; 2]> {
+pub(super) fn rectangle(view: &View, projected: &Projected) -> Option<Rectangle> {
     let y = projected.is_ahead().then(|| projected.y())?;
     y.iter().all(|[low, high]| -view.window() <= *low && *high <= view.window()).then_some(y)
+}
+
+/// Bounds of all rectangles; `None` without any.
+pub(super) fn window_around(rectangles: impl Iterator<Item = Rectangle>) -> Option<Rectangle> {
+    rectangles.reduce(|[x, y], [u, v]| [[x[0].min(u[0]), x[1].max(u[1])], [y[0].min(v[0]), y[1].max(v[1])]])
 }
 
 impl ViewGrid {
     fn build(
         chain: &Chain<'_>,
         view: &View,
-        rectangles: impl Iterator<Item = [[f64; 2]; 2]> + Clone,
+        rectangles: impl Iterator<Item = Rectangle> + Clone,
         mut side: u32,
         most: usize,
         faults: Faults,
     ) -> Option<Self> {
-        let around = |[x, y]: [[f64; 2]; 2], [u, v]: [[f64; 2]; 2]| {
-            [[x[0].min(u[0]), x[1].max(u[1])], [y[0].min(v[0]), y[1].max(v[1])]]
-        };
-        let window = rectangles.clone().reduce(around)?;
+        let window = window_around(rectangles.clone())?;
         loop {
             let cells = Cells::over(window, side);
             let held = rectangles.clone().filter_map(|rectangle| cells.one_of(&rectangle));
             let occupied = RankedBits::of(held, side * side);
             // With a side of one cell there is at most one pair per face, which is never too many.
             if let Some(pairs) = pairs(chain, view, &cells, &occupied, most, faults) {
-                let (pairs, starts) = by_cell(&pairs, occupied.count());
+                let (pairs, starts) = by_cell(&pairs, occupied.count(), |pair| pair.slot);
                 let (mut uniting, mut sheets) = (Uniting::default(), Vec::new());
                 let (mut sheet_of, mut sheet_starts) = (Vec::with_capacity(pairs.len()), vec![0]);
                 for range in starts.windows(2) {

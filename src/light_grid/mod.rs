@@ -32,6 +32,7 @@ mod fault;
 mod grid;
 mod pairs;
 mod sheets;
+mod sorted;
 #[cfg(test)]
 mod tests;
 mod verdict;
@@ -39,4 +40,5 @@ pub(crate) mod view;
 
 pub use chain::Chain;
 pub use grid::LightGrid;
+pub use sorted::sorted_verdicts;
 pub use verdict::GridVerdict;

@@ -84,20 +84,24 @@ pub(super) fn pairs(
     Some(pairs)
 }
 
-/// The pairs by cell, and the index of each cell's first one, one more than there are cells. A counting sort:
-/// within a cell the faces ascend.
-pub(super) fn by_cell(pairs: &[Pair], cells: u32) -> (Vec<Pair>, Vec<u32>) {
+/// What lies in cells by cell, and the index of each cell's first item, one more than there are cells. A
+/// counting sort: within a cell the order stays.
+pub(super) fn by_cell<T: Copy + Default>(
+    items: &[T],
+    cells: u32,
+    slot: impl Fn(&T) -> u32,
+) -> (Vec<T>, Vec<u32>) {
     let mut starts = vec![0; cells as usize + 2];
-    for pair in pairs {
-        starts[pair.slot as usize + 2] += 1;
+    for item in items {
+        starts[slot(item) as usize + 2] += 1;
     }
     for slot in 2..starts.len() {
         starts[slot] += starts[slot - 1];
     }
-    let mut sorted = vec![Pair::default(); pairs.len()];
-    for pair in pairs {
-        let at = &mut starts[pair.slot as usize + 1];
-        sorted[*at as usize] = *pair;
+    let mut sorted = vec![T::default(); items.len()];
+    for item in items {
+        let at = &mut starts[slot(item) as usize + 1];
+        sorted[*at as usize] = *item;
         *at += 1;
     }
     starts.pop();

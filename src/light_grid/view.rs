@@ -69,7 +69,8 @@ impl View {
             pivot: l,
             slope: [0.0; 2],
             light: Some(l[k]),
-            window: 1.0,
+            // A point on the border of two sides lies in both, rounding included.
+            window: 1.0 + 1.0 / (1_u64 << 40) as f64,
             is_side: true,
         };
         [0, 1, 2].into_iter().flat_map(|k| [(k, 1.0), (k, -1.0)]).map(side).collect()

@@ -49,12 +49,11 @@ pub enum TechniqueError {
 }
 
 /// Names of planned techniques.
-const PLANNED: [&str; 14] = [
+const PLANNED: [&str; 13] = [
     "auto",
     "zpass-plus",
     "zpass-reversed",
     "hybrid-2x2",
-    "alias-free",
     "counter",
     "reconstruct",
     "lod",

@@ -1,6 +1,6 @@
 //! The closed list of techniques, and the two steps of each: prepare for a lamp, shade samples.
 
-use super::grid::{GridHybrid, GridOptions};
+use super::grid::{AliasFree, GridHybrid, GridOptions};
 use super::map::{ExactOptions, HybridShadow, IdShadow, MapError, MapOptions, MapShadow, PcfOptions};
 use super::options::{self, Refusal};
 use super::plain::Plain;
@@ -71,6 +71,8 @@ pub enum Technique {
     ContactBlur(SoftMapOptions),
     /// A light grid where it proves lit or dark, an exact shadow ray elsewhere.
     Hybrid(GridOptions),
+    /// The samples sorted into cells, and every face tested exactly against those of its cells.
+    AliasFree(GridOptions),
     /// No shadows: every front-lit sample is lit.
     None,
     /// No light: every sample is dark.
@@ -122,7 +124,7 @@ pub enum PrepareError {
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
@@ -142,6 +144,7 @@ impl Technique {
         Self::Smoothies(SilhouetteOptions::DEFAULT),
         Self::ContactBlur(SoftMapOptions::DEFAULT),
         Self::Hybrid(GridOptions::DEFAULT),
+        Self::AliasFree(GridOptions::DEFAULT),
         Self::None,
         Self::Dark,
     ];
@@ -169,6 +172,7 @@ impl Technique {
             Self::Smoothies(_) => "smoothies",
             Self::ContactBlur(_) => "contact-blur",
             Self::Hybrid(_) => "hybrid",
+            Self::AliasFree(_) => "alias-free",
             Self::None => "none",
             Self::Dark => "dark",
         }
@@ -196,7 +200,7 @@ impl Technique {
             Self::PenumbraMap(options) => options::listed(&options),
             Self::Smoothies(options) => options::listed(&options),
             Self::ContactBlur(options) => options::listed(&options),
-            Self::Hybrid(options) => options::listed(&options),
+            Self::Hybrid(options) | Self::AliasFree(options) => options::listed(&options),
             _ => Vec::new(),
         }
     }
@@ -218,6 +222,7 @@ impl Technique {
             Self::Smoothies(options) => options::changed(options, key, value).map(Self::Smoothies),
             Self::ContactBlur(options) => options::changed(options, key, value).map(Self::ContactBlur),
             Self::Hybrid(options) => options::changed(options, key, value).map(Self::Hybrid),
+            Self::AliasFree(options) => options::changed(options, key, value).map(Self::AliasFree),
             _ => Err(Refusal::Key),
         }
     }
@@ -250,6 +255,7 @@ impl Technique {
             | Self::MapIds(_)
             | Self::Hybrid3x3(_)
             | Self::Hybrid(_)
+            | Self::AliasFree(_)
             | Self::None
             | Self::Dark => false,
         }
@@ -302,6 +308,7 @@ impl Technique {
                 Step::Soft(soft::contact_blur(casters, lamp, options).map_err(refused)?)
             }
             Self::Hybrid(options) => Step::Grid(GridHybrid::prepare(casters, light, options)),
+            Self::AliasFree(options) => Step::AliasFree(AliasFree::prepare(casters, light, options)),
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
         };
@@ -337,6 +344,7 @@ enum Step<'a> {
     Hybrid(Box<HybridShadow<'a>>),
     Soft(Box<dyn SoftShadow + 'a>),
     Grid(GridHybrid<'a>),
+    AliasFree(AliasFree<'a>),
     Plain(Plain),
 }
 
@@ -360,6 +368,7 @@ impl Prepared<'_> {
             Step::Hybrid(map) => map.shade(samples),
             Step::Soft(map) => map.shade(samples),
             Step::Grid(grid) => grid.shade(samples),
+            Step::AliasFree(grid) => grid.shade(samples),
             Step::Plain(plain) => plain.shade(&self.light, samples),
         }
     }
@@ -377,6 +386,7 @@ impl Prepared<'_> {
             Step::Hybrid(map) => map.bytes(),
             Step::Soft(map) => map.bytes(),
             Step::Grid(grid) => grid.bytes(),
+            Step::AliasFree(grid) => grid.bytes(),
         }
     }
 

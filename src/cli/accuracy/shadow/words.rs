@@ -35,6 +35,9 @@ pub(super) fn what(technique: Technique) -> &'static str {
         }
         "contact-blur" => "The exact hard shadow, blurred on the picture as wide as the blockers suggest.",
         "hybrid" => "A light grid where it proves a sample lit or dark, and an exact shadow ray elsewhere.",
+        "alias-free" => {
+            "The samples sorted into cells, and every face tested exactly against those it may hide."
+        }
         "none" => "No shadows: every surface that faces the lamp is lit.",
         "dark" => "No light from this lamp at all.",
         _ => "A technique without a description.",
@@ -61,6 +64,7 @@ pub(super) fn when(technique: Technique) -> &'static str {
         "smoothies" | "penumbra-map" => "Take it for clean models, where silhouettes are few.",
         "contact-blur" => "Take it where an exact hard shadow is there already.",
         "hybrid" => "Take it where exact rays are dear, and most samples lie away from silhouettes.",
+        "alias-free" => "Take it where exact hard shadows are wanted of meshes that change in every frame.",
         "none" => "Take it where the shadow is not seen: it is the cost of drawing without any.",
         "dark" => "Take it for a lamp that is switched off: it is the other end of the scale.",
         _ => "",

@@ -1,9 +1,11 @@
 //! The light grid: its build, and hard shadows by grid and exact rays.
 
+use std::hint::black_box;
+
 use umbrage::caster::{Caster, CasterGroup};
 use umbrage::light_grid::{Chain, GridVerdict, LightGrid};
 use umbrage::mesh::{Mesh, Weld, weld};
-use umbrage::oracle::Verdict;
+use umbrage::oracle::{Oracle, Verdict};
 use umbrage::scene::{Lamp, Scope};
 use umbrage::shadow::{Request, Samples, Technique};
 use umbrage::testing::shapes;
@@ -84,6 +86,12 @@ fn scene(bench: &mut Bench<'_>, caster: &Caster) {
         let faces = caster.mesh().face_count();
         bench.run(Group { stage: STAGE, mesh: mesh.clone(), units: faces, unit: "face", contenders });
         let right = format!("0 wrong of {}", asked.len());
+        let sorted: Technique = format!("alias-free:grid={side}").parse().expect("a technique");
+        let sorted = sorted.prepare(&casters, &lamp).expect("it fits");
+        let with_tree = || {
+            black_box(Oracle::build(caster.mesh()));
+            Technique::Rays.shade(&request).expect("as above")
+        };
         let hybrid: Technique = format!("hybrid:grid={side}").parse().expect("a technique");
         let prepared = hybrid.prepare(&casters, &lamp).expect("it fits");
         let decide = || hits().filter(|hit| grid.verdict(hit) == GridVerdict::Undecided).count();
@@ -94,6 +102,12 @@ fn scene(bench: &mut Bench<'_>, caster: &Caster) {
             .expects(right.clone()),
             Contender::new("hybrid: grid and exact rays", || {
                 timed(|| prepared.shade(&samples), |found| wrong(found.values()))
+            })
+            .expects(right.clone()),
+            Contender::new("exact rays with their tree", || timed(with_tree, |found| wrong(found.values())))
+                .expects(right.clone()),
+            Contender::new("alias-free: no tree", || {
+                timed(|| sorted.shade(&samples), |found| wrong(found.values()))
             })
             .expects(right),
             Contender::new("verdicts of the grid alone", || {

@@ -32,6 +32,9 @@ mod fault;
 mod grid;
 mod pairs;
 mod sheets;
+mod soft;
+#[cfg(test)]
+mod soft_tests;
 mod sorted;
 #[cfg(test)]
 mod tests;
@@ -40,5 +43,6 @@ pub(crate) mod view;
 
 pub use chain::Chain;
 pub use grid::LightGrid;
+pub use soft::{SoftGrid, SoftVerdict};
 pub use sorted::sorted_verdicts;
 pub use verdict::GridVerdict;

@@ -2,7 +2,7 @@
 
 use super::bits::RankedBits;
 use super::cells::Cells;
-use super::chain::Chain;
+use super::chain::ChainFace;
 use super::facet::{Facet, Meeting};
 use super::fault::{Fault, Faults};
 use super::view::View;
@@ -35,10 +35,10 @@ pub(super) enum GenericRay {
 /// Cells looked at for each pair that may be made. Most cells that a face's rectangle holds may hold no point.
 const LOOKS: usize = 16;
 
-/// The pairs of all faces with the cells that hold a point, face by face; `None` if there would be more than
+/// The pairs of the faces with the cells that hold a point, face by face; `None` if there would be more than
 /// `most`, or if too many cells would have to be looked at.
 pub(super) fn pairs(
-    chain: &Chain<'_>,
+    faces: impl Iterator<Item = ChainFace>,
     view: &View,
     cells: &Cells,
     occupied: &RankedBits,
@@ -46,7 +46,7 @@ pub(super) fn pairs(
     faults: Faults,
 ) -> Option<Vec<Pair>> {
     let (mut pairs, mut looks) = (Vec::new(), LOOKS.saturating_mul(most));
-    for face in chain.faces() {
+    for face in faces {
         let Some([columns, rows]) = view.see(face.corners).and_then(|seen| cells.of(&seen.rectangle)) else {
             continue;
         };

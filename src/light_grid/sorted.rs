@@ -119,7 +119,7 @@ impl Sorted {
             let row = move |y| (columns[0]..=columns[1]).map(move |x| (cells.number(x, y), point));
             (rows[0]..=rows[1]).flat_map(row)
         };
-        let occupied = RankedBits::of(held.iter().flat_map(numbers).map(|(cell, _)| cell), side * side);
+        let occupied = RankedBits::of(held.iter().flat_map(numbers).map(|(cell, _)| cell), cells.count());
         let slots =
             held.iter().flat_map(numbers).filter_map(|(cell, point)| Some((occupied.rank(cell)?, point)));
         let slots: Vec<(u32, u32)> = slots.collect();

@@ -13,6 +13,7 @@ use crate::facing::CasterFaces;
 use crate::geom::{Aabb, Light};
 use crate::mesh::{EdgeId, FaceId, VertexId};
 use crate::oracle::Verdict;
+use crate::repair::{Change, ChangeKind, Left, Patch, Step};
 use crate::shadow::stencil::StencilMethod;
 use crate::silhouette::SilhouetteMethod;
 use crate::verify::pixels::{Comparison, Mismatch, PixelCounts, PixelVerdict};
@@ -59,6 +60,8 @@ value!(CasterFaces, faces => faces.name());
 value!(StencilMethod, method => method.name());
 value!(SilhouetteMethod, method => method.to_string());
 value!(PixelVerdict, verdict => verdict.name());
+value!(ChangeKind, kind => kind.name());
+value!(Left, left => left.name());
 value!(Reason, reason => reason.to_string());
 value!(Light, light => light.to_string());
 value!(VertexId, id => id.0);
@@ -86,6 +89,12 @@ impl<T: Serialize> Serialize for Choice<T> {
         out.end()
     }
 }
+
+// Steps of repair.
+
+map!(Step, step => { name, count, left, changes, largest_move });
+map!(Change, change => { kind, old, new, at: short(change.at), patch });
+map!(Patch, patch => { edges, length, area, off_plane, meets, left });
 
 // The crack report.
 
@@ -174,7 +183,8 @@ mod verified {
     //! The reports of the feature `verify`.
 
     use super::{Serialize, SerializeMap, Serializer, short};
-    use crate::accuracy::{Accuracy, Method, Question, Row};
+    use crate::accuracy::{Accuracy, AmbientAccuracy, AmbientMethod, AmbientRow, AmbientTruth};
+    use crate::accuracy::{Method, Question, Row};
     use crate::testing::torture::{self, Torture};
     use crate::verify::points::{Disagreement, Judge, Stratum, Verification};
 
@@ -260,6 +270,35 @@ mod verified {
     });
 
     map!(Accuracy, found => { exact_is_right: found.exact_is_right(), judged_by_all_faces, methods });
+
+    /// The options of a method: numbers as numbers.
+    struct Parameters(AmbientMethod);
+
+    impl Serialize for Parameters {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            let mut out = serializer.serialize_map(None)?;
+            for (key, text) in self.0.parameters() {
+                match (text.parse::<u32>(), text.parse::<f64>()) {
+                    (Ok(number), _) => out.serialize_entry(key, &number)?,
+                    (_, Ok(number)) => out.serialize_entry(key, &number)?,
+                    _ => out.serialize_entry(key, &text)?,
+                }
+            }
+            out.end()
+        }
+    }
+
+    map!(AmbientTruth, truth => { method: "analytic", bound });
+
+    map!(AmbientRow, row => {
+        method: row.method.name(),
+        parameters: (!row.method.parameters().is_empty()).then_some(Parameters(row.method)),
+        mean_error, rms_error, p99_error, prepare_ms,
+        ns_per_receiver: row.ns_per_receiver.median,
+        dominated_by: row.dominated_by.map(|by| by.to_string()),
+    });
+
+    map!(AmbientAccuracy, found => { receivers, judged, truth, rows });
 }
 
 #[cfg(test)]

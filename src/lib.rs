@@ -27,6 +27,7 @@
 //! | [`oracle`] | exact shadow rays and primary hits; visible fractions of lights with an extent |
 //! | [`topology`] | half-edges and edges; never sees a position |
 //! | [`check`] | the crack report: defects, shells, self-intersections |
+//! | [`repair`] | a mesh into one that casts better, each change listed |
 //! | [`facing`] | the side of every face that a light is on |
 //! | [`caster`] | [`Caster`](caster::Caster), proofs |
 //! | [`silhouette`] | silhouette edges: scan, tree, certificates for a moving light |
@@ -122,6 +123,7 @@ pub mod write;
 pub mod oracle;
 pub mod topology;
 pub mod check;
+pub mod repair;
 pub mod facing;
 pub mod caster;
 pub mod silhouette;

@@ -99,7 +99,13 @@ impl PartTimes {
             | Technique::SoftHybrid(_)
             | Technique::PenumbraMap(_)
             | Technique::Smoothies(_)
-            | Technique::ContactBlur(_) => self.oracle,
+            | Technique::ContactBlur(_)
+            | Technique::Planar(_)
+            | Technique::PlanarBlur(_)
+            | Technique::PlanarContact(_)
+            | Technique::PlanarLayers(_)
+            | Technique::Blob(_)
+            | Technique::Projective(_) => self.oracle,
             Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
             Technique::Map(_)
             | Technique::Pcf(_)
@@ -234,6 +240,12 @@ fn asks_exactly(technique: Technique) -> bool {
             | Technique::PenumbraMap(_)
             | Technique::Smoothies(_)
             | Technique::ContactBlur(_)
+            | Technique::Planar(_)
+            | Technique::PlanarBlur(_)
+            | Technique::PlanarContact(_)
+            | Technique::PlanarLayers(_)
+            | Technique::Blob(_)
+            | Technique::Projective(_)
     )
 }
 

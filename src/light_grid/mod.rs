@@ -27,6 +27,7 @@
 mod bits;
 mod cells;
 mod chain;
+mod extent;
 mod facet;
 mod fault;
 mod grid;
@@ -36,6 +37,8 @@ mod soft;
 #[cfg(test)]
 mod soft_tests;
 mod sorted;
+#[cfg(test)]
+mod sorted_tests;
 #[cfg(test)]
 mod tests;
 mod verdict;

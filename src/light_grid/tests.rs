@@ -2,7 +2,6 @@
 //! caught.
 
 use super::fault::{Fault, Faults};
-use super::sorted::verdicts_with;
 use super::*;
 use crate::caster::{Caster, CasterGroup};
 use crate::geom::predicate::side_of_light;
@@ -16,14 +15,14 @@ use crate::testing::shapes;
 
 /// What became of the points.
 #[derive(Clone, Copy, Debug, Default)]
-struct Tally {
-    wrong: u64,
-    decided: u64,
-    all: u64,
+pub(super) struct Tally {
+    pub(super) wrong: u64,
+    pub(super) decided: u64,
+    pub(super) all: u64,
 }
 
 impl Tally {
-    fn add(&mut self, verdict: GridVerdict, truth: Verdict) {
+    pub(super) fn add(&mut self, verdict: GridVerdict, truth: Verdict) {
         self.all += 1;
         self.decided += u64::from(verdict != GridVerdict::Undecided);
         self.wrong += u64::from(matches!(
@@ -34,7 +33,7 @@ impl Tally {
 }
 
 /// A generated mesh, a shape or a scene of several, with a light that is hard for it.
-fn case(random: &mut SplitMix64) -> (Vec<Mesh>, Light) {
+pub(super) fn case(random: &mut SplitMix64) -> (Vec<Mesh>, Light) {
     let meshes = match random.below(8) {
         0 => vec![shapes::torus(13, 9, 2.0, 0.75)],
         1 => vec![shapes::book(4 + random.below(5) as u32)],
@@ -367,83 +366,4 @@ fn light_grid_is_coarser_where_memory_would_not_do() {
     assert!(coarse.sides()[0] < 128 && coarse.pair_count() <= 4000 && coarse.bytes() < fine.bytes());
     let [fine, coarse] = [fine, coarse].map(|grid| tally(&grid, &casters, &hits, &free));
     assert!(fine.wrong == 0 && coarse.wrong == 0 && coarse.decided < fine.decided, "{coarse:?} {fine:?}");
-}
-
-fn sorted_tally(
-    chain: &Chain<'_>,
-    casters: &CasterGroup<'_>,
-    points: &[[f32; 3]],
-    side: u32,
-    fault: Option<Fault>,
-) -> Tally {
-    let mut tally = Tally::default();
-    let verdicts = verdicts_with(chain, points, side, 1 << 24, Faults(fault));
-    for (&p, verdict) in points.iter().zip(verdicts) {
-        tally.add(verdict, casters.oracle().verdict(p, chain.light()));
-    }
-    tally
-}
-
-#[test]
-fn sorted_points_have_the_verdicts_of_the_exact_ray_cast() {
-    let (mut random, mut all) = (SplitMix64(8), 0);
-    for _ in 0..100 {
-        let (meshes, light) = case(&mut random);
-        let owned: Vec<Caster> = meshes.into_iter().map(Caster::new).collect();
-        let casters = CasterGroup::new(owned.iter().collect());
-        let chain = Chain::of(&casters, &light);
-        let (hits, mut free) = points(&mut random, &casters, &light, 150);
-        free.extend(hits.iter().map(|hit| hit.point));
-        // Borders of the sides of the cube around the light, and the light itself.
-        let l = light.xyz();
-        free.extend([1.0, -2.0].map(|by| [l[0] + by, l[1] - by, l[2] + by]));
-        free.push(l);
-        for side in [1, 7, 64] {
-            let found = sorted_tally(&chain, &casters, &free, side, None);
-            assert!(found.wrong == 0 && found.decided == found.all, "{light} {side} {found:?}");
-            all += found.all;
-        }
-    }
-    assert!(all > 50_000, "{all}");
-}
-
-/// Faces that end a little before the border of a column, and points that round onto the border.
-#[test]
-fn sorted_points_without_their_error_box_are_caught() {
-    let (mut positions, mut triangles, mut points) =
-        (Vec::new(), Vec::new(), vec![[0.0, 0.0, 0.0], [1024.0, 1.0, 0.0]]);
-    for column in 1..40_u32 {
-        let border = 0.25 * column as f32; // of 4096 over 1024
-        let first = 3 * (column - 1);
-        positions.extend([[border - 0.1, -1.0, 1.0], [border - 3e-6, -1.0, 1.0], [border - 3e-6, 9.0, 1.0]]);
-        triangles.push([first, first + 1, first + 2]);
-        points.extend((0..8).map(|i| [border - 4e-6 - 1e-6 * i as f32, 0.1 * i as f32, 0.0]));
-    }
-    let caster = Caster::new(Mesh::new(positions, triangles).unwrap());
-    let casters = CasterGroup::new(vec![&caster]);
-    let light = Light::directional([0.0, 0.0, -1.0]).unwrap();
-    let chain = Chain::of(&casters, &light);
-    let [right, wrong] =
-        [None, Some(Fault::NoErrorBox)].map(|fault| sorted_tally(&chain, &casters, &points, 4096, fault));
-    assert!(right.wrong == 0 && right.all > 300, "{right:?}");
-    assert!(wrong.wrong > 50, "{wrong:?}");
-}
-
-/// Too much work: what is dark is right, and the rest is left undecided.
-#[test]
-fn sorted_points_give_up_rather_than_hang() {
-    let sheets: Vec<Mesh> = (0..50)
-        .map(|i| shapes::translated(&shapes::scaled(&shapes::sheet(1), 4.0), [0.0, 0.0, i as f32]))
-        .collect();
-    let caster = Caster::new(Mesh::concat(&sheets).unwrap());
-    let casters = CasterGroup::new(vec![&caster]);
-    let light = Light::directional([0.0, 0.1, -1.0]).unwrap();
-    let chain = Chain::of(&casters, &light);
-    let mut random = SplitMix64(9);
-    let (_, free) = points(&mut random, &casters, &light, 1000);
-    let verdicts = verdicts_with(&chain, &free, 32, 5000, Faults::default());
-    assert!(!verdicts.contains(&GridVerdict::Lit) && verdicts.contains(&GridVerdict::Undecided));
-    for (&p, verdict) in free.iter().zip(verdicts) {
-        assert!(verdict != GridVerdict::Dark || casters.oracle().verdict(p, &light) != Verdict::Lit);
-    }
 }

@@ -30,6 +30,7 @@ pub mod map;
 mod name;
 mod options;
 mod plain;
+pub mod planar;
 mod rays;
 mod samples;
 pub mod soft;

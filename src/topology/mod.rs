@@ -22,6 +22,7 @@ mod validate;
 mod vertex_link;
 
 pub use build::TopologyBuilder;
+pub(crate) use components::Components;
 #[cfg(feature = "gpu")]
 pub use gpu::{GpuTopology, GpuTopologyBuilder};
 pub(crate) use shells::FacesByShell;

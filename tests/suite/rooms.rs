@@ -21,6 +21,7 @@ const ORDER: [&str; 26] = [
     "oracle",
     "topology",
     "check",
+    "repair",
     "facing",
     "caster",
     "silhouette",

@@ -38,6 +38,16 @@ pub(super) fn what(technique: Technique) -> &'static str {
         "alias-free" => {
             "The samples sorted into cells, and every face tested exactly against those it may hide."
         }
+        "planar" => {
+            "The casters flattened onto one plane, decided exactly; exact rays for all other samples."
+        }
+        "planar-blur" => "The planar shadow, blurred by one width: the penumbra of its mean caster.",
+        "planar-contact" => "The planar shadow, blurred as wide as the casters around each sample suggest.",
+        "planar-layers" => "The mean of planar shadows from points spread over the lamp.",
+        "blob" => {
+            "A dark spot under each shell: how much of the sky its bounding sphere hides, whatever the lamp."
+        }
+        "projective" => "A map of what the casters cover, projected from the lamp onto the receivers.",
         "none" => "No shadows: every surface that faces the lamp is lit.",
         "dark" => "No light from this lamp at all.",
         _ => "A technique without a description.",
@@ -65,6 +75,12 @@ pub(super) fn when(technique: Technique) -> &'static str {
         "contact-blur" => "Take it where an exact hard shadow is there already.",
         "hybrid" => "Take it where exact rays are dear, and most samples lie away from silhouettes.",
         "alias-free" => "Take it where exact hard shadows are wanted of meshes that change in every frame.",
+        "planar" => "Take it where a floor receives nearly all of the shadow.",
+        "planar-blur" => "Take it where a floor is looked at from afar.",
+        "planar-contact" => "Take it where casters stand on a floor under a lamp with an extent.",
+        "planar-layers" => "Take it as the reference of soft shadows on a floor.",
+        "blob" => "Take it where a contact has to be seen, and the shape of the shadow does not matter.",
+        "projective" => "Take it where few casters stand before curved receivers.",
         "none" => "Take it where the shadow is not seen: it is the cost of drawing without any.",
         "dark" => "Take it for a lamp that is switched off: it is the other end of the scale.",
         _ => "",

@@ -15,6 +15,7 @@ mod frames;
 mod gpu;
 #[cfg(feature = "gpu")]
 mod gpu_topology;
+mod grid;
 mod growth;
 mod light;
 mod machine;
@@ -101,6 +102,7 @@ fn run(options: &Options) -> Result<(), String> {
         shadow::run,
         light::run,
         visibility::run,
+        grid::run,
         area::run,
         read::run,
     ];

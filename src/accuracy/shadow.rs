@@ -110,6 +110,7 @@ impl PartTimes {
             Technique::Map(_)
             | Technique::Pcf(_)
             | Technique::MapIds(_)
+            | Technique::AliasFree(_)
             | Technique::Pcss(_)
             | Technique::SingleSample(_)
             | Technique::Vsm(_)

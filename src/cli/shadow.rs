@@ -23,7 +23,7 @@ pub(crate) struct ShadowArgs {
     /// the faces), `hybrid-3x3` (an exact ray where its texels differ).
     ///
     /// Exact hard shadows on the CPU from a light grid: `hybrid` (it proves most points lit or dark; an exact
-    /// ray elsewhere).
+    /// ray elsewhere), `alias-free` (points sorted into its cells, no tree over the faces).
     ///
     /// Soft shadows of a light with an extent: `area` (the visible fraction, analytic), `samples` (exact rays
     /// to many points of it), `soft-hybrid` (the same where a shadow map is not sure), and from maps alone

@@ -15,6 +15,19 @@ impl RankedBits {
         for number in numbers {
             words[number as usize / 64] |= 1 << (number % 64);
         }
+        Self::of_words(words)
+    }
+
+    /// All numbers below `end`.
+    pub(super) fn all(end: u32) -> Self {
+        let mut words = vec![u64::MAX; end.div_ceil(64) as usize];
+        if let (Some(last), 1..) = (words.last_mut(), end % 64) {
+            *last = (1 << (end % 64)) - 1;
+        }
+        Self::of_words(words)
+    }
+
+    fn of_words(words: Vec<u64>) -> Self {
         let mut count = 0;
         let mut before = Vec::with_capacity(words.len());
         for word in &words {
@@ -58,6 +71,7 @@ mod tests {
                 numbers.sort_unstable();
                 numbers.dedup();
                 assert_eq!(bits.count() as usize, numbers.len());
+                assert_eq!(RankedBits::all(end as u32).count() as usize, end);
                 for number in 0..end as u32 {
                     assert_eq!(
                         bits.rank(number).map(|rank| rank as usize),

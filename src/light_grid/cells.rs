@@ -37,6 +37,11 @@ impl Cells {
         self.side
     }
 
+    /// Number of cells.
+    pub(super) fn count(&self) -> u32 {
+        self.side * self.side
+    }
+
     fn index(&self, axis: usize, y: f64) -> u32 {
         let index = ((y - self.low[axis]) * self.scale[axis]) as u32; // saturates
         index.min(self.side - 1)
@@ -49,10 +54,15 @@ impl Cells {
         (!is_off).then(|| [0, 1].map(|i| rectangle[i].map(|y| self.index(i, y))))
     }
 
+    /// The columns and the rows that hold a rectangle; `None` if part of it lies off the grid.
+    pub(super) fn all_of(&self, rectangle: &[[f64; 2]; 2]) -> Option<[[u32; 2]; 2]> {
+        let is_on = (0..2).all(|i| self.low[i] <= rectangle[i][0] && rectangle[i][1] <= self.high[i]);
+        self.of(rectangle).filter(|_| is_on)
+    }
+
     /// The number of the one cell that holds a rectangle, which lies on the grid.
     pub(super) fn one_of(&self, rectangle: &[[f64; 2]; 2]) -> Option<u32> {
-        let is_on = (0..2).all(|i| self.low[i] <= rectangle[i][0] && rectangle[i][1] <= self.high[i]);
-        let [[x, x1], [y, y1]] = self.of(rectangle).filter(|_| is_on)?;
+        let [[x, x1], [y, y1]] = self.all_of(rectangle)?;
         (x == x1 && y == y1).then(|| self.number(x, y))
     }
 

@@ -8,6 +8,7 @@ use crate::geom::Light;
 use crate::mesh::{FaceId, Mesh};
 use crate::oracle::PrimaryHit;
 use crate::silhouette::Silhouette;
+use crate::topology::has_collapsed;
 
 /// All faces of a group of casters with the side that the light is on, for one light and any camera.
 ///
@@ -25,6 +26,7 @@ pub struct Chain<'a> {
 #[derive(Clone, Debug)]
 struct Part<'a> {
     mesh: &'a Mesh,
+    caster: &'a Caster,
     first_face: u32,
     signs: Vec<i8>,
     /// The edge of each half-edge, by a number that no other part has.
@@ -39,7 +41,7 @@ pub(super) struct ChainFace {
     /// Its number, as in [`CasterGroup::oracle`].
     pub(super) face: u32,
     pub(super) corners: [[f32; 3]; 3],
-    /// 1 or −1.
+    /// 1 or −1; 0 for an edge-on face.
     pub(super) sign: i8,
 }
 
@@ -84,15 +86,20 @@ impl<'a> Chain<'a> {
             None => Some(hit.face.0).filter(|&face| (face as usize) < self.face_count()),
             Some(seen) => seen.get(hit.face.index()).copied().flatten(),
         }?;
-        let part = &self.parts[self.caster(face) as usize];
-        (part.mesh.corners(FaceId(face - part.first_face)) == hit.corners).then_some(face)
+        (self.corners(face) == hit.corners).then_some(face)
     }
 
     /// The faces with a sign, ascending.
     pub(super) fn faces(&self) -> impl Iterator<Item = ChainFace> + '_ {
+        self.all_faces().filter(|face| face.sign != 0)
+    }
+
+    /// The faces that have three corners, edge-on ones included, ascending.
+    pub(super) fn all_faces(&self) -> impl Iterator<Item = ChainFace> + '_ {
         self.parts.iter().flat_map(|part| {
-            let casting = part.signs.iter().enumerate().filter(|(_, sign)| **sign != 0);
-            casting.map(|(index, &sign)| ChainFace {
+            let faces = part.signs.iter().enumerate();
+            let faces = faces.filter(|(index, _)| !has_collapsed(part.mesh.triangles()[*index]));
+            faces.map(|(index, &sign)| ChainFace {
                 face: part.first_face + index as u32,
                 corners: part.mesh.corners(FaceId::new(index)),
                 sign,
@@ -100,8 +107,21 @@ impl<'a> Chain<'a> {
         })
     }
 
+    /// The corners of a face.
+    pub(super) fn corners(&self, face: u32) -> [[f32; 3]; 3] {
+        let part = &self.parts[self.caster(face) as usize];
+        part.mesh.corners(FaceId(face - part.first_face))
+    }
+
+    /// The caster and the shell of a face.
+    pub(super) fn shell(&self, face: u32) -> [u32; 2] {
+        let number = self.caster(face);
+        let part = &self.parts[number as usize];
+        [number, part.caster.shells().of_face[(face - part.first_face) as usize].unwrap_or(u32::MAX)]
+    }
+
     /// The caster of a face.
-    pub(super) fn caster(&self, face: u32) -> u32 {
+    fn caster(&self, face: u32) -> u32 {
         if self.parts.len() == 1 {
             return 0;
         }
@@ -141,6 +161,6 @@ impl<'a> Part<'a> {
                 outline[half_edge.index() / 3] |= 1 << (half_edge.index() % 3);
             }
         }
-        Self { mesh, first_face, signs, edges, outline }
+        Self { mesh, caster, first_face, signs, edges, outline }
     }
 }

@@ -13,6 +13,14 @@ pub(super) enum Fault {
     RoundedInwards,
     /// The sheet of the visible face may be crossed twice.
     TwoCrossings,
+    /// A point is sorted into the cell of its rounded y.
+    NoErrorBox,
+    /// The sheet of the visible face hides no part of the light, wherever its faces lie.
+    OwnLeftOut,
+    /// Rays to a light with an extent stay in the cell of its center.
+    NoReach,
+    /// Faces that are edge-on for the center of a light with an extent do not cast.
+    EdgeOnLeftOut,
 }
 
 /// The fault that is injected: none, outside of tests.

@@ -1,8 +1,10 @@
 //! The grid of one light over the visible points.
 
+use std::ops::Range;
+
 use super::bits::RankedBits;
 use super::cells::Cells;
-use super::chain::Chain;
+use super::chain::{Chain, ChainFace};
 use super::fault::Faults;
 use super::pairs::{by_cell, pairs};
 use super::sheets::{Sheet, Uniting};
@@ -35,12 +37,15 @@ pub(super) struct ViewGrid {
     pub(super) sheets: Vec<Sheet>,
 }
 
+/// Bounds `[low, high]` of both coordinates of rays.
+pub(super) type Rectangle = [[f64; 2]; 2];
+
 /// Where a point lies: in a cell, at a nearness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place<'a> {
     pub(super) view: &'a View,
     /// Bounds of y.
-    pub(super) y: [[f64; 2]; 2],
+    pub(super) y: Rectangle,
     /// Bounds of the nearness.
     pub(super) nearness: [f64; 2],
     /// The sheets of the cell.
@@ -52,7 +57,7 @@ pub(super) struct Place<'a> {
 }
 
 /// Most pairs of a face and a cell, for `faces` faces in a view: about 100 bytes for each face, and 100 MiB.
-fn most_pairs(faces: usize) -> usize {
+pub(super) fn most_pairs(faces: usize) -> usize {
     4 * faces + (1 << 22)
 }
 
@@ -79,11 +84,17 @@ impl<'a> LightGrid<'a> {
         faults: Faults,
     ) -> Self {
         let views = View::all(&Aabb::around(points.clone()), chain.light());
+        let limits = Limits { side: side.clamp(1, 4096), most, faults };
         let grid = |number: usize| {
             let view = &views[number];
             let inside = points.clone().filter(|&p| View::holding(&views, p) == number);
             let rectangles = inside.filter_map(|p| rectangle(view, &view.project(p)));
-            ViewGrid::build(chain, view, rectangles, side.clamp(1, 4096), most, faults)
+            let window = window_around(rectangles.clone())?;
+            let occupied = |cells: &Cells| {
+                let held = rectangles.clone().filter_map(|rectangle| cells.one_of(&rectangle));
+                RankedBits::of(held, cells.count())
+            };
+            Some(ViewGrid::build(chain, || chain.faces(), view, window, occupied, limits))
         };
         let grids = (0..views.len()).map(grid).collect();
         Self { chain, views, grids, faults }
@@ -95,17 +106,15 @@ impl<'a> LightGrid<'a> {
         let (view, grid) = (self.views.get(number)?, self.grids[number].as_ref()?);
         let projected = view.project(p);
         let y = rectangle(view, &projected)?;
-        let slot = grid.occupied.rank(grid.cells.one_of(&y)?)? as usize;
-        let of = |starts: &[u32]| starts[slot] as usize..starts[slot + 1] as usize;
-        let (faces, sheets) = (of(&grid.starts), of(&grid.sheet_starts));
+        let (faces, sheet_of, sheets) = grid.slot(grid.occupied.rank(grid.cells.one_of(&y)?)?);
         Some(Place {
             view,
             y,
             nearness: projected.nearness(),
-            sheets: &grid.sheets[sheets.clone()],
-            faces: &grid.faces[faces.clone()],
-            sheet_of: &grid.sheet_of[faces],
             first_sheet: sheets.start as u32,
+            sheets: &grid.sheets[sheets],
+            faces,
+            sheet_of,
         })
     }
 
@@ -134,31 +143,41 @@ impl<'a> LightGrid<'a> {
 }
 
 /// Bounds of a point's y; `None` if the view may not hold all of them.
-fn rectangle(view: &View, projected: &Projected) -> Option<[[f64; 2]; 2]> {
+pub(super) fn rectangle(view: &View, projected: &Projected) -> Option<Rectangle> {
     let y = projected.is_ahead().then(|| projected.y())?;
     y.iter().all(|[low, high]| -view.window() <= *low && *high <= view.window()).then_some(y)
 }
 
+/// Bounds of all rectangles; `None` without any.
+pub(super) fn window_around(rectangles: impl Iterator<Item = Rectangle>) -> Option<Rectangle> {
+    rectangles.reduce(|[x, y], [u, v]| [[x[0].min(u[0]), x[1].max(u[1])], [y[0].min(v[0]), y[1].max(v[1])]])
+}
+
+/// What a grid may take.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    pub(super) side: u32,
+    /// Most pairs of a face and a cell; at least the number of faces.
+    pub(super) most: usize,
+    pub(super) faults: Faults,
+}
+
 impl ViewGrid {
-    fn build(
+    /// The sheets of `faces` in the cells that `occupied` lists.
+    pub(super) fn build<F: Iterator<Item = ChainFace>>(
         chain: &Chain<'_>,
+        faces: impl Fn() -> F,
         view: &View,
-        rectangles: impl Iterator<Item = [[f64; 2]; 2]> + Clone,
-        mut side: u32,
-        most: usize,
-        faults: Faults,
-    ) -> Option<Self> {
-        let around = |[x, y]: [[f64; 2]; 2], [u, v]: [[f64; 2]; 2]| {
-            [[x[0].min(u[0]), x[1].max(u[1])], [y[0].min(v[0]), y[1].max(v[1])]]
-        };
-        let window = rectangles.clone().reduce(around)?;
+        window: Rectangle,
+        occupied: impl Fn(&Cells) -> RankedBits,
+        Limits { mut side, most, faults }: Limits,
+    ) -> Self {
         loop {
             let cells = Cells::over(window, side);
-            let held = rectangles.clone().filter_map(|rectangle| cells.one_of(&rectangle));
-            let occupied = RankedBits::of(held, side * side);
+            let occupied = occupied(&cells);
             // With a side of one cell there is at most one pair per face, which is never too many.
-            if let Some(pairs) = pairs(chain, view, &cells, &occupied, most, faults) {
-                let (pairs, starts) = by_cell(&pairs, occupied.count());
+            if let Some(pairs) = pairs(faces(), view, &cells, &occupied, most, faults) {
+                let (pairs, starts) = by_cell(&pairs, occupied.count(), |pair| pair.slot);
                 let (mut uniting, mut sheets) = (Uniting::default(), Vec::new());
                 let (mut sheet_of, mut sheet_starts) = (Vec::with_capacity(pairs.len()), vec![0]);
                 for range in starts.windows(2) {
@@ -167,9 +186,15 @@ impl ViewGrid {
                     sheet_starts.push(sheets.len() as u32);
                 }
                 let faces = pairs.iter().map(|pair| pair.face).collect();
-                return Some(Self { cells, occupied, starts, faces, sheet_of, sheet_starts, sheets });
+                return Self { cells, occupied, starts, faces, sheet_of, sheet_starts, sheets };
             }
             side /= 2;
         }
+    }
+
+    /// The faces of a cell, their sheets as indices of `sheets`, and the range of the cell's sheets.
+    pub(super) fn slot(&self, slot: u32) -> (&[u32], &[u32], Range<usize>) {
+        let of = |starts: &[u32]| starts[slot as usize] as usize..starts[slot as usize + 1] as usize;
+        (&self.faces[of(&self.starts)], &self.sheet_of[of(&self.starts)], of(&self.sheet_starts))
     }
 }

@@ -27,11 +27,18 @@
 mod bits;
 mod cells;
 mod chain;
+mod extent;
 mod facet;
 mod fault;
 mod grid;
 mod pairs;
 mod sheets;
+mod soft;
+#[cfg(test)]
+mod soft_tests;
+mod sorted;
+#[cfg(test)]
+mod sorted_tests;
 #[cfg(test)]
 mod tests;
 mod verdict;
@@ -39,4 +46,6 @@ pub(crate) mod view;
 
 pub use chain::Chain;
 pub use grid::LightGrid;
+pub use soft::{SoftGrid, SoftVerdict};
+pub use sorted::sorted_verdicts;
 pub use verdict::GridVerdict;

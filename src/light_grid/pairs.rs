@@ -2,7 +2,7 @@
 
 use super::bits::RankedBits;
 use super::cells::Cells;
-use super::chain::Chain;
+use super::chain::ChainFace;
 use super::facet::{Facet, Meeting};
 use super::fault::{Fault, Faults};
 use super::view::View;
@@ -35,10 +35,10 @@ pub(super) enum GenericRay {
 /// Cells looked at for each pair that may be made. Most cells that a face's rectangle holds may hold no point.
 const LOOKS: usize = 16;
 
-/// The pairs of all faces with the cells that hold a point, face by face; `None` if there would be more than
+/// The pairs of the faces with the cells that hold a point, face by face; `None` if there would be more than
 /// `most`, or if too many cells would have to be looked at.
 pub(super) fn pairs(
-    chain: &Chain<'_>,
+    faces: impl Iterator<Item = ChainFace>,
     view: &View,
     cells: &Cells,
     occupied: &RankedBits,
@@ -46,7 +46,7 @@ pub(super) fn pairs(
     faults: Faults,
 ) -> Option<Vec<Pair>> {
     let (mut pairs, mut looks) = (Vec::new(), LOOKS.saturating_mul(most));
-    for face in chain.faces() {
+    for face in faces {
         let Some([columns, rows]) = view.see(face.corners).and_then(|seen| cells.of(&seen.rectangle)) else {
             continue;
         };
@@ -84,20 +84,24 @@ pub(super) fn pairs(
     Some(pairs)
 }
 
-/// The pairs by cell, and the index of each cell's first one, one more than there are cells. A counting sort:
-/// within a cell the faces ascend.
-pub(super) fn by_cell(pairs: &[Pair], cells: u32) -> (Vec<Pair>, Vec<u32>) {
+/// What lies in cells by cell, and the index of each cell's first item, one more than there are cells. A
+/// counting sort: within a cell the order stays.
+pub(super) fn by_cell<T: Copy + Default>(
+    items: &[T],
+    cells: u32,
+    slot: impl Fn(&T) -> u32,
+) -> (Vec<T>, Vec<u32>) {
     let mut starts = vec![0; cells as usize + 2];
-    for pair in pairs {
-        starts[pair.slot as usize + 2] += 1;
+    for item in items {
+        starts[slot(item) as usize + 2] += 1;
     }
     for slot in 2..starts.len() {
         starts[slot] += starts[slot - 1];
     }
-    let mut sorted = vec![Pair::default(); pairs.len()];
-    for pair in pairs {
-        let at = &mut starts[pair.slot as usize + 1];
-        sorted[*at as usize] = *pair;
+    let mut sorted = vec![T::default(); items.len()];
+    for item in items {
+        let at = &mut starts[slot(item) as usize + 1];
+        sorted[*at as usize] = *item;
         *at += 1;
     }
     starts.pop();

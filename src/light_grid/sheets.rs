@@ -26,8 +26,8 @@ pub(super) struct Sheet {
     pub(super) crossings: u32,
     /// Whether a boundary may meet the cell, or the generic ray an edge: then the crossings tell nothing.
     pub(super) is_outline: bool,
-    /// The caster.
-    pub(super) caster: u32,
+    /// A face of it.
+    pub(super) face: u32,
 }
 
 impl Sheet {
@@ -88,8 +88,8 @@ impl Uniting {
             let is_outline = self.is_outline[index as usize] || pair.ray == GenericRay::Unsure;
             let crossings = u32::from(pair.ray == GenericRay::Crosses);
             if root == index {
-                let caster = chain.caster(pair.face);
-                sheets.push(Sheet { near: pair.near, far: pair.far, crossings, is_outline, caster });
+                let face = pair.face;
+                sheets.push(Sheet { near: pair.near, far: pair.far, crossings, is_outline, face });
             } else {
                 let sheet = &mut sheets[number as usize];
                 sheet.near = sheet.near.max(pair.near);

@@ -9,19 +9,20 @@ use crate::geom::{Aabb, Light};
 use crate::mesh::Mesh;
 use crate::oracle::{PrimaryHit, Verdict};
 use crate::random::SplitMix64;
+use crate::scene::Lamp;
 use crate::testing::generate;
 use crate::testing::shapes;
 
 /// What became of the points.
 #[derive(Clone, Copy, Debug, Default)]
-struct Tally {
-    wrong: u64,
-    decided: u64,
-    all: u64,
+pub(super) struct Tally {
+    pub(super) wrong: u64,
+    pub(super) decided: u64,
+    pub(super) all: u64,
 }
 
 impl Tally {
-    fn add(&mut self, verdict: GridVerdict, truth: Verdict) {
+    pub(super) fn add(&mut self, verdict: GridVerdict, truth: Verdict) {
         self.all += 1;
         self.decided += u64::from(verdict != GridVerdict::Undecided);
         self.wrong += u64::from(matches!(
@@ -32,7 +33,7 @@ impl Tally {
 }
 
 /// A generated mesh, a shape or a scene of several, with a light that is hard for it.
-fn case(random: &mut SplitMix64) -> (Vec<Mesh>, Light) {
+pub(super) fn case(random: &mut SplitMix64) -> (Vec<Mesh>, Light) {
     let meshes = match random.below(8) {
         0 => vec![shapes::torus(13, 9, 2.0, 0.75)],
         1 => vec![shapes::book(4 + random.below(5) as u32)],
@@ -62,8 +63,28 @@ fn within(random: &mut SplitMix64, bounds: &Aabb, enlarged: f64) -> [f32; 3] {
     })
 }
 
+/// A generated mesh of moderate size, and a lamp with an extent near it.
+pub(super) fn scattered(random: &mut SplitMix64) -> (Mesh, Lamp) {
+    loop {
+        let mesh = generate::mesh(random);
+        let most = mesh.positions().iter().flatten().fold(0.0_f32, |most, x| most.max(x.abs()));
+        if !(0.1..100.0).contains(&most) {
+            continue;
+        }
+        let [x, y, z] = [(); 3].map(|()| most * (6.0 * random.unit() as f32 - 3.0));
+        let size = 10.0_f64.powf(-2.0 * random.unit() - 0.5);
+        let text = match random.below(2) {
+            0 => format!("point:{x},{y},{z},radius={}", f64::from(most) * size),
+            _ => format!("directional:{x},{y},{z},angle={}", 20.0 * size),
+        };
+        if let Ok(lamp) = text.parse() {
+            return (mesh, lamp);
+        }
+    }
+}
+
 /// Visible points that face the light, seen from random eyes, and points anywhere.
-fn points(
+pub(super) fn points(
     random: &mut SplitMix64,
     casters: &CasterGroup<'_>,
     light: &Light,

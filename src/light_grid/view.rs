@@ -39,6 +39,12 @@ pub(crate) struct View {
 impl View {
     /// The views that together hold all rays of `light` that meet the box.
     pub(crate) fn all(bounds: &Aabb, light: &Light) -> Vec<Self> {
+        // A point on the border of two sides lies in both, rounding included.
+        Self::all_with(bounds, light, 1.0 + 1.0 / (1_u64 << 40) as f64)
+    }
+
+    /// The same views; those of a cube hold the points with |yᵢ| up to `window`, which is more than 1.
+    pub(super) fn all_with(bounds: &Aabb, light: &Light, window: f64) -> Vec<Self> {
         if bounds.is_empty() {
             return Vec::new();
         }
@@ -69,7 +75,7 @@ impl View {
             pivot: l,
             slope: [0.0; 2],
             light: Some(l[k]),
-            window: 1.0,
+            window,
             is_side: true,
         };
         [0, 1, 2].into_iter().flat_map(|k| [(k, 1.0), (k, -1.0)]).map(side).collect()
@@ -94,6 +100,26 @@ impl View {
     /// Bound of |y| for the points that belong to the view.
     pub(super) fn window(&self) -> f64 {
         self.window
+    }
+
+    /// The axis k and the other two.
+    pub(super) fn axes(&self) -> [usize; 3] {
+        self.axes
+    }
+
+    /// The slopes that y is relative to.
+    pub(super) fn slope(&self) -> [f64; 2] {
+        self.slope
+    }
+
+    /// The depth z of a nearness, of a point light.
+    pub(super) fn depth_at(&self, nearness: f64) -> f64 {
+        if self.is_side { 1.0 / nearness } else { self.depth(self.pivot[self.axes[0]]) / (1.0 + nearness) }
+    }
+
+    /// The nearness of a depth z, of a point light.
+    pub(super) fn nearness_at(&self, depth: f64) -> f64 {
+        if self.is_side { 1.0 / depth } else { self.depth(self.pivot[self.axes[0]]) / depth - 1.0 }
     }
 
     /// A point in homogeneous coordinates.

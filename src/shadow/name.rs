@@ -49,8 +49,8 @@ pub enum TechniqueError {
 }
 
 /// Names of planned techniques.
-const PLANNED: [&str; 8] =
-    ["auto", "zpass-plus", "zpass-reversed", "hybrid-2x2", "alias-free", "counter", "reconstruct", "lod"];
+const PLANNED: [&str; 7] =
+    ["auto", "zpass-plus", "zpass-reversed", "hybrid-2x2", "counter", "reconstruct", "lod"];
 
 fn names() -> String {
     Technique::ALL.map(Technique::name).join(", ")

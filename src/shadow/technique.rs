@@ -1,6 +1,6 @@
 //! The closed list of techniques, and the two steps of each: prepare for a lamp, shade samples.
 
-use super::grid::{GridHybrid, GridOptions};
+use super::grid::{AliasFree, GridHybrid, GridOptions};
 use super::map::{ExactOptions, HybridShadow, IdShadow, MapError, MapOptions, MapShadow, PcfOptions};
 use super::options::{self, Refusal};
 use super::plain::Plain;
@@ -72,6 +72,8 @@ pub enum Technique {
     ContactBlur(SoftMapOptions),
     /// A light grid where it proves lit or dark, an exact shadow ray elsewhere.
     Hybrid(GridOptions),
+    /// The samples sorted into cells, and every face tested exactly against those of its cells.
+    AliasFree(GridOptions),
     /// Casters flattened onto the plane of most samples, decided exactly; exact shadow rays elsewhere.
     Planar(PlanarOptions),
     /// The planar shadow, blurred by one width.
@@ -135,7 +137,7 @@ pub enum PrepareError {
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 28] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
@@ -155,6 +157,7 @@ impl Technique {
         Self::Smoothies(SilhouetteOptions::DEFAULT),
         Self::ContactBlur(SoftMapOptions::DEFAULT),
         Self::Hybrid(GridOptions::DEFAULT),
+        Self::AliasFree(GridOptions::DEFAULT),
         Self::Planar(PlanarOptions::DEFAULT),
         Self::PlanarBlur(TextureOptions::DEFAULT),
         Self::PlanarContact(TextureOptions::DEFAULT),
@@ -188,6 +191,7 @@ impl Technique {
             Self::Smoothies(_) => "smoothies",
             Self::ContactBlur(_) => "contact-blur",
             Self::Hybrid(_) => "hybrid",
+            Self::AliasFree(_) => "alias-free",
             Self::Planar(_) => "planar",
             Self::PlanarBlur(_) => "planar-blur",
             Self::PlanarContact(_) => "planar-contact",
@@ -221,7 +225,7 @@ impl Technique {
             Self::PenumbraMap(options) => options::listed(&options),
             Self::Smoothies(options) => options::listed(&options),
             Self::ContactBlur(options) => options::listed(&options),
-            Self::Hybrid(options) => options::listed(&options),
+            Self::Hybrid(options) | Self::AliasFree(options) => options::listed(&options),
             Self::Planar(options) | Self::Blob(options) => options::listed(&options),
             Self::PlanarBlur(options) | Self::PlanarContact(options) | Self::Projective(options) => {
                 options::listed(&options)
@@ -248,6 +252,7 @@ impl Technique {
             Self::Smoothies(options) => options::changed(options, key, value).map(Self::Smoothies),
             Self::ContactBlur(options) => options::changed(options, key, value).map(Self::ContactBlur),
             Self::Hybrid(options) => options::changed(options, key, value).map(Self::Hybrid),
+            Self::AliasFree(options) => options::changed(options, key, value).map(Self::AliasFree),
             Self::Planar(options) => options::changed(options, key, value).map(Self::Planar),
             Self::PlanarBlur(options) => options::changed(options, key, value).map(Self::PlanarBlur),
             Self::PlanarContact(options) => options::changed(options, key, value).map(Self::PlanarContact),
@@ -289,6 +294,7 @@ impl Technique {
             | Self::MapIds(_)
             | Self::Hybrid3x3(_)
             | Self::Hybrid(_)
+            | Self::AliasFree(_)
             | Self::Planar(_)
             | Self::Blob(_)
             | Self::Projective(_)
@@ -344,6 +350,7 @@ impl Technique {
                 Step::Soft(soft::contact_blur(casters, lamp, options).map_err(refused)?)
             }
             Self::Hybrid(options) => Step::Grid(GridHybrid::prepare(casters, light, options)),
+            Self::AliasFree(options) => Step::AliasFree(AliasFree::prepare(casters, light, options)),
             Self::Planar(options) => Step::Planar(planar::planar(casters, lamp, options)),
             Self::PlanarBlur(options) => Step::Planar(planar::planar_blur(casters, lamp, options)),
             Self::PlanarContact(options) => Step::Planar(planar::planar_contact(casters, lamp, options)),
@@ -387,6 +394,7 @@ enum Step<'a> {
     Hybrid(Box<HybridShadow<'a>>),
     Soft(Box<dyn SoftShadow + 'a>),
     Grid(GridHybrid<'a>),
+    AliasFree(AliasFree<'a>),
     Planar(Box<dyn PlanarShadow + 'a>),
     Plain(Plain),
 }
@@ -417,6 +425,7 @@ impl Prepared<'_> {
                 visibility
             }
             Step::Grid(grid) => grid.shade(samples),
+            Step::AliasFree(grid) => grid.shade(samples),
             Step::Planar(planar) => planar.shade(samples),
             Step::Plain(plain) => plain.shade(self.lamp.light(), samples),
         }
@@ -435,6 +444,7 @@ impl Prepared<'_> {
             Step::Hybrid(map) => map.bytes(),
             Step::Soft(map) => map.bytes(),
             Step::Grid(grid) => grid.bytes(),
+            Step::AliasFree(grid) => grid.bytes(),
             Step::Planar(planar) => planar.bytes(),
         }
     }

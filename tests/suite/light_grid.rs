@@ -85,3 +85,11 @@ fn hybrid_is_exact_and_asks_for_the_fewer_rays_the_smaller_its_cells_are() {
     let [[all, coarse], [_, fine]] = ["hybrid:grid=32", "hybrid"].map(over_scenes);
     assert!(all > 50_000 && coarse * 2 < all && fine * 3 < coarse, "{all} {coarse} {fine}");
 }
+
+#[test]
+fn alias_free_is_exact_and_needs_no_rays() {
+    for technique in ["alias-free:grid=16", "alias-free"] {
+        let [all, exactly] = over_scenes(technique);
+        assert!(all > 50_000 && exactly == 0, "{all} {exactly}");
+    }
+}

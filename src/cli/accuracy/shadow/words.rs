@@ -35,6 +35,9 @@ pub(super) fn what(technique: Technique) -> &'static str {
         }
         "contact-blur" => "The exact hard shadow, blurred on the picture as wide as the blockers suggest.",
         "hybrid" => "A light grid where it proves a sample lit or dark, and an exact shadow ray elsewhere.",
+        "alias-free" => {
+            "The samples sorted into cells, and every face tested exactly against those it may hide."
+        }
         "planar" => {
             "The casters flattened onto one plane, decided exactly; exact rays for all other samples."
         }
@@ -71,6 +74,7 @@ pub(super) fn when(technique: Technique) -> &'static str {
         "smoothies" | "penumbra-map" => "Take it for clean models, where silhouettes are few.",
         "contact-blur" => "Take it where an exact hard shadow is there already.",
         "hybrid" => "Take it where exact rays are dear, and most samples lie away from silhouettes.",
+        "alias-free" => "Take it where exact hard shadows are wanted of meshes that change in every frame.",
         "planar" => "Take it where a floor receives nearly all of the shadow.",
         "planar-blur" => "Take it where a floor is looked at from afar.",
         "planar-contact" => "Take it where casters stand on a floor under a lamp with an extent.",

@@ -155,6 +155,40 @@ fn prepare_refuses_what_it_cannot_write() {
 }
 
 #[test]
+fn prepare_writes_index_buffers_beside_the_mesh() {
+    let folder = folder();
+    let words = |name: &str| -> Vec<u32> {
+        let bytes = fs::read(folder.path(name)).unwrap();
+        bytes.chunks_exact(4).map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect()
+    };
+    let buffers = "--shadow-indices shadow.bin --adjacency adjacent.bin";
+    assert_eq!(folder.code(&format!("prepare soup.ply -o out.ply {buffers}")), 0);
+    let soup = shapes::soup(&shapes::icosphere(1));
+    let (shadow, adjacent) = (words("shadow.bin"), words("adjacent.bin"));
+    assert_eq!((shadow.len(), adjacent.len()), (3 * 80, 6 * 80));
+    for (index, corner) in shadow.iter().zip(soup.triangles().as_flattened()) {
+        assert_eq!(soup.positions()[*index as usize], soup.positions()[*corner as usize]);
+    }
+    let mut distinct = shadow.clone();
+    distinct.sort_unstable();
+    distinct.dedup();
+    assert_eq!(distinct.len(), 42);
+    // Every second entry is a corner, and those between are none of the face.
+    assert!(
+        adjacent
+            .chunks(6)
+            .all(|row| !row.iter().step_by(2).any(|corner| [row[1], row[3], row[5]].contains(corner)))
+    );
+    let before = folder.names();
+    let run = folder.run("prepare edge.obj -o new.ply --adjacency new.bin");
+    assert!(run.code == 2 && run.stderr.contains("has 4 faces; add --split"), "{}", run.stderr);
+    let unmet = folder.run("prepare open.obj -o new.ply --adjacency new.bin --require watertight");
+    assert_eq!((unmet.code, folder.names()), (1, before));
+    assert_eq!(folder.code("prepare edge.obj -o new.ply --adjacency new.bin --split"), 0);
+    assert_eq!(words("new.bin").len(), 6 * 24);
+}
+
+#[test]
 fn prepare_writes_the_same_bytes_for_any_number_of_threads() {
     let folder = folder();
     let bytes = |threads: u32| {

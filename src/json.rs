@@ -183,7 +183,8 @@ mod verified {
     //! The reports of the feature `verify`.
 
     use super::{Serialize, SerializeMap, Serializer, short};
-    use crate::accuracy::{Accuracy, Method, Question, Row};
+    use crate::accuracy::{Accuracy, AmbientAccuracy, AmbientMethod, AmbientRow, AmbientTruth};
+    use crate::accuracy::{Method, Question, Row};
     use crate::testing::torture::{self, Torture};
     use crate::verify::points::{Disagreement, Judge, Stratum, Verification};
 
@@ -269,6 +270,35 @@ mod verified {
     });
 
     map!(Accuracy, found => { exact_is_right: found.exact_is_right(), judged_by_all_faces, methods });
+
+    /// The options of a method: numbers as numbers.
+    struct Parameters(AmbientMethod);
+
+    impl Serialize for Parameters {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            let mut out = serializer.serialize_map(None)?;
+            for (key, text) in self.0.parameters() {
+                match (text.parse::<u32>(), text.parse::<f64>()) {
+                    (Ok(number), _) => out.serialize_entry(key, &number)?,
+                    (_, Ok(number)) => out.serialize_entry(key, &number)?,
+                    _ => out.serialize_entry(key, &text)?,
+                }
+            }
+            out.end()
+        }
+    }
+
+    map!(AmbientTruth, truth => { method: "analytic", bound });
+
+    map!(AmbientRow, row => {
+        method: row.method.name(),
+        parameters: (!row.method.parameters().is_empty()).then_some(Parameters(row.method)),
+        mean_error, rms_error, p99_error, prepare_ms,
+        ns_per_receiver: row.ns_per_receiver.median,
+        dominated_by: row.dominated_by.map(|by| by.to_string()),
+    });
+
+    map!(AmbientAccuracy, found => { receivers, judged, truth, rows });
 }
 
 #[cfg(test)]

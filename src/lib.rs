@@ -31,6 +31,7 @@
 //! | [`facing`] | the side of every face that a light is on |
 //! | [`caster`] | [`Caster`](caster::Caster), proofs |
 //! | [`silhouette`] | silhouette edges: scan, tree, certificates for a moving light |
+//! | [`light_grid`] | what a light sees, conservatively, in cells: most points are proven lit or dark |
 //! | [`shadow`] | the contract of every technique; stencil shadow volumes, rays |
 //! | [`ambient`] | ambient occlusion: exact rays, the analytic form, disks |
 //! | [`verify`] | every method against every other, at points and at pixels; errors by kind |
@@ -126,6 +127,7 @@ pub mod repair;
 pub mod facing;
 pub mod caster;
 pub mod silhouette;
+pub mod light_grid;
 pub mod shadow;
 pub mod ambient;
 pub mod verify;

@@ -9,6 +9,7 @@
 //! A tie is a query with two right answers: a face exactly edge-on, a shadow ray that only touches the mesh.
 //! A method that knows no ties may give either answer; an exact method has to declare the tie.
 
+mod ambient;
 mod compare;
 mod facing;
 mod lights;
@@ -21,6 +22,7 @@ mod shadow_device;
 mod tests;
 mod visibility;
 
+pub use ambient::{AmbientAccuracy, AmbientMethod, AmbientOptions, AmbientRow, AmbientTruth};
 pub use shadow::{ShadowAccuracy, ShadowRow};
 
 use crate::geom::Light;

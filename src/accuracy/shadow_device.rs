@@ -1,11 +1,13 @@
 //! The device form of techniques, beside their CPU form.
 
+mod maps;
+
+use self::maps::{MapForms, Passes};
 use super::Spread;
 use super::shadow::{ShadowAccuracy, ShadowRow, mark_dominated, timed};
 use crate::caster::{CasterGroup, GpuCaster};
 use crate::gpu::{Gpu, GpuError, wgpu};
-use crate::shadow::map::gpu::{Lookup, MapPass};
-use crate::shadow::map::{DepthSource, Fit, LightSpace, MapOptions, PcfOptions};
+use crate::shadow::planar::gpu::{Footprint, GpuGround, PlanarPass};
 use crate::shadow::stencil::{StencilMethod, StencilPass};
 use crate::shadow::{Claim, Depth, GpuSamples, Request, Samples, Technique, Visibility};
 use crate::verify::errors::{Errors, Made, Truth};
@@ -99,13 +101,16 @@ impl ShadowAccuracy {
                 values: shown.values().to_vec(),
             });
         }
-        self.add_maps(gpu, &request, &truth, &drawn, rounds)?;
+        let passes = Passes::new(gpu)?;
+        MapForms::new(gpu, &passes, &request, &truth, &drawn, rounds)?.add_rows(&mut self.rows)?;
+        self.add_planar(gpu, &request, &truth, &drawn, rounds)?;
         mark_dominated(&mut self.rows);
         Ok(())
     }
 
-    /// The rows of `map` and `pcf` that were measured on the CPU.
-    fn add_maps(
+    /// The row of `planar`, if it was measured on the CPU: the samples of the plane on the device, all others
+    /// by the exact rays of the CPU.
+    fn add_planar(
         &mut self,
         gpu: &Gpu,
         request: &Request<'_>,
@@ -113,56 +118,53 @@ impl ShadowAccuracy {
         drawn: &GpuSamples,
         rounds: u32,
     ) -> Result<(), GpuError> {
-        let [caster] = request.casters.casters() else { return Ok(()) };
-        let pass = MapPass::new(gpu)?;
-        let (on_device, upload_ms) = timed(|| GpuCaster::upload(gpu, caster));
-        let on_device = on_device?;
-        let wait = || gpu.attempt(|| gpu.device().poll(wgpu::PollType::wait_indefinitely())).map(|_| ());
-        let maps = self.rows.iter().filter_map(|row| Some((row.clone(), map_options(row.technique)?)));
-        for (on_cpu, options) in maps.collect::<Vec<_>>() {
-            let lookup = Lookup { filter: options.filter, bias: options.bias };
-            let Ok(space) = LightSpace::of_scene(request.casters, request.lamp, options.size) else {
-                continue;
-            };
-            let (map, draw_ms) = timed(|| {
-                let map = pass.draw(&on_device, &space)?;
-                wait().map(|()| map)
+        let on_cpu = self.rows.iter().find(|row| matches!(row.technique, Technique::Planar(_))).cloned();
+        let (Some(on_cpu), [caster]) = (on_cpu, request.casters.casters()) else { return Ok(()) };
+        let Technique::Planar(options) = on_cpu.technique else { return Ok(()) };
+        let (samples, light) = (request.samples, request.light());
+        let Some(plane) = options.plane.plane(samples, light) else { return Ok(()) };
+        let pass = PlanarPass::new(gpu)?;
+        let (ground, upload_ms) = timed(|| {
+            let seen = request.casters.seen_caster().unwrap_or(caster);
+            GpuGround::new(gpu, plane, seen, caster, &GpuCaster::upload(gpu, caster)?)
+        });
+        let ground = ground?;
+        let frame = || {
+            let visibility = pass.visibility(drawn, &ground, light)?;
+            gpu.attempt(|| gpu.device().poll(wgpu::PollType::wait_indefinitely()))?.ok();
+            Ok::<_, GpuError>(visibility)
+        };
+        let visibility = frame()?;
+        let (values, readback_ms) = timed(|| visibility.download(gpu));
+        let frames = (0..rounds.max(1)).map(|_| timed(frame)).map(|(found, ms)| found.map(|_| ms));
+        let frames = frames.collect::<Result<Vec<f64>, _>>()?;
+        let is_on_plane = |index: usize| samples.hits()[index].is_some_and(|hit| plane.holds(hit.corners));
+        let values = values?.into_iter().zip(&on_cpu.values).enumerate();
+        let values: Vec<f32> =
+            values.map(|(index, (value, &ray))| if is_on_plane(index) { value } else { ray }).collect();
+        let claim = Claim::WithinFootprint;
+        let shown = Visibility::from_values(samples, light, values, claim);
+        let around = Footprint::new(request.casters, plane, *light, samples.projection(), samples.size());
+        let width = samples.size().width() as usize;
+        let footprint =
+            shown.values().iter().zip(&on_cpu.values).enumerate().map(|(index, (value, exact))| {
+                let [x, y] = [index % width, index / width].map(|k| k as f64 + 0.5);
+                value != exact && around.changes(x, y)
             });
-            let map = map?;
-            let frame = || {
-                let visibility = pass.visibility(drawn, &map, lookup)?;
-                wait().map(|()| visibility)
-            };
-            let visibility = match frame() {
-                // A filter or bias that only the CPU has.
-                Err(GpuError::NotBuilt(_)) => continue,
-                found => found?,
-            };
-            let (values, readback_ms) = timed(|| visibility.download(gpu));
-            let frames = (0..rounds.max(1)).map(|_| timed(frame)).map(|(found, ms)| found.map(|_| ms));
-            let frames = frames.collect::<Result<Vec<f64>, _>>()?;
-            let claim = Claim::Approximate;
-            let shown = Visibility::from_values(request.samples, request.light(), values?, claim);
-            let made = Made { texel: on_cpu.texel_world, ..Made::default() };
-            let errors = Errors::of(request, &shown, truth, &made);
-            self.rows.push(ShadowRow {
-                device: Some(gpu.name()),
-                holds: errors.hold(claim),
-                errors,
-                prepare_ms: upload_ms + draw_ms,
-                frame_ms: Spread::of(frames),
-                readback_ms: Some(readback_ms),
-                bytes: (map.bytes() + 2 * request.samples.len()) as u64,
-                values: shown.values().to_vec(),
-                ..on_cpu
-            });
-        }
+        let made = Made { footprint: &footprint.collect::<Vec<bool>>(), ..Made::default() };
+        let errors = Errors::of(request, &shown, truth, &made);
+        self.rows.push(ShadowRow {
+            device: Some(gpu.name()),
+            claim,
+            holds: errors.hold(claim),
+            errors,
+            prepare_ms: upload_ms,
+            frame_ms: Spread::of(frames),
+            readback_ms: Some(readback_ms),
+            bytes: (ground.bytes() + samples.len()) as u64,
+            values: shown.values().to_vec(),
+            ..on_cpu
+        });
         Ok(())
     }
-}
-
-/// The options of a technique whose device form draws the map of the scene.
-fn map_options(technique: Technique) -> Option<MapOptions> {
-    let (Technique::Map(options) | Technique::Pcf(PcfOptions(options))) = technique else { return None };
-    (options.fit == Fit::Scene && options.depth == DepthSource::Plane).then_some(options)
 }

@@ -3,7 +3,7 @@
 use super::ShellReport;
 use crate::geom::Aabb;
 use crate::geom::bvh::Bvh;
-use crate::geom::predicate::{Sign, orient3d, turn};
+use crate::geom::predicate::{Sign, on_triangle, orient3d, turn};
 use crate::mesh::{FaceId, Mesh};
 use crate::topology::Shells;
 
@@ -284,16 +284,4 @@ fn crossing([a, b, c]: [[f32; 3]; 3], p: [f32; 3]) -> Crossing {
     }
     // The normal points towards +x if `facing` is positive; the point must then lie below the face.
     if plane.value() == facing { Crossing::Signed(facing) } else { Crossing::None }
-}
-
-/// Whether a point of the triangle's plane lies in the closed triangle.
-fn on_triangle([a, b, c]: [[f32; 3]; 3], p: [f32; 3]) -> bool {
-    if !Aabb::around([a, b, c]).contains(p) {
-        return false;
-    }
-    // Inside or on the edge in every projection; a projection onto a line has turns of zero only.
-    (0..3).all(|axis| {
-        let turns = [(a, b), (b, c), (c, a)].map(|(u, v)| turn(u, v, p, axis));
-        !(turns.contains(&Sign::Positive) && turns.contains(&Sign::Negative))
-    })
 }

@@ -42,6 +42,12 @@ pub(crate) struct CastArgs {
     no_cast: Vec<Pattern>,
 }
 
+impl CastArgs {
+    pub(crate) fn no_cast(&self) -> &[Pattern] {
+        &self.no_cast
+    }
+}
+
 /// All meshes of a file as one caster, what is seen beside it, and the lights.
 #[derive(Debug)]
 pub(crate) struct Source {
@@ -86,6 +92,14 @@ impl SourceArgs {
             cameras: baked.cameras,
             materials: baked.materials,
         })
+    }
+}
+
+impl SourceArgs {
+    /// All that casts, as one mesh, for questions without lights.
+    pub(crate) fn load_caster(&self) -> Result<Mesh, Failure> {
+        let (baked, _) = self.mesh.read_visible(&self.file, &self.cast.no_cast)?;
+        self.mesh.joined(baked.meshes, &self.file)
     }
 }
 

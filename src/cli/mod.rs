@@ -15,6 +15,7 @@ mod output;
 mod parsers;
 mod progress;
 mod resources;
+mod search;
 mod shadow;
 #[cfg(feature = "gpu")]
 mod stencil_render;
@@ -26,6 +27,7 @@ mod silhouette;
 mod volume;
 mod verify;
 mod render;
+mod ambient;
 mod torture;
 mod accuracy;
 mod demo;
@@ -62,6 +64,7 @@ enum Command {
     Volume(volume::Args),
     Verify(verify::Args),
     Render(render::Args),
+    Ambient(ambient::Args),
     Torture(torture::Args),
     Accuracy(accuracy::Args),
     Demo(demo::Args),
@@ -76,6 +79,7 @@ impl Command {
             Self::Volume(args) => volume::run(args),
             Self::Verify(args) => verify::run(args),
             Self::Render(args) => render::run(args),
+            Self::Ambient(args) => ambient::run(args),
             Self::Torture(args) => torture::run(args),
             Self::Accuracy(args) => accuracy::run(args),
             Self::Demo(args) => demo::run(args),

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use umbrage::ambient::PointRays;
 use umbrage::caster::Caster;
 #[cfg(feature = "gpu")]
 use umbrage::geom::Light;
@@ -13,7 +14,7 @@ use umbrage::render::{CLAY, Picture, ShadedLight, View};
 use umbrage::scene::{Lamp, Material};
 #[cfg(feature = "gpu")]
 use umbrage::shadow::stencil::{StencilMethod, ZPassVerdict, zpass_verdict};
-use umbrage::shadow::{PrepareError, Request, Samples, Technique, Visibility};
+use umbrage::shadow::{Request, Samples, Technique, Visibility};
 #[cfg(feature = "gpu")]
 use umbrage::view::Projection;
 use umbrage::view::Size;
@@ -23,6 +24,7 @@ use super::lights;
 use super::parsers::{refuse_overwriting, require_folder};
 use super::progress::Progress;
 use super::resources::{AdapterArgs, ThreadArgs};
+use super::search::Searcher;
 use super::shadow::ShadowArgs;
 #[cfg(feature = "gpu")]
 use super::stencil_render::{Shadowing, Stage};
@@ -62,6 +64,12 @@ pub(crate) struct Args {
     /// --light point:0,3,0,range=20.
     #[arg(long, value_enum, default_value_t = FalloffArg::Plain)]
     falloff: FalloffArg,
+
+    /// Darken ambient light by what hides the sky: 64 exact rays from each visible point
+    ///
+    /// The picture is made on the CPU then.
+    #[arg(long)]
+    ambient: bool,
 
     /// Add a large floor below everything: lowest in z for stl, md2 and 3mf, lowest in y for others
     #[arg(long)]
@@ -111,10 +119,14 @@ fn counts(technique: Option<Technique>) -> bool {
 impl ShadowArgs {
     /// A stencil pass if any lamp asks for one, or leaves it to us and no other asks for rays; else rays.
     /// Where some lamps count and others cast rays, or one asks for a technique of the CPU, all is done on
-    /// the CPU, on the same samples.
-    fn settle(&self, adapter: &AdapterArgs) -> Result<Renderer, Failure> {
+    /// the CPU, on the same samples; ambient light by rays is of the CPU, too.
+    fn settle(&self, adapter: &AdapterArgs, ambient: bool) -> Result<Renderer, Failure> {
         if self.asks_for(is_of_samples) {
             return Ok(Renderer::Samples);
+        }
+        if ambient {
+            adapter.unused("--ambient is of rays, on the CPU");
+            return Ok(if self.asks_for(counts) { Renderer::Samples } else { Renderer::Rays });
         }
         let rays = self.asks_for(|technique| technique == Some(Technique::Rays));
         match (self.asks_for(counts), self.asks_for(|technique| technique.is_none())) {
@@ -159,6 +171,9 @@ fn note_rays(error: &GpuError) {
     output::say(format_args!("note: --shadow auto: rays: {error}"));
 }
 
+/// Rays from each visible point for ambient light.
+const AMBIENT_RAYS: u32 = 64;
+
 /// Samples along each side of a pixel.
 const STENCIL_SAMPLES: u32 = 2;
 const RAYS_SAMPLES: u32 = 3;
@@ -186,7 +201,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     refuse_overwriting("--output", Some(&args.output), &args.source.file)?;
     require_folder(&args.output)?;
     args.view.refuse()?; // before the file is read
-    let renderer = args.shadow.settle(&args.adapter)?;
+    let renderer = args.shadow.settle(&args.adapter, args.ambient)?;
     args.threads.apply()?;
 
     let mut source = args.source.load()?;
@@ -219,17 +234,20 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         ground,
         paint: &paint,
         edge_samples: args.samples.unwrap_or(samples),
+        ambient: None,
     };
+    let ambient = args.ambient.then(|| PointRays::new(AMBIENT_RAYS));
+    let ambient = ambient.as_ref();
     let picture = match renderer {
-        Renderer::Rays => by_rays(source, view(RAYS_SAMPLES))?,
-        Renderer::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &casting)?,
+        Renderer::Rays => by_rays(source, view(RAYS_SAMPLES), ambient)?,
+        Renderer::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &casting, ambient, &args.adapter)?,
         #[cfg(feature = "gpu")]
         Renderer::Device(gpu) => match by_stencil(&gpu, &source, view(STENCIL_SAMPLES), &casting) {
             Ok(picture) => picture,
             // Anything but a defect of ours.
             Err(error) if !args.shadow.asks_for(counts) && !matches!(error, GpuError::Wgpu(_)) => {
                 note_rays(&error);
-                by_rays(source, view(RAYS_SAMPLES))?
+                by_rays(source, view(RAYS_SAMPLES), ambient)?
             }
             Err(error) => return Err(error.into()),
         },
@@ -272,37 +290,45 @@ pub(crate) fn colors(mesh: &Mesh, materials: &[Material]) -> Vec<[f32; 3]> {
 }
 
 /// Lets go of the meshes: the ray casts have faces of their own.
-fn by_rays(source: Source, view: View<'_>) -> Result<Picture, Failure> {
+fn by_rays(source: Source, view: View<'_>, ambient: Option<&PointRays>) -> Result<Picture, Failure> {
     let Source { caster, seen, .. } = source;
     let casters = caster.into_oracle();
     let seen = seen.map(Caster::into_oracle);
     let progress = Progress::bar("rendering", view.steps());
-    let view = View { casters: Some(&casters), ..view };
+    let open = |point, normal| ambient.map_or(1.0, |rays| rays.openness(&casters, point, normal));
+    let view = View { casters: Some(&casters), ambient: ambient.map(|_| &open as _), ..view };
     let picture = render::render(seen.as_ref().unwrap_or(&casters), &view, &|steps| progress.done(steps));
     drop(progress);
     picture.map_err(|error| Failure::new(error, "choose a smaller --size"))
 }
 
-/// Each lamp by the CPU form of its technique.
+/// Each lamp by the CPU form of its technique, or by a search on an adapter.
 fn by_samples(
     source: &Source,
     view: &View<'_>,
     casting: &[(Lamp, Option<Technique>)],
+    ambient: Option<&PointRays>,
+    adapter: &AdapterArgs,
 ) -> Result<Picture, Failure> {
+    let searcher = Searcher::open(adapter, casting.iter().filter_map(|&(_, technique)| technique))?;
     let progress = Progress::spinner("rendering");
     let casters = source.group();
+    let open = |point, normal| ambient.map_or(1.0, |rays| rays.openness(casters.oracle(), point, normal));
+    let view = &View { ambient: ambient.map(|_| &open as _), ..*view };
     let projection = view.camera.projection(view.size, view.camera.near([source.seen().mesh()], view.size));
     let samples = Samples::of_view(&casters, &projection, view.size, view.edge_samples)
         .map_err(|error| Failure::new(error, "choose a smaller --size"))?;
     let shade = |(lamp, technique): &(Lamp, Option<Technique>)| {
-        technique.unwrap_or(Technique::Rays).shade(&Request { casters: &casters, lamp, samples: &samples })
+        let request = Request { casters: &casters, lamp, samples: &samples };
+        searcher.shade(technique.unwrap_or(Technique::Rays), &request)
     };
-    let visibility: Vec<Visibility> = casting.iter().map(shade).collect::<Result<_, PrepareError>>()?;
+    let visibility: Vec<Visibility> = casting.iter().map(shade).collect::<Result<_, Failure>>()?;
     let picture = render::render_samples(&samples, view, &visibility);
     drop(progress);
     for (lamp, technique) in casting {
         let name = technique.unwrap_or(Technique::Rays);
-        output::say(format_args!("note: {}: {name}, on the CPU", lights::lamp_label(lamp)));
+        let place = searcher.place(name);
+        output::say(format_args!("note: {}: {name}, on {place}", lights::lamp_label(lamp)));
     }
     picture.map_err(|error| Failure::new(error, "choose a smaller --size"))
 }

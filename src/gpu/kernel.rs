@@ -26,6 +26,11 @@ impl Shader {
         Self { label, source }
     }
 
+    /// Enables an extension of WGSL, which comes before all else.
+    pub(crate) fn enabling(self, extension: &str) -> Self {
+        Self { source: format!("enable {extension};\n{}", self.source), ..self }
+    }
+
     /// Adds a constant, given its type and value in WGSL.
     pub(crate) fn constant(mut self, name: &str, kind: &str, value: impl Display) -> Self {
         writeln!(self.source, "const {name}: {kind} = {value};").expect("a string takes any text");
@@ -78,7 +83,15 @@ impl Kernel {
         gpu: &Gpu,
         buffers: &[(u32, &wgpu::Buffer)],
     ) -> Result<wgpu::BindGroup, GpuError> {
-        let resources = buffers.iter().map(|&(binding, buffer)| (binding, buffer.as_entire_binding()));
+        self.bind_all(gpu, buffers.iter().map(|&(binding, buffer)| (binding, buffer.as_entire_binding())))
+    }
+
+    /// The same with textures, too.
+    pub(crate) fn bind_all<'a>(
+        &self,
+        gpu: &Gpu,
+        resources: impl IntoIterator<Item = (u32, wgpu::BindingResource<'a>)>,
+    ) -> Result<wgpu::BindGroup, GpuError> {
         gpu.bind_group(&self.pipeline.get_bind_group_layout(0), resources)
     }
 

@@ -76,19 +76,19 @@ fn verdicts_in_a_row(
 }
 
 /// Morton curve through a box of 1024 cells along each axis.
-pub(super) struct Curve {
+pub(crate) struct Curve {
     low: [f32; 3],
     scale: [f32; 3],
 }
 
 impl Curve {
-    pub(super) fn in_box(&Aabb { low, high }: &Aabb) -> Self {
+    pub(crate) fn in_box(&Aabb { low, high }: &Aabb) -> Self {
         // Every cell is correct, and the right one is fastest. Casts out of range saturate.
         Self { low, scale: [0, 1, 2].map(|i| 1023.0 / (high[i] - low[i])) }
     }
 
     #[inline]
-    pub(super) fn place(&self, at: [f32; 3]) -> u32 {
+    pub(crate) fn place(&self, at: [f32; 3]) -> u32 {
         let cell = |i: usize| spread((((at[i] - self.low[i]) * self.scale[i]) as u32).min(1023));
         cell(0) | cell(1) << 1 | cell(2) << 2
     }

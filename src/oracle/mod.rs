@@ -8,12 +8,15 @@
 
 pub mod area;
 mod batch;
+mod from_surface;
 mod primary_hit;
 pub(crate) mod segment_filter;
 mod segment_triangle;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use batch::Curve;
+pub(crate) use from_surface::sorted_corners;
 pub use primary_hit::PrimaryHit;
 pub use segment_triangle::{Intersection, intersect};
 
@@ -21,7 +24,7 @@ use multiversion::multiversion;
 
 use crate::built::{self, Part};
 use crate::geom::bvh::{Bvh, Step, WideBvh};
-use crate::geom::predicate::{Homogeneous, Sign};
+use crate::geom::predicate::{Homogeneous, Sign, side_of_light};
 use crate::geom::{Aabb, Facing, Light};
 use crate::mesh::{FaceId, MAX_TRIANGLES, Mesh};
 use crate::oracle::segment_filter::{Outcome, SegmentFilter};
@@ -323,5 +326,9 @@ fn verdict(oracle: &Oracle, p: [f32; 3], light: &Light) -> Verdict {
 #[cold]
 #[inline(never)]
 fn intersect_exactly(p: [f32; 3], light: &Light, triangle: &[[f32; 3]; 3]) -> Intersection {
+    // A segment that starts at a corner, as rays from vertices do, leaves the plane there for good.
+    if triangle.contains(&p) && !side_of_light(*triangle, light).is_zero() {
+        return Intersection::None;
+    }
     intersect(p, light, *triangle)
 }

@@ -168,7 +168,7 @@ fn eye_point(eye: [f32; 3], direction: [f32; 3], t: f64) -> [f32; 3] {
 
 /// Parameter at which the ray from `origin` to `towards` meets the plane of a triangle that the ray passes
 /// through: with a relative error of at most 2⁻³⁸, slivers included.
-fn distance(origin: [f32; 3], towards: &Light, triangle: [[f32; 3]; 3]) -> f64 {
+pub(super) fn distance(origin: [f32; 3], towards: &Light, triangle: [[f32; 3]; 3]) -> f64 {
     let above = height(triangle, Homogeneous::point(origin));
     let climb = height(triangle, Homogeneous::light(towards));
     // Neither is zero, since otherwise the ray would lie in the plane.
@@ -177,7 +177,7 @@ fn distance(origin: [f32; 3], towards: &Light, triangle: [[f32; 3]; 3]) -> f64 {
 
 /// Slightly more than the relative error of two distances, so that a face at nearly the same distance is
 /// still visited.
-const NEARLY: f64 = 1.0 + 1.0 / (1_u64 << 36) as f64;
+pub(super) const NEARLY: f64 = 1.0 + 1.0 / (1_u64 << 36) as f64;
 
 #[cfg(test)]
 mod tests {

@@ -9,6 +9,7 @@
 //! | parts | groups | no | no | no |
 //! | color | no | `red green blue alpha`, sRGB | an unlit material | no |
 //! | homogeneous w | no | `w` | attribute `_W` | refused |
+//! | quality | no | `quality`, and in the color | attribute `_QUALITY` | no |
 //! | triangles, lines | `f`, `l` | elements `face`, `edge` | modes 4, 1 | triangles; lines are refused |
 //! | points | `p` | the vertices alone | mode 0 | refused |
 //!
@@ -18,6 +19,7 @@ mod atomic;
 mod error;
 mod glb;
 mod obj;
+mod occlusion;
 mod ply;
 mod stl;
 
@@ -30,6 +32,9 @@ use std::path::Path;
 #[doc(hidden)]
 pub use atomic::{abandon, write_atomic};
 pub use error::WriteError;
+pub use occlusion::{
+    Form, GltfFile, Occlusion, OcclusionOptions, Written, glb_with_occlusion, with_occlusion,
+};
 
 use crate::mesh::{Mesh, Part};
 
@@ -55,6 +60,8 @@ pub struct Layer {
     /// Homogeneous w per vertex, if there is one: with 0 the position is a direction, and the vertex lies at
     /// infinity.
     pub w: Option<Vec<f32>>,
+    /// A value per vertex from 0 to 1, if there is one: how bright it is, times the color.
+    pub quality: Option<Vec<f32>>,
     /// Triangles, lines or points between the vertices.
     pub elements: Elements,
     /// Named ranges of elements, in ascending order and without overlap; may be empty.
@@ -241,6 +248,16 @@ fn check(layer: &Layer) -> Result<(), (String, &'static str)> {
             return Err((format!("vertex {vertex} has w = {}", w[vertex]), "give it a finite w"));
         }
     }
+    if let Some(quality) = &layer.quality {
+        if quality.len() != vertex_count {
+            let problem = format!("{} values of quality for {vertex_count} vertices", quality.len());
+            return Err((problem, "give one per vertex"));
+        }
+        if let Some(vertex) = quality.iter().position(|value| !(0.0..=1.0).contains(value)) {
+            let problem = format!("vertex {vertex} has the quality {}", quality[vertex]);
+            return Err((problem, "keep it from 0 to 1"));
+        }
+    }
     if let Some(color) = layer.color
         && !color.iter().all(|channel| (0.0..=1.0).contains(channel))
     {
@@ -302,6 +319,8 @@ mod tests {
             (Layer { positions: vec![[0.0; 3]; 3], ..sound.clone() }, "vertex 3 is named, of 3"),
             (Layer { w: Some(vec![1.0; 3]), ..sound.clone() }, "3 values of w for 4 vertices"),
             (Layer { w: Some(vec![f32::NAN; 4]), ..sound.clone() }, "w = NaN"),
+            (Layer { quality: Some(vec![1.0; 3]), ..sound.clone() }, "3 values of quality for 4 vertices"),
+            (Layer { quality: Some(vec![1.5; 4]), ..sound.clone() }, "vertex 0 has the quality 1.5"),
             (Layer { color: Some([0.0, 0.0, 1.5, 1.0]), ..sound.clone() }, "the color is"),
             (Layer { parts: vec![part(0..5)], ..sound.clone() }, "the part \"p\" is 0..5, of 4"),
             (Layer { parts: vec![part(1..2), part(0..1)], ..sound.clone() }, "the part \"p\" is 0..1"),

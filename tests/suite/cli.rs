@@ -1,6 +1,7 @@
 //! Command tests: exit codes, JSON keys, refusals, and the files left behind by a failure.
 
 mod accuracy;
+mod ambient;
 mod check;
 mod demo;
 mod input;
@@ -159,7 +160,9 @@ fn cli_usage_errors_exit_with_two() {
 fn cli_help_names_every_default() {
     let folder = Folder::new();
     assert!(folder.run("--help").stdout.contains("Exit codes: 0 sound"));
-    for command in ["check", "prepare", "silhouette", "volume", "verify", "render", "torture", "accuracy"] {
+    let commands =
+        ["check", "prepare", "silhouette", "volume", "verify", "render", "ambient", "torture", "accuracy"];
+    for command in commands {
         let run = folder.run(&format!("{command} --help"));
         assert_eq!(run.code, 0);
         // A line with an option starts a block, which ends at the next option.

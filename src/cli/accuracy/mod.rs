@@ -1,5 +1,6 @@
 //! `umbrage accuracy`: error against time.
 
+mod ambient;
 mod chart;
 mod csv;
 mod json;
@@ -38,6 +39,9 @@ const THREADS: &str =
 /// turns on one thread, and every answer is compared with that of big integers. Queries come in strata, from
 /// scattered ones to those where rounding decides; where two answers are right (a tie), plain methods may
 /// give either, and exact ones must say so. A wrong answer of an exact method is a bug in umbrage.
+///
+/// For shadow, every technique draws the same view; for ambient, rays and disks are compared with the analytic
+/// openness. For example: umbrage accuracy ambient model.glb --svg ambient.svg
 #[derive(Clone, Debug, clap::Args)]
 #[command(mut_arg("threads", |threads| threads.help(THREADS)))]
 pub(crate) struct Args {
@@ -60,10 +64,11 @@ pub(crate) struct Args {
     lights: LightArgs,
 
     /// About how many queries per stratum, at most 10000000; for facing no more than 4096 per face
-    /// [default: 1000000 for facing, 10000 for visibility]
+    /// [default: 1000000 for facing, 10000 for visibility, 1000 for ambient]
     ///
     /// 10000, 10_000 and 1e4 are the same. For facing a query is a face and a light, and every light is asked
-    /// about all faces; for visibility it is a point and a light.
+    /// about all faces; for visibility it is a point and a light; for ambient it is a vertex with a normal, and
+    /// they are evenly spaced among all.
     #[arg(long, value_name = "N", value_parser = large, allow_negative_numbers = true)]
     queries: Option<u64>,
 
@@ -130,15 +135,17 @@ enum What {
     Visibility,
     /// How much of each light reaches the visible points, by every technique
     Shadow,
+    /// How much of the sky reaches the vertices, by rays and by disks
+    Ambient,
 }
 
 impl What {
-    /// The question per face or per point; `None` for `shadow`, which compares whole views.
+    /// The question per face or per point; `None` for those whose answers are no signs.
     fn question(self) -> Option<Question> {
         match self {
             Self::Facing => Some(Question::Facing),
             Self::Visibility => Some(Question::Visibility),
-            Self::Shadow => None,
+            Self::Shadow | Self::Ambient => None,
         }
     }
 }
@@ -172,6 +179,25 @@ impl Args {
                 Err(Failure::new(problem, "leave it out, or measure shadow"))
             }
         }
+    }
+
+    /// Refuses lights for `ambient`, whose light is the sky.
+    fn refuse_lights(&self) -> Result<(), Failure> {
+        if !self.lights.were_asked_for() {
+            return Ok(());
+        }
+        let problem = "--light: the light of `accuracy ambient` comes from the whole sky";
+        Err(Failure::new(problem, "leave it out, or measure shadow"))
+    }
+
+    /// How many queries are asked for.
+    fn queries_or(&self, usual: u64) -> Result<u64, Failure> {
+        let queries = self.queries.unwrap_or(usual);
+        if (1..=MOST_QUERIES).contains(&queries) {
+            return Ok(queries);
+        }
+        let problem = format!("--queries {queries} is not between 1 and {MOST_QUERIES}");
+        Err(Failure::new(problem, "run several seeds instead of one long run"))
     }
 
     /// Refuses --queries for `shadow`, which has a view instead.
@@ -218,10 +244,13 @@ struct Asked {
 pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     args.files = files::expand(args.files);
     let Some(question) = args.what.question() else {
-        args.refuse_queries()?;
+        match args.what {
+            What::Ambient => args.refuse_lights().and_then(|()| args.refuse_view())?,
+            _ => args.refuse_queries()?,
+        }
         refuse_outputs(&args)?;
         args.threads.apply_or_one()?;
-        return shadow::run(&args);
+        return if args.what == What::Ambient { ambient::run(&args) } else { shadow::run(&args) };
     };
     let asked = refuse(&args, question)?;
     args.threads.apply_or_one()?;
@@ -262,11 +291,7 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
 /// Refuses bad arguments before any work is done.
 fn refuse(args: &Args, question: Question) -> Result<Asked, Failure> {
     args.refuse_view()?;
-    let queries = args.queries.unwrap_or(question.usual_queries());
-    if !(1..=MOST_QUERIES).contains(&queries) {
-        let problem = format!("--queries {queries} is not between 1 and {MOST_QUERIES}");
-        return Err(Failure::new(problem, "run several seeds instead of one long run"));
-    }
+    let queries = args.queries_or(question.usual_queries())?;
     refuse_outputs(args)?;
     let options = Options { queries, seed: args.seed, rounds: args.rounds };
     Ok(Asked { question, options })

@@ -21,7 +21,7 @@
 
 use std::ops::Neg;
 
-use super::Light;
+use super::{Aabb, Light};
 use accumulator::Accumulator;
 use filter::{EPSILON, Row, rounded_det, sign_of_det};
 
@@ -248,6 +248,18 @@ pub fn turn_homogeneous(a: [f32; 3], b: [f32; 3], c: Homogeneous, axis: usize) -
 #[must_use]
 pub fn collinear(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> bool {
     !surely_not_collinear(a, b, c, MINOR_FILTER) && (0..3).all(|axis| turn(a, b, c, axis).is_zero())
+}
+
+/// Whether a point of the triangle's plane lies in the closed triangle.
+pub(crate) fn on_triangle([a, b, c]: [[f32; 3]; 3], p: [f32; 3]) -> bool {
+    if !Aabb::around([a, b, c]).contains(p) {
+        return false;
+    }
+    // Inside or on the edge in every projection; a projection onto a line has turns of zero only.
+    (0..3).all(|axis| {
+        let turns = [(a, b), (b, c), (c, a)].map(|(u, v)| turn(u, v, p, axis));
+        !(turns.contains(&Sign::Positive) && turns.contains(&Sign::Negative))
+    })
 }
 
 /// Relative error bound of a 2×2 minor. A minor of differences that are rounded once errs by at most this

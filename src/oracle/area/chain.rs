@@ -16,9 +16,10 @@ use hashbrown::HashTable;
 use hashbrown::hash_table::Entry;
 
 use super::fault::{Fault, Faults};
-use super::pyramid::{Place, Pyramid};
+use super::pyramid::{End, Place, Pyramid};
 use super::sweep::{Edge, Kind};
-use crate::geom::predicate::{Sign, side_of_point};
+use crate::geom::Light;
+use crate::geom::predicate::{Homogeneous, Sign, directions_turn, side_of_point};
 
 /// The chain of one receiver. Reused, so that most receivers allocate nothing.
 #[derive(Debug, Default)]
@@ -47,9 +48,15 @@ pub(super) struct Chain {
 #[derive(Clone, Copy, Debug)]
 struct Side {
     vertices: [u32; 2],
-    ends: [[f32; 3]; 2],
+    ends: [End; 2],
     times: i32,
 }
+
+/// The vertex straight below a receiver, at infinity. No mesh has as many.
+pub(super) const NADIR: u32 = u32::MAX;
+
+/// Likewise, opposite to another way off the receiver.
+pub(super) const ASIDE: u32 = NADIR - 1;
 
 const OUT_OF_RANGE: [u32; 6] = [1, 2, 4, 8, FAR, NEAR];
 /// Not before the plane of the light.
@@ -70,14 +77,8 @@ impl Chain {
 
     /// Adds the boundary of a face.
     #[inline(always)]
-    pub(super) fn add(&mut self, pyramid: &Pyramid, mut corners: [[f32; 3]; 3], mut ids: [u32; 3]) {
-        let far = self.ends_at_light(pyramid);
-        let mut codes = [0; 3];
-        for i in 0..3 {
-            let [a, b, g] = pyramid.coordinates(corners[i]);
-            let out = [a <= 0.0, b <= 0.0, g <= a, g <= b, far && g >= 1.0, g <= 0.0];
-            codes[i] = (0..6).fold(0, |code, k| code | (u32::from(out[k]) * OUT_OF_RANGE[k]));
-        }
+    pub(super) fn add(&mut self, pyramid: &Pyramid, corners: [[f32; 3]; 3], ids: [u32; 3]) {
+        let codes = corners.map(|x| self.code(pyramid, pyramid.coordinates(x)));
         if codes[0] & codes[1] & codes[2] != 0 {
             return;
         }
@@ -85,8 +86,49 @@ impl Chain {
         if side.is_zero() && !self.faults.has(Fault::ZeroIsFront) {
             return;
         }
-        self.faces += 1;
         self.doubtful |= corners.iter().any(|&x| pyramid.is_doubtful(x));
+        self.add_seen(pyramid, corners.map(End::Corner), ids, codes, side);
+    }
+
+    /// Adds the boundary of a face with the receiver as its third corner, as seen from just off that corner
+    /// in the direction opposite to `down`: of the triangle of directions to both other corners and `down`.
+    /// A face that the receiver is on is three of these. `id` is [`NADIR`] or [`ASIDE`].
+    pub(super) fn add_below(
+        &mut self,
+        pyramid: &Pyramid,
+        [a, b]: [[f32; 3]; 2],
+        ids: [u32; 2],
+        (down, id): ([f32; 3], u32),
+    ) {
+        let ends = [End::Corner(a), End::Corner(b), End::Direction(down)];
+        let codes = ends.map(|end| self.code(pyramid, pyramid.place(end).coordinates()));
+        let Ok(receiver) = Light::point(pyramid.p) else { return };
+        let [to_a, to_b] = [a, b].map(|x| Homogeneous::extruded(x, &receiver));
+        // Counter-clockwise seen from the receiver is a left-handed triple.
+        let side = -directions_turn([to_a, to_b, Homogeneous::point(down)]);
+        if codes[0] & codes[1] & codes[2] == 0 && !side.is_zero() {
+            self.add_seen(pyramid, ends, [ids[0], ids[1], id], codes, side);
+        }
+    }
+
+    /// The sides of the pyramid that a point is not inside of.
+    #[inline(always)]
+    fn code(&self, pyramid: &Pyramid, [a, b, g]: [f64; 3]) -> u32 {
+        let far = self.ends_at_light(pyramid);
+        let out = [a <= 0.0, b <= 0.0, g <= a, g <= b, far && g >= 1.0, g <= 0.0];
+        (0..6).fold(0, |code, k| code | (u32::from(out[k]) * OUT_OF_RANGE[k]))
+    }
+
+    #[inline(always)]
+    fn add_seen(
+        &mut self,
+        pyramid: &Pyramid,
+        mut corners: [End; 3],
+        mut ids: [u32; 3],
+        mut codes: [u32; 3],
+        side: Sign,
+    ) {
+        self.faces += 1;
         if (side == Sign::Positive) != pyramid.mirrored {
             corners.swap(1, 2);
             ids.swap(1, 2);
@@ -115,7 +157,7 @@ impl Chain {
     }
 
     #[inline(always)]
-    fn count(&mut self, mut vertices: [u32; 2], mut ends: [[f32; 3]; 2]) {
+    fn count(&mut self, mut vertices: [u32; 2], mut ends: [End; 2]) {
         let mut times = 1;
         if vertices[0] > vertices[1] {
             vertices.swap(0, 1);
@@ -241,12 +283,12 @@ fn hash([a, b]: [u32; 2]) -> u64 {
 }
 
 /// Both ends in an order that depends on their positions alone, not on ids.
-fn in_order([x, y]: [[f32; 3]; 2]) -> [[f32; 3]; 2] {
+fn in_order([x, y]: [End; 2]) -> [End; 2] {
     if x <= y { [x, y] } else { [y, x] }
 }
 
 /// The two sides of a face on which it leaves a half-space and comes back, each with its ends in order.
-fn crossed(corners: [[f32; 3]; 3], codes: [u32; 3], bit: u32) -> [[[f32; 3]; 2]; 2] {
+fn crossed(corners: [End; 3], codes: [u32; 3], bit: u32) -> [[End; 2]; 2] {
     let out = |i: usize| codes[i % 3] & bit != 0;
     let side = |found: &dyn Fn(usize) -> bool| {
         let i = (0..3).find(|&i| found(i)).unwrap_or(0); // there is one

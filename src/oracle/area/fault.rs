@@ -15,6 +15,8 @@ pub(super) enum Fault {
     ZeroIsFront,
     /// Edges between three faces or more count once.
     NoMultiplicity,
+    /// Faces through the receiver hide nothing.
+    NoFan,
 }
 
 /// The fault that is injected: none, outside of tests.

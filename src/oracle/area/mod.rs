@@ -17,6 +17,7 @@ mod measure;
 mod polygon;
 mod pyramid;
 mod sample;
+mod sky;
 mod sweep;
 #[cfg(test)]
 mod closed_tests;
@@ -24,6 +25,8 @@ mod closed_tests;
 mod judge_tests;
 #[cfg(test)]
 mod rational_tests;
+#[cfg(test)]
+mod sky_tests;
 
 use std::borrow::Cow;
 
@@ -38,6 +41,7 @@ use self::frame::{EPSILON, wide};
 use self::light::Shape;
 use self::measure::{Area, outline_edges};
 use self::pyramid::{Flat, Pyramid};
+pub(crate) use self::sky::{HardEdges, UnderSky};
 use self::sweep::{AtLeft, Kind, Sink, Sweep, Trapezoid};
 use super::Oracle;
 use crate::mesh::{Mesh, Weld, weld};

@@ -24,6 +24,15 @@ pub(super) struct Place {
     pub(super) terms: f64,
 }
 
+/// The end of an edge.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub(super) enum End {
+    /// A point.
+    Corner([f32; 3]),
+    /// A point at infinity.
+    Direction([f32; 3]),
+}
+
 #[derive(Clone, Debug)]
 pub(super) struct Pyramid {
     /// The receiver.
@@ -135,10 +144,12 @@ impl Pyramid {
         self.side_of_p.is_none() && (1.0 - self.rows[2].dot(wide(x) - self.wide_p)).abs() <= self.doubt
     }
 
-    pub(super) fn place(&self, x: [f32; 3]) -> Place {
-        let [a, b, g] = self.coordinates(x);
-        let from_p = (wide(x) - self.wide_p).abs();
-        let [ta, tb, tg] = self.terms.map(|row| row.dot(from_p));
+    pub(super) fn place(&self, end: End) -> Place {
+        let ([a, b, g], along) = match end {
+            End::Corner(x) => (self.coordinates(x), wide(x) - self.wide_p),
+            End::Direction(x) => (self.rows.map(|row| row.dot(wide(x))), wide(x)),
+        };
+        let [ta, tb, tg] = self.terms.map(|row| row.dot(along.abs()));
         Place { a, b, g, terms: ta + tb + 2.0 * tg }
     }
 
@@ -176,6 +187,10 @@ impl Place {
             g: own * self.g + its * other.g,
             terms: own * self.terms + its * other.terms,
         }
+    }
+
+    pub(super) fn coordinates(&self) -> [f64; 3] {
+        [self.a, self.b, self.g]
     }
 
     /// v in 0 ..= 1.

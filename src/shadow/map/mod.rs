@@ -61,6 +61,9 @@ pub enum MapError {
     /// [`Bias::Offset`] without [`DepthSource::Interpolated`].
     #[error("bias=offset moves an interpolated depth, and depth=plane replaces it: use depth=interpolated")]
     OffsetOfPlane,
+    /// A search on a graphics adapter, asked of the form of the CPU.
+    #[error("search=device needs a graphics adapter, and this is the form of the CPU: use search=cpu")]
+    Device,
     /// The texels do not fit the memory, or the limit of 4 GiB.
     #[error(
         "size={size} takes {} MiB in {layers} layers, more than there is or than 4096 MiB: choose a smaller size",

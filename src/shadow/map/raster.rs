@@ -103,6 +103,13 @@ impl<T: Texel> ShadowMap<T> {
         Ok(Self { space, texels })
     }
 
+    /// A map of given texels, as one that was read back from a device.
+    #[cfg(all(test, feature = "gpu"))]
+    pub(in crate::shadow) fn of_texels(space: LightSpace, texels: Vec<T>) -> Self {
+        assert_eq!(texels.len(), (space.size() as usize).pow(2) * space.layers());
+        Self { space, texels }
+    }
+
     /// The space of the map.
     #[must_use]
     pub fn space(&self) -> &LightSpace {

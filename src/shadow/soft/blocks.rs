@@ -103,7 +103,7 @@ fn id_of(map: &LightMap<'_>, hit: &PrimaryHit) -> Option<Id> {
     if !is_front_lit(hit, map.lamp.light()) {
         return None;
     }
-    let (_, is_inner) = map.receiver(hit).filter(super::light_map::Receiver::is_sound)?.own_texel()?;
+    let (_, is_inner) = map.receiver(hit).filter(|receiver| receiver.is_sound())?.own_texel()?;
     let (mesh, face) = map.casters.seen().mesh_face(hit.face);
     let caster: &Caster = map.casters.seen_caster().unwrap_or_else(|| map.casters.casters()[mesh]);
     Some((mesh, shell(caster, face), is_inner))

@@ -3,131 +3,222 @@
 //! The search is that of single-sample soft shadows. It gives the *darkest* answer: of all changes the one
 //! that is least far in terms of its own width. Tiles of the map are left out by their least and greatest
 //! depth: by the penumbra law a tile at a distance of g texels matters only if something in it lies above the
-//! receiver's plane by more than g/K.
+//! receiver's plane by more than g/K. All is computed as [`Around`] says, so that a device finds the same.
 
-use super::light_map::Receiver;
+use std::cmp::Ordering;
+
+use super::around::{Around, Found, UNITS};
+use super::light_map::{LightMap, Receiver, profile};
 use super::offsets::FARTHEST;
 #[cfg(test)]
 use super::offsets::offsets;
-use super::pyramid::TILE;
+use super::pyramid::{MOST_RATIO, TILE};
 
-/// Farther than the centers of two texels are from the points of them that are nearest to one another.
-const CENTERS: f64 = std::f64::consts::SQRT_2;
+/// Farther, in units, than the centers of two texels are from the points of them that are nearest to one
+/// another: √2 texels.
+const CENTERS: i32 = 182;
+/// The farthest that is searched, in units.
+const MOST_RADIUS: i32 = FARTHEST as i32 * UNITS;
+/// Farther than any map, in units.
+const BEYOND: f32 = (1 << 22) as f32;
 
 /// A search around one receiver.
 #[derive(Debug)]
-pub(super) struct EdgeSearch<'r, 'a> {
-    receiver: &'r mut Receiver<'a>,
+pub(super) struct EdgeSearch<'m, 'a> {
+    map: &'m LightMap<'a>,
+    here: Around,
     /// Whether the receiver's own texel blocks.
     is_inner: bool,
-    own: [i64; 2],
-    /// K along the axis with the wider penumbra, and by how much distances along each axis are longer.
-    k: f64,
-    aspect: [f64; 2],
-    /// The width of the own blocker's penumbra, for a blocked receiver.
-    own_width: f64,
+    /// Half-width of the own blocker's penumbra.
+    own_width: u32,
     /// Texels up to this distance are searched.
-    radius: f64,
-    /// Distance to the nearest change over its width; 1 outside the penumbra.
-    q: f64,
+    radius: i32,
+    /// Squares of distance and width; both 1 outside the penumbra.
+    best: [u32; 2],
+    /// Number of texels and tiles read.
+    reads: u32,
 }
 
-impl<'r, 'a> EdgeSearch<'r, 'a> {
-    /// `is_inner`: whether the receiver is in the hard shadow.
-    fn new(receiver: &'r mut Receiver<'a>, is_inner: bool, own_depth: f64) -> Self {
-        let k = receiver.k[0].max(receiver.k[1]);
-        let aspect = receiver.k.map(|own| if own > 0.0 { k / own } else { 1.0 });
-        let own = receiver.at.map(|t| t.floor() as i64);
-        let own_width = if is_inner { (k * (own_depth - receiver.d)).max(0.5) } else { 0.0 };
-        let radius = match is_inner {
-            true => own_width,
-            false => receiver.search(receiver.k).into_iter().fold(0.0, f64::max),
-        };
-        Self { receiver, is_inner, own, k, aspect, own_width, radius: radius.min(FARTHEST), q: 1.0 }
+impl<'m, 'a> EdgeSearch<'m, 'a> {
+    /// `None` where the map has no texel at the receiver.
+    pub(super) fn new(map: &'m LightMap<'a>, here: Around) -> Option<Self> {
+        let depth = map.stored(here.layer, here.own)?;
+        Some(Self::from_depth(map, here, depth, depth > here.plane + here.bias))
     }
 
-    /// The least distance between the receiver and a box of texels, in texels of the wider axis.
-    fn gap(&self, low: [i64; 2], side: i64) -> f64 {
-        let [x, y] = [0, 1].map(|axis| {
-            let at = self.receiver.at[axis];
-            let [low, high] = [low[axis] as f64, (low[axis] + side) as f64];
-            (low - at).max(at - high).max(0.0) * self.aspect[axis]
-        });
-        x.hypot(y)
+    /// With a depth of the own texel, and whether it blocks.
+    fn from_depth(map: &'m LightMap<'a>, here: Around, depth: f32, is_inner: bool) -> Self {
+        let own_width = here.width_of(depth - here.depth);
+        let mut search = Self { map, here, is_inner, own_width, radius: 0, best: [1, 1], reads: 1 };
+        search.radius = if is_inner { own_width as i32 } else { search.outer_radius() }.min(MOST_RADIUS);
+        search
     }
 
-    /// Whether a texel is near enough to be looked at.
-    fn is_near(&self, i: i64, j: i64) -> bool {
-        let [x, y] = [i - self.own[0], j - self.own[1]].map(|x| x as f64);
-        x.hypot(y) <= self.radius + CENTERS
+    /// The half-side of the smallest box that holds all blockers: that of the greatest depth of the map, then
+    /// of the greatest depth within that box, and so on.
+    fn outer_radius(&mut self) -> i32 {
+        // Most boxes are settled by the fourth; each costs a few cells of the pyramid.
+        const ROUNDS: u32 = 6;
+        let (pyramid, here) = (&self.map.pyramid, &self.here);
+        let (size, is_cube) = (self.map.space().size() as i32, self.map.space().layers() > 1);
+        // Of 18 binary digits, so that ratios of it are exact.
+        let drawn = f32::from_bits((pyramid.most_drawn().to_bits() + 63) & !63);
+        let mut most = if is_cube { MOST_RATIO as f32 * drawn } else { drawn };
+        let mut half = [0; 2];
+        for _ in 0..ROUNDS {
+            half = here.k.map(|k| (k * (most - here.depth)).ceil().clamp(64.0, BEYOND) as i32);
+            let at = [0, 1].map(|axis| here.own[axis] * UNITS + here.within[axis] as i32);
+            let end = |axis: usize, by: i32| ((at[axis] + by) >> 7).clamp(-1, size);
+            let ends = [0, 1].map(|axis| [end(axis, -half[axis]), end(axis, half[axis])]);
+            let is_beyond = ends.iter().any(|&[low, high]| low < 0 || high >= size);
+            let (found, cells) = if is_cube && is_beyond {
+                // Sixteenths of half a side, rounded up.
+                let middle = size * (UNITS / 2);
+                let farthest = (0..2).map(|axis| (at[axis] - middle).abs() + half[axis]).max().unwrap_or(0);
+                let ratio = (16 * farthest + middle - 1) / middle;
+                (ratio.clamp(16, 48) as f32 * 0.0625 * drawn, 0)
+            } else {
+                pyramid.most_of_texels(here.layer as usize, ends)
+            };
+            self.reads += cells;
+            if found >= most {
+                break;
+            }
+            most = found;
+        }
+        half[0].max(half[1])
     }
 
-    fn visit(&mut self, i: i64, j: i64) {
-        if !self.is_near(i, j) || [i, j] == self.own {
+    fn visit(&mut self, offset: [i32; 2]) {
+        let far = self.radius + CENTERS;
+        let [i, j] = offset;
+        if offset == [0, 0] || UNITS * UNITS * (i * i + j * j) > far * far {
             return;
         }
-        let gap = self.gap([i, j], 1);
+        let gap = self.here.gap_to(offset, 1);
         // No width makes this the nearest.
-        if self.is_inner && gap >= self.q * self.own_width {
+        if self.is_inner && compared([gap, self.own_width.pow(2)], self.best).is_gt() {
             return;
         }
-        let Some((depth, blocks)) = self.receiver.look(i, j) else { return };
-        if blocks == self.is_inner {
+        self.reads += 1;
+        let texel = [self.here.own[0] + i, self.here.own[1] + j];
+        let Some(depth) = self.map.stored(self.here.layer, texel) else { return };
+        let plane = self.here.plane_at(offset);
+        if (depth > plane + self.here.bias) == self.is_inner {
             return;
         }
-        let above = depth - self.receiver.plane(i, j);
-        let width = if self.is_inner { self.own_width } else { (self.k * above).max(0.5) };
-        self.q = self.q.min(gap / width);
+        let width = if self.is_inner { self.own_width } else { self.here.width_of(depth - plane) };
+        let found = [gap, width.pow(2)];
+        // A tie is decided, so that the order of the search does not matter.
+        if compared(found, self.best).then(found[1].cmp(&self.best[1])).is_lt() {
+            self.best = found;
+        }
     }
 
     /// The whole tile, if something in it may matter. A tile that lies on no layer as a whole is read.
-    fn visit_tile(&mut self, column: i64, row: i64) {
-        let (side, tile) = (TILE as i64, [column, row].map(|t| t * TILE as i64));
-        let gap = self.gap(tile, side);
-        if let Some([least, most]) = self.receiver.tile(column, row) {
-            self.receiver.reads += 1;
-            let [low, high] = self.receiver.plane_range(tile, side);
-            let matters = match self.is_inner {
-                true => f64::from(least) <= high + self.receiver.bias && gap < self.q * self.own_width,
-                false => {
-                    let width = (self.k * (f64::from(most) - low)).max(0.5);
-                    f64::from(most) > low + self.receiver.bias && gap < self.q * width
+    fn visit_tile(&mut self, tile: [i32; 2]) {
+        let (here, side) = (self.here, TILE as i32);
+        let low = [0, 1].map(|axis| tile[axis] * side - here.own[axis]);
+        let tiles = self.map.pyramid.side() as i32;
+        if tile.iter().all(|t| (0..tiles).contains(t)) {
+            self.reads += 1;
+            let [least, most] =
+                self.map.pyramid.tile(here.layer as usize, tile[0] as usize, tile[1] as usize);
+            // Sums round in the order of what is summed: a bound of the plane is exact.
+            let plane_to =
+                |sign: f32| {
+                    here.plane_at([0, 1].map(|axis| {
+                        if sign * here.slope[axis] > 0.0 { low[axis] + side - 1 } else { low[axis] }
+                    }))
+                };
+            let width = if self.is_inner {
+                if least > plane_to(1.0) + here.bias {
+                    return;
                 }
+                self.own_width
+            } else {
+                let lowest = plane_to(-1.0);
+                if most <= lowest + here.bias {
+                    return;
+                }
+                here.width_of(most - lowest)
             };
-            if !matters {
+            if compared([here.gap_to(low, side), width.pow(2)], self.best).is_gt() {
                 return;
             }
+        } else if self.map.space().layers() == 1 {
+            return;
         }
-        for j in tile[1]..tile[1] + side {
-            for i in tile[0]..tile[0] + side {
-                self.visit(i, j);
+        for j in low[1]..low[1] + side {
+            for i in low[0]..low[0] + side {
+                self.visit([i, j]);
             }
         }
     }
 
     /// Tiles in square rings around the own one, so that near changes come first.
-    fn over_tiles(mut self) -> f64 {
-        let side = TILE as i64;
-        let own = self.own.map(|t| t.div_euclid(side));
-        let rings = ((self.radius + CENTERS) / TILE as f64).ceil() as i64;
+    fn over_tiles(&mut self) -> Found {
+        let own = self.here.own.map(|t| t.div_euclid(TILE as i32));
+        let rings = (self.radius + CENTERS + TILE as i32 * UNITS - 1) / (TILE as i32 * UNITS);
         for ring in 0..=rings {
             for row in -ring..=ring {
-                let step = if row.abs() == ring || ring == 0 { 1 } else { 2 * ring };
+                let step = if row.abs() == ring { 1 } else { 2 * ring };
                 for column in (-ring..=ring).step_by(step as usize) {
-                    self.visit_tile(own[0] + column, own[1] + row);
+                    self.visit_tile([own[0] + column, own[1] + row]);
                 }
             }
         }
-        self.q
+        Found::new(self.best, self.is_inner)
     }
 
     /// The same without tiles.
     #[cfg(test)]
-    fn over_texels(mut self) -> f64 {
+    fn over_texels(&mut self) -> Found {
         for offset in offsets() {
-            self.visit(self.own[0] + i64::from(offset.i), self.own[1] + i64::from(offset.j));
+            self.visit([offset.i.into(), offset.j.into()]);
         }
-        self.q
+        Found::new(self.best, self.is_inner)
+    }
+}
+
+/// The order of two quotients.
+fn compared(a: [u32; 2], b: [u32; 2]) -> Ordering {
+    (u64::from(a[0]) * u64::from(b[1])).cmp(&(u64::from(b[0]) * u64::from(a[1])))
+}
+
+impl LightMap<'_> {
+    /// The stored depth of a texel in terms of a layer; `None` outside the map. Beyond the rim of a cube's
+    /// layer it is the depth of the texel in the same direction, found with integers.
+    pub(super) fn stored(&self, layer: u32, [i, j]: [i32; 2]) -> Option<f32> {
+        let (space, side) = (self.space(), self.space().size() as i32);
+        if let Some(&depth) = self.map.texel(layer as usize, i.into(), j.into()) {
+            return Some(depth);
+        }
+        if space.layers() == 1 {
+            return None;
+        }
+        // The rows of a cube are axes.
+        let rows = |layer: usize| {
+            let frame = space.frame(layer);
+            [frame.right, frame.up, frame.axis].map(|row| row.as_ivec3())
+        };
+        let [right, up, axis] = rows(layer as usize);
+        let towards = (2 * i + 1 - side) * right + (side - 1 - 2 * j) * up + side * axis;
+        let size = towards.abs();
+        let widest = (1..3).fold(0, |best, i| if size[i] > size[best] { i } else { best });
+        let other = 2 * widest + usize::from(towards[widest] < 0);
+        let [right, up, _] = rows(other);
+        let (x, y, z) = (towards.dot(right), towards.dot(up), size[widest]);
+        let [i, j] = [z + x, z - y].map(|t| (t * side / (2 * z)).min(side - 1));
+        // Along a ray from the light, depths of two layers have a constant ratio.
+        let depth = *self.map.texel(other, i.into(), j.into())?;
+        Some(depth * z as f32 * (1.0 / side as f32))
+    }
+
+    /// The nearest change around a receiver, and the number of texels and tiles read.
+    pub(super) fn change_around(&self, here: Around) -> Option<(Found, u32)> {
+        let mut search = EdgeSearch::new(self, here)?;
+        Some((search.over_tiles(), search.reads))
     }
 }
 
@@ -138,25 +229,33 @@ impl Receiver<'_> {
         self.look(i, j)
     }
 
-    /// Distance to the nearest change between blocked and open texels, in half-widths of its penumbra; at
-    /// most 1. `own_depth` is the depth of the blocker over a receiver in the hard shadow.
-    pub(super) fn nearest_change(&mut self, is_inner: bool, own_depth: f64) -> f64 {
-        EdgeSearch::new(self, is_inner, own_depth).over_tiles()
+    /// The nearest change between blocked and open texels; `None` outside the map.
+    pub(super) fn change(&mut self) -> Option<Found> {
+        let (found, reads) = self.map.change_around(Around::of(&self.place, 0.0)?)?;
+        self.reads += reads;
+        Some(found)
     }
 
-    /// The same by a loop over all texels.
+    /// Distance to the nearest open texel, in half-widths of the penumbra of a blocker at a depth; at most 1.
+    pub(super) fn nearest_open(&mut self, own_depth: f64) -> f64 {
+        let Some(here) = Around::of(&self.place, 0.0) else { return 1.0 };
+        let mut search = EdgeSearch::from_depth(self.map, here, own_depth as f32, true);
+        let found = search.over_tiles();
+        self.reads += search.reads;
+        found.distance()
+    }
+
+    /// The nearest change by a loop over all texels.
     #[cfg(test)]
-    pub(super) fn nearest_change_by_texels(&mut self, is_inner: bool, own_depth: f64) -> f64 {
-        EdgeSearch::new(self, is_inner, own_depth).over_texels()
+    pub(super) fn change_by_texels(&mut self) -> Option<Found> {
+        let mut search = EdgeSearch::new(self.map, Around::of(&self.place, 0.0)?)?;
+        let found = search.over_texels();
+        self.reads += search.reads;
+        Some(found)
     }
 
-    /// The visible part of the lamp at a signed distance from an edge, in half-widths of the penumbra: exact
-    /// for a straight edge, and for a square lamp along the map's axes.
+    /// The visible part of the lamp at a signed distance from an edge, in half-widths of the penumbra.
     pub(super) fn profile(&self, x: f64) -> f64 {
-        let x = x.clamp(-1.0, 1.0);
-        match self.is_round {
-            true => 0.5 + (x.asin() + x * (1.0 - x * x).sqrt()) / std::f64::consts::PI,
-            false => 0.5 + 0.5 * x,
-        }
+        profile(self.is_round, x)
     }
 }

@@ -222,7 +222,9 @@ mod tests {
                 let map = LightMap::prepare(&casters, &lamp.parse().unwrap(), 64).unwrap();
                 let edges = Edges::of(&map);
                 for hit in samples.hits().iter().flatten() {
-                    let Some(receiver) = map.receiver(hit).filter(Receiver::is_sound) else { continue };
+                    let Some(receiver) = map.receiver(hit).filter(|receiver| receiver.is_sound()) else {
+                        continue;
+                    };
                     let k = receiver.k[0].max(receiver.k[1]);
                     let width = |_: f64, above: f64| k * above;
                     let query = Query::of(&receiver);

@@ -44,7 +44,7 @@ impl SoftHybrid<'_> {
         if self.certain == Certain::Rays {
             return self.after_first_rays(hit);
         }
-        let receiver = self.map.receiver(hit).filter(Receiver::is_sound);
+        let receiver = self.map.receiver(hit).filter(|receiver| receiver.is_sound());
         let is_split = is_split(&self.map.lamp, hit);
         let Some(mut receiver) = receiver.filter(|_| !is_split) else {
             return Answer { is_exact: true, ..self.by_rays(hit, 0, 0) };
@@ -140,6 +140,10 @@ impl SoftShadow for SoftHybrid<'_> {
 
     fn texel_world(&self) -> f64 {
         self.map.texel_world()
+    }
+
+    fn sees_horizon(&self) -> bool {
+        true
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::pyramid::{self, Pyramid, Range};
+use super::pyramid::Pyramid;
 use crate::caster::CasterGroup;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
@@ -25,13 +25,21 @@ pub(super) struct LightMap<'a> {
     pub(super) pyramid: Pyramid,
 }
 
-/// A visible point in the space of the map.
+/// A visible point in the space of the map, with what the map is asked for it.
+#[derive(Debug)]
+pub(super) struct Receiver<'a> {
+    pub(super) map: &'a LightMap<'a>,
+    pub(super) place: Place,
+    /// Number of texels read.
+    pub(super) reads: u32,
+}
+
+/// A visible point in the space of a map.
 ///
 /// All positions are texels of the receiver's own layer, whose plane is continued beyond its rim: on a cube a
 /// texel beyond the rim is the one of the other layer in the same direction.
-#[derive(Debug)]
-pub(super) struct Receiver<'a> {
-    map: &'a LightMap<'a>,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
     pub(super) layer: usize,
     /// Column and row.
     pub(super) at: [f64; 2],
@@ -47,8 +55,14 @@ pub(super) struct Receiver<'a> {
     /// The same for the box around the lamp.
     pub(super) k_box: [f64; 2],
     pub(super) is_round: bool,
-    /// Number of texels read.
-    pub(super) reads: u32,
+}
+
+impl std::ops::Deref for Receiver<'_> {
+    type Target = Place;
+
+    fn deref(&self) -> &Place {
+        &self.place
+    }
 }
 
 impl<'a> LightMap<'a> {
@@ -75,7 +89,14 @@ impl<'a> LightMap<'a> {
 
     /// The receiver at a visible point; `None` outside the map.
     pub(super) fn receiver(&self, hit: &PrimaryHit) -> Option<Receiver<'_>> {
-        let (space, point) = (self.space(), wide(hit.point));
+        Some(Receiver { map: self, place: Place::of(self.space(), &self.lamp, hit)?, reads: 0 })
+    }
+}
+
+impl Place {
+    /// `None` outside the map.
+    pub(super) fn of(space: &LightSpace, lamp: &Lamp, hit: &PrimaryHit) -> Option<Self> {
+        let point = wide(hit.point);
         let at = space.at(point)?;
         let side = f64::from(space.size());
         if space.layers() == 1 && !((0.0..side).contains(&at.tx) && (0.0..side).contains(&at.ty)) {
@@ -84,10 +105,8 @@ impl<'a> LightMap<'a> {
         // A face of which rounding leaves no normal, or that contains the direction to the light, is edge-on:
         // the map cannot tell what lies before it.
         let slope = unit_normal(hit.corners).map_or([f64::NAN; 2], |n| space.slope(at.layer, n, point));
-        let [k, k_box] = self.penumbra_scale(hit.point, at.layer);
-        let is_round = self.lamp.patch(hit.point).is_some_and(|patch| patch.is_round);
-        Some(Receiver {
-            map: self,
+        let [k, k_box] = penumbra_scale(space, lamp, hit.point, at.layer);
+        Some(Self {
             layer: at.layer,
             at: [at.tx, at.ty],
             d: at.d,
@@ -96,55 +115,53 @@ impl<'a> LightMap<'a> {
             bias: SLACK * (slope[0].abs() + slope[1].abs()) + space.rounding(at.d),
             k,
             k_box,
-            is_round,
-            reads: 0,
+            is_round: lamp.patch(hit.point).is_some_and(|patch| patch.is_round),
         })
     }
 
-    /// The penumbra scale along columns and rows, for the lamp and for the box around it.
-    ///
-    /// The lamp's surface is projected from the receiver onto the plane through its center that is parallel
-    /// to the map. There a rectangle is taken as the upright one with the same mean squares along both axes
-    /// of the map: itself, if its edges run along them. Zero for a lamp without an extent.
-    fn penumbra_scale(&self, point: [f32; 3], layer: usize) -> [[f64; 2]; 2] {
-        let Some(patch) = self.lamp.patch(point) else { return [[0.0; 2]; 2] };
-        let space = self.space();
-        let frame = space.frame(layer);
-        let q = wide(point) - space.origin();
-        let beside = |v: DVec3, row: DVec3| match space.spread() {
-            Spread::Parallel { .. } => v.dot(row),
-            // To first order in the depth of the lamp over that of the receiver; exact for a parallel lamp.
-            Spread::Central { .. } => v.dot(row) - v.dot(frame.axis) * q.dot(row) / q.dot(frame.axis),
-        };
-        let scale = |joined: fn(f64, f64) -> f64| {
-            let k = [frame.right, frame.up]
-                .map(|row| joined(beside(patch.across, row).abs(), beside(patch.along, row).abs()))
-                .map(|extent| space.penumbra_scale(extent));
-            let least = LEAST_ASPECT * k[0].max(k[1]);
-            // A lamp so large that numbers end covers any map.
-            k.map(|k| if k.is_finite() { k.max(least) } else { f64::MAX.sqrt() })
-        };
-        let is_round = patch.is_round;
-        [scale(f64::hypot), if is_round { scale(f64::hypot) } else { scale(|a, b| a + b) }]
-    }
-}
-
-impl Receiver<'_> {
     /// Whether the map can tell anything here: the receiver is not edge-on to the light.
     pub(super) fn is_sound(&self) -> bool {
         (self.origin + self.bias).is_finite()
     }
 
+    /// Depth of the receiver's plane at a texel's center.
+    pub(super) fn plane(&self, i: i64, j: i64) -> f64 {
+        self.origin + self.slope[0] * (i as f64 + 0.5) + self.slope[1] * (j as f64 + 0.5)
+    }
+}
+
+/// The penumbra scale along columns and rows, for the lamp and for the box around it.
+///
+/// The lamp's surface is projected from the receiver onto the plane through its center that is parallel
+/// to the map. There a rectangle is taken as the upright one with the same mean squares along both axes
+/// of the map: itself, if its edges run along them. Zero for a lamp without an extent.
+fn penumbra_scale(space: &LightSpace, lamp: &Lamp, point: [f32; 3], layer: usize) -> [[f64; 2]; 2] {
+    let Some(patch) = lamp.patch(point) else { return [[0.0; 2]; 2] };
+    let frame = space.frame(layer);
+    let q = wide(point) - space.origin();
+    let beside = |v: DVec3, row: DVec3| match space.spread() {
+        Spread::Parallel { .. } => v.dot(row),
+        // To first order in the depth of the lamp over that of the receiver; exact for a parallel lamp.
+        Spread::Central { .. } => v.dot(row) - v.dot(frame.axis) * q.dot(row) / q.dot(frame.axis),
+    };
+    let scale = |joined: fn(f64, f64) -> f64| {
+        let k = [frame.right, frame.up]
+            .map(|row| joined(beside(patch.across, row).abs(), beside(patch.along, row).abs()))
+            .map(|extent| space.penumbra_scale(extent));
+        let least = LEAST_ASPECT * k[0].max(k[1]);
+        // A lamp so large that numbers end covers any map.
+        k.map(|k| if k.is_finite() { k.max(least) } else { f64::MAX.sqrt() })
+    };
+    let is_round = patch.is_round;
+    [scale(f64::hypot), if is_round { scale(f64::hypot) } else { scale(|a, b| a + b) }]
+}
+
+impl Receiver<'_> {
     /// Columns, or rows, that there are: from, and up to but without.
     pub(super) fn limits(&self) -> [i64; 2] {
         let side = i64::from(self.map.space().size());
         // The layers beyond the rim of a cube's layer are as far away as is worth a search.
         if self.map.space().layers() == 1 { [0, side] } else { [-side, 2 * side] }
-    }
-
-    /// Depth of the receiver's plane at a texel's center.
-    pub(super) fn plane(&self, i: i64, j: i64) -> f64 {
-        self.origin + self.slope[0] * (i as f64 + 0.5) + self.slope[1] * (j as f64 + 0.5)
     }
 
     /// The stored depth of a texel, in terms of the receiver's layer; `None` outside the map.
@@ -171,13 +188,6 @@ impl Receiver<'_> {
         self.depth(i, j).map(|depth| (depth, depth > threshold))
     }
 
-    /// Least and greatest depth of the plane at the centers of a square of texels.
-    pub(super) fn plane_range(&self, [i, j]: [i64; 2], side: i64) -> [f64; 2] {
-        let [a, b] = self.slope.map(|slope| slope * (side - 1) as f64);
-        let corner = self.plane(i, j);
-        [corner + a.min(0.0) + b.min(0.0), corner + a.max(0.0) + b.max(0.0)]
-    }
-
     /// Least depth of the plane between two corners of a box.
     pub(super) fn least_plane(&self, low: [f64; 2], high: [f64; 2]) -> f64 {
         let at = |axis: usize| (self.slope[axis] * low[axis]).min(self.slope[axis] * high[axis]);
@@ -187,17 +197,6 @@ impl Receiver<'_> {
     /// Allowance for the rounding of a depth.
     pub(super) fn rounding(&self) -> f64 {
         self.map.space().rounding(self.d)
-    }
-
-    /// Least and greatest depth of a tile; empty outside the map, `None` where a cube continues.
-    pub(super) fn tile(&self, column: i64, row: i64) -> Option<Range> {
-        let side = self.map.pyramid.side() as i64;
-        let is_own = (0..side).contains(&column) && (0..side).contains(&row);
-        match is_own {
-            true => Some(self.map.pyramid.tile(self.layer, column as usize, row as usize)),
-            false if self.map.space().layers() == 1 => Some(pyramid::EMPTY),
-            false => None,
-        }
     }
 
     /// The depth of a texel that lies before the receiver's plane.
@@ -227,5 +226,15 @@ impl Receiver<'_> {
             most = found;
         }
         half
+    }
+}
+
+/// The visible part of a lamp at a signed distance from an edge, in half-widths of the penumbra: exact for a
+/// straight edge, and for a square lamp along the map's axes.
+pub(super) fn profile(is_round: bool, x: f64) -> f64 {
+    let x = x.clamp(-1.0, 1.0);
+    match is_round {
+        true => 0.5 + (x.asin() + x * (1.0 - x * x).sqrt()) / std::f64::consts::PI,
+        false => 0.5 + 0.5 * x,
     }
 }

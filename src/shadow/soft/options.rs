@@ -91,6 +91,9 @@ pub enum Search {
     /// On the CPU.
     #[default]
     Cpu,
+    /// On a graphics adapter: `soft::gpu::SearchPass`, with the feature `gpu`. The technique as the CPU
+    /// prepares it refuses this.
+    Device,
 }
 
 /// Options of `single-sample`.
@@ -122,7 +125,7 @@ impl Options for SingleSampleOptions {
         SIZE_KEY,
         Key { name: "adaptive", takes: "0, 2, 4 or 8" },
         Key { name: "literal", takes: "`no` or `yes`" },
-        Key { name: "search", takes: "`cpu`; not built yet: search=device" },
+        Key { name: "search", takes: "`cpu` or `device`" },
     ];
 
     fn get(&self, key: &str) -> String {
@@ -130,7 +133,7 @@ impl Options for SingleSampleOptions {
             "size" => self.size.to_string(),
             "adaptive" => self.adaptive.to_string(),
             "literal" => if self.literal { "yes" } else { "no" }.to_owned(),
-            _ => "cpu".to_owned(),
+            _ => if self.search == Search::Device { "device" } else { "cpu" }.to_owned(),
         }
     }
 
@@ -145,7 +148,10 @@ impl Options for SingleSampleOptions {
                 self.literal = value == "yes";
                 value == "yes" || value == "no"
             }
-            _ => value == "cpu",
+            _ => {
+                self.search = if value == "device" { Search::Device } else { Search::Cpu };
+                value == "cpu" || value == "device"
+            }
         }
     }
 }

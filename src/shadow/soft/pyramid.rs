@@ -9,7 +9,7 @@ const SPAN: i64 = 4;
 
 /// Bound of the ratio between a point's depths in two neighboring layers of a cube, up to one layer's side
 /// beyond the rim.
-const MOST_RATIO: f64 = 3.0;
+pub(super) const MOST_RATIO: f64 = 3.0;
 
 /// Least and greatest depth of a square of texels.
 pub(super) type Range = [f32; 2];
@@ -20,7 +20,7 @@ pub(super) const EMPTY: Range = [f32::INFINITY, 0.0];
 #[derive(Debug)]
 pub(super) struct Pyramid {
     layers: Vec<Vec<Level>>,
-    most: f64,
+    most: f32,
     /// Side of the map in texels.
     size: i64,
 }
@@ -40,12 +40,18 @@ impl Pyramid {
             map.texels().chunks_exact(side * side).map(|texels| levels(texels, side)).collect();
         let tops = layers.iter().filter_map(|levels| levels.last()?.cells.first());
         let most = tops.fold(0.0, |most: f32, top| most.max(top[1]));
-        Self { most: f64::from(most), size: side as i64, layers }
+        Self { most, size: side as i64, layers }
     }
 
     /// A bound of the depths in terms of any layer.
     pub(super) fn most(&self) -> f64 {
-        if self.layers.len() > 1 { MOST_RATIO * self.most } else { self.most }
+        let most = f64::from(self.most);
+        if self.layers.len() > 1 { MOST_RATIO * most } else { most }
+    }
+
+    /// The greatest depth.
+    pub(super) fn most_drawn(&self) -> f32 {
+        self.most
     }
 
     /// Tiles along a side.
@@ -71,9 +77,16 @@ impl Pyramid {
             let half = 0.5 * self.size as f64;
             let farthest = |axis: usize| ((at[axis] - half).abs() + half_sides[axis]) / half;
             let ratio = farthest(0).max(farthest(1)).clamp(1.0, MOST_RATIO);
-            return (ratio * self.most, 0);
+            return (ratio * f64::from(self.most), 0);
         }
-        let ends = ends.map(|end| end.map(|t| t.clamp(0, self.size - 1)));
+        let (most, cells) = self.most_of_texels(layer, ends.map(|end| end.map(|t| t as i32)));
+        (f64::from(most), cells)
+    }
+
+    /// A bound of the greatest depth of the texels from column to column and from row to row, as far as they
+    /// lie on a layer, and the number of cells that were read.
+    pub(super) fn most_of_texels(&self, layer: usize, ends: [[i32; 2]; 2]) -> (f32, u32) {
+        let ends = ends.map(|end| end.map(|t| i64::from(t).clamp(0, self.size - 1)));
         let levels = &self.layers[layer];
         let fits =
             |level: &&Level| ends.iter().all(|[low, high]| high / level.cell - low / level.cell < SPAN);
@@ -88,7 +101,7 @@ impl Pyramid {
                 cells += 1;
             }
         }
-        (f64::from(most), cells)
+        (most, cells)
     }
 
     pub(super) fn bytes(&self) -> usize {

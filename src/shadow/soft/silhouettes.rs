@@ -91,7 +91,7 @@ impl Silhouettes<'_> {
 fn inner(receiver: &mut Receiver<'_>) -> f64 {
     match receiver.own_texel() {
         Some((depth, true)) if receiver.k[0] > 0.0 => {
-            let q = receiver.nearest_change(true, depth);
+            let q = receiver.nearest_open(depth);
             receiver.profile(-q)
         }
         Some((_, false)) if receiver.k[0] > 0.0 => 0.5,

@@ -12,7 +12,7 @@
 
 use super::light_map::{LightMap, Receiver};
 use super::offsets::offsets;
-use super::{SingleSampleOptions, SoftShadow};
+use super::{Search, SingleSampleOptions, SoftShadow};
 use crate::caster::CasterGroup;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
@@ -31,6 +31,9 @@ pub(in crate::shadow) fn single_sample<'a>(
     lamp: &Lamp,
     options: SingleSampleOptions,
 ) -> Result<Box<dyn SoftShadow + 'a>, MapError> {
+    if options.search == Search::Device {
+        return Err(MapError::Device);
+    }
     Ok(Box::new(SingleSample { map: LightMap::prepare(casters, lamp, options.size)?, options }))
 }
 
@@ -67,9 +70,9 @@ impl SoftShadow for SingleSample<'_> {
 impl Receiver<'_> {
     /// The visible part of the lamp.
     fn single_sample(&mut self) -> f64 {
-        let Some((depth, is_inner)) = self.own_texel() else { return 1.0 };
-        let q = self.nearest_change(is_inner, depth);
-        self.profile(if is_inner { -q } else { q })
+        let Some(change) = self.change() else { return 1.0 };
+        let q = change.distance();
+        self.profile(if change.is_inner != 0 { -q } else { q })
     }
 
     /// The pseudo-code of 2009.
@@ -181,17 +184,15 @@ mod tests {
             let mut inside = 0;
             for hit in samples.hits().iter().flatten().filter(|_| random.below(4) == 0) {
                 let Some(mut receiver) = map.receiver(hit) else { continue };
-                let Some((depth, is_inner)) = receiver.own_texel() else { continue };
                 if !receiver.is_sound() {
                     continue;
                 }
-                receiver.reads = 0;
-                let by_tiles = receiver.nearest_change(is_inner, depth);
+                let Some(by_tiles) = receiver.change() else { continue };
                 reads += std::mem::take(&mut receiver.reads);
-                let by_texels = receiver.nearest_change_by_texels(is_inner, depth);
+                let by_texels = receiver.change_by_texels();
                 brute += receiver.reads;
-                assert_eq!(by_tiles, by_texels, "{lamp} {receiver:?}");
-                inside += u32::from(by_tiles < 1.0);
+                assert_eq!(Some(by_tiles), by_texels, "{lamp} {receiver:?}");
+                inside += u32::from(by_tiles.distance() < 1.0);
             }
             assert!(inside > 15, "{lamp} {inside}");
         }

@@ -200,19 +200,31 @@ fn soft_techniques_answer_for_any_lamp() {
 #[test]
 fn soft_options_are_refused_by_name() {
     let error = |text: &str| text.parse::<Technique>().unwrap_err().to_string();
-    let device = error("single-sample:search=device");
-    assert!(device.ends_with("not built yet: search=device"), "{device}");
+    let device = error("single-sample:search=gpu");
+    assert_eq!(device, "single-sample:search=gpu: `gpu` is not `cpu` or `device`");
     assert_eq!(error("pcss:taps=0"), "pcss:taps=0: `0` is not a number from 1 to 1024, or `all`");
     assert_eq!(error("vsm:size=16385"), "vsm:size=16385: `16385` is not a number from 1 to 16384");
     assert_eq!(error("msm:taps=4"), "`msm` has no option `taps`; it has size");
     for text in [
         "pcss:size=64,blockers=all,taps=64",
         "single-sample:adaptive=4,literal=yes",
+        "single-sample:search=device",
         "soft-hybrid:rays=16,certain=pcss",
         "smoothies:profile=full",
     ] {
         assert_eq!(text.parse::<Technique>().unwrap().to_string(), text);
     }
+}
+
+/// The form of the CPU does not silently search where it was not told to.
+#[test]
+fn single_sample_of_the_cpu_refuses_a_search_on_a_device() {
+    let caster = half_plane(0.0);
+    let casters = CasterGroup::new(vec![&caster]);
+    let technique: Technique = "single-sample:search=device".parse().unwrap();
+    let error = technique.prepare(&casters, &SQUARE.parse().unwrap()).unwrap_err().to_string();
+    assert!(error.starts_with("single-sample:search=device: search=device needs"), "{error}");
+    assert!(error.ends_with("use search=cpu"), "{error}");
 }
 
 /// Moments of a map that does not fit are refused with their bytes, and nothing is allocated.
@@ -225,4 +237,35 @@ fn soft_maps_that_do_not_fit_are_refused() {
         let error = text.parse::<Technique>().unwrap().prepare(&casters, &lamp).unwrap_err().to_string();
         assert!(error.starts_with(text) && error.ends_with("choose a smaller size"), "{error}");
     }
+}
+
+/// One wall that the sun's disk stands behind in part, and nothing else: every map is empty of blockers.
+#[test]
+fn soft_values_are_cut_at_the_horizon_of_their_face() {
+    let wall = Caster::new(shapes::scaled(&shapes::sheet(1), 2.0));
+    let casters = CasterGroup::new(vec![&wall]);
+    let size = Size::new(16, 12).unwrap();
+    let camera = Camera::look_at([1.0, 1.0, 4.0], [1.0, 1.0, 0.0], 0.3, Up::Y).unwrap();
+    let samples = Samples::of_view(&casters, &camera.projection(size, 0.125), size, 1).unwrap();
+    // The center 10° above the wall's plane, the rim 20° around it: a chord at tan 10° / tan 20° of the
+    // radius.
+    let (sin, cos) = 10_f64.to_radians().sin_cos();
+    let lamp: Lamp = format!("directional:{},0,{},angle=20", -cos, -sin).parse().unwrap();
+    let request = Request { casters: &casters, lamp: &lamp, samples: &samples };
+    let [x, _, z] = lamp.light().xyz().map(f64::from); // as rounded
+    let radius = lamp.patch([0.0; 3]).unwrap().across.length();
+    let expected = disk_fraction((z / x).abs() / radius);
+    // A visible point lies before the wall, and light passes over the wall's rim below the horizon: 0.2 away
+    // at least, and a share of the disk is at most 2/π of a height in radii.
+    let height = samples.hits().iter().flatten().map(|hit| f64::from(hit.point[2])).fold(0.0, f64::max);
+    let rim = height / 0.2 / radius * std::f64::consts::FRAC_2_PI;
+    for technique in Technique::ALL.into_iter().filter(|technique| technique.is_soft()) {
+        let found = technique.shade(&request).unwrap();
+        assert!(found.asked().iter().all(|asked| *asked));
+        let off = found.values().iter().map(|&value| (f64::from(value) - expected).abs()).fold(0.0, f64::max);
+        // 64 points of the lamp show its parts to a tenth; the others know the plane.
+        let is_by_points = matches!(technique, Technique::Samples(_) | Technique::SoftHybrid(_));
+        assert!(off < if is_by_points { 0.1 } else { rim + f64::from(f32::EPSILON) }, "{technique} {off}");
+    }
+    assert!(expected < 0.85, "without the cut the maps answer 1");
 }

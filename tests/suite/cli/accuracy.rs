@@ -279,14 +279,30 @@ fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
         assert_eq!(keys(light), "name truth rows");
         assert_eq!(keys(&light["truth"]), "method bound");
         let rows = light["rows"].as_array().unwrap();
-        let names: Vec<&str> = rows.iter().map(|row| row["technique"].as_str().unwrap()).collect();
         let all: Vec<&str> =
             umbrage::shadow::Technique::ALL.iter().map(|technique| technique.name()).collect();
-        assert_eq!(names[..all.len()], all);
+        let (on_cpu, on_device): (Vec<&Value>, Vec<&Value>) =
+            rows.iter().partition(|row| row["device"].is_null());
+        let names = |rows: &[&Value]| -> Vec<String> {
+            rows.iter().map(|row| row["technique"].as_str().unwrap().to_owned()).collect()
+        };
+        // The map is there three times: at its default size, at twice and at four times that.
+        let mut found = names(&on_cpu);
+        found.dedup();
+        assert_eq!((found, on_cpu.len()), (all.iter().map(|&name| name.to_owned()).collect(), all.len() + 2));
+        let sizes = on_cpu.iter().filter(|row| row["technique"] == "map");
+        let sizes: Vec<u64> = sizes.map(|row| row["parameters"]["size"].as_u64().unwrap()).collect();
+        assert_eq!(sizes, [1024, 2048, 4096]);
         // Then the device form of those that have one, where there is an adapter.
-        let on_device = ["stencil", "zfail", "zpass", "map", "pcf"];
-        assert!(names.len() == all.len() || names[all.len()..] == on_device, "{names:?}");
-        assert!(rows[all.len()..].iter().all(|row| row["device"].is_string()));
+        let on_device = names(&on_device);
+        assert!(
+            on_device.is_empty()
+                || on_device.starts_with(&["stencil".into(), "zfail".into(), "zpass".into()])
+        );
+        let maps = ["map", "pcf", "hybrid-3x3", "pcss", "single-sample"].map(str::to_owned);
+        assert!(on_device.is_empty() || maps.iter().all(|map| on_device.contains(map)), "{on_device:?}");
+        assert!(on_device.iter().all(|name| all.contains(&name.as_str())), "{on_device:?}");
+        assert!(rows[on_cpu.len()..].iter().all(|row| row["device"].is_string()));
         for row in rows {
             assert_eq!(
                 keys(row),
@@ -306,6 +322,28 @@ fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
         };
         assert!(wrong("none") + wrong("dark") > 0);
     }
+}
+
+/// A search on an adapter has a row of its own, beside that of the CPU; without an adapter it is refused.
+#[test]
+fn accuracy_of_a_search_on_a_device_is_beside_that_of_the_cpu() {
+    let folder = folder();
+    let asked = "accuracy shadow torus.obj --light point:2,3,5,radius=0.3 --size 48x32 --rounds 1 \
+                 --shadow single-sample:size=64,search=device";
+    if cfg!(target_os = "linux") {
+        let run = folder.run_without_adapter(asked);
+        assert!(run.code == 2 && run.stderr.contains("mesa-vulkan-drivers"), "{}", run.stderr);
+    }
+    if crate::support::gpu().is_none() {
+        return;
+    }
+    let document = folder.json(asked);
+    let rows = document["lights"][0]["rows"].as_array().unwrap();
+    let found: Vec<_> =
+        rows.iter().map(|row| (row["device"].is_string(), row["parameters"]["search"].as_str())).collect();
+    assert_eq!(found, [(false, Some("cpu")), (true, Some("device"))]);
+    let errors = [0, 1].map(|row: usize| rows[row]["mean_error"].as_f64().unwrap());
+    assert!((errors[0] - errors[1]).abs() < 0.01, "{errors:?}");
 }
 
 #[test]
@@ -339,4 +377,86 @@ fn accuracy_of_shadows_refuses_what_is_about_queries_and_the_others_what_is_abou
         assert_eq!(output.code, 2, "{arguments}");
         assert!(output.stderr.contains(line), "{arguments}");
     }
+}
+
+/// A folder with a folded mesh and one with hard edges.
+fn ambient_folder() -> Folder {
+    let folder = folder();
+    folder.mesh("sponge.obj", &shapes::menger_sponge(1));
+    folder
+}
+
+const FEW_RECEIVERS: &str = "--queries 40 --rounds 1";
+
+#[test]
+fn accuracy_of_ambient_has_the_agreed_keys_and_a_row_for_each_method() {
+    let folder = ambient_folder();
+    for (file, judged) in [("torus.obj", 40), ("sponge.obj", 40), ("cube.obj", 24)] {
+        let document = folder.json(&format!("accuracy ambient {file} {FEW_RECEIVERS}"));
+        assert_eq!(keys(&document), "file receivers judged truth rows");
+        assert_eq!((&document["file"], &document["judged"]), (&file.into(), &judged.into()));
+        assert_eq!(keys(&document["truth"]), "method bound");
+        assert!(document["truth"]["bound"].as_f64().unwrap() < 1e-9);
+        let rows = document["rows"].as_array().unwrap();
+        let names: Vec<&str> = rows.iter().map(|row| row["method"].as_str().unwrap()).collect();
+        let mut all = vec!["constant"];
+        all.extend([["rays"; 8].as_slice(), &["disks"; 3], &["literal"; 2], &["exact"]].concat());
+        assert_eq!(names, all);
+        for row in rows {
+            assert_eq!(
+                keys(row),
+                "method parameters mean_error rms_error p99_error prepare_ms ns_per_receiver dominated_by"
+            );
+            assert!(row["rms_error"].as_f64() >= row["mean_error"].as_f64());
+        }
+        assert_eq!(rows[1]["parameters"], serde_json::json!({ "rays": 4, "smooth": "none" }));
+        assert_eq!(rows[10]["parameters"]["theta"], 0.5);
+        assert!(rows[0]["parameters"].is_null());
+        // On a cube nothing hides anything; elsewhere 256 rays are nearer to the truth than 4.
+        let error = |row: usize| rows[row]["mean_error"].as_f64().unwrap();
+        assert!(if file == "cube.obj" { error(1) == 0.0 } else { error(7) < error(1) });
+    }
+    let several = folder.json(&format!("accuracy ambient cube.obj torus.obj {FEW_RECEIVERS}"));
+    assert_eq!(several.as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn accuracy_of_ambient_prints_a_table_and_draws_a_mark_for_each_row() {
+    let folder = ambient_folder();
+    let outputs = "--svg a.svg --csv a.csv";
+    let run = folder.run(&format!("accuracy ambient sponge.obj torus.obj {FEW_RECEIVERS} {outputs}"));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stdout.contains("rays:rays=64,smooth=ring") && run.stdout.contains("truth: analytic"));
+    assert!(!run.stderr.contains("--light"), "{}", run.stderr);
+    let svg = fs::read_to_string(folder.path("a.svg")).unwrap();
+    assert!(well_formed(&svg));
+    assert_no_text_runs_over_another(&svg);
+    let csv = fs::read_to_string(folder.path("a.csv")).unwrap();
+    let columns = csv.lines().next().unwrap().split(',').count();
+    assert_eq!((csv.lines().count(), columns), (1 + 2 * 15, 12));
+    // All but the constant, which takes no time.
+    assert_eq!(svg.matches("<title>").count(), 2 * 14);
+    let of = |name: &str| svg.lines().find(|line| line.contains(&format!("<title>{name}: "))).unwrap();
+    assert!(
+        of("exact").contains("class=\"paper\"") && !of("literal:area=cancelled").contains("class=\"paper\"")
+    );
+}
+
+#[test]
+fn accuracy_of_ambient_refuses_lights_views_and_empty_meshes() {
+    let folder = ambient_folder();
+    for (arguments, line) in [
+        (
+            "torus.obj --light point:1,2,3",
+            "--light: the light of `accuracy ambient` comes from the whole sky",
+        ),
+        ("torus.obj --size 9x9", "--size: only `accuracy shadow` has a view"),
+        ("torus.obj --queries 0", "--queries 0 is not between 1 and"),
+        ("missing.obj --csv a.csv", "missing.obj"),
+    ] {
+        let run = folder.run(&format!("accuracy ambient {arguments}"));
+        assert_eq!(run.code, 2, "{arguments}");
+        assert!(run.stderr.contains(line), "{arguments}: {}", run.stderr);
+    }
+    assert!(!folder.path("a.csv").exists());
 }

@@ -187,6 +187,33 @@ fn render_says_of_zpass_that_was_asked_for_whether_it_is_wrong() {
     }
 }
 
+/// A search on an adapter draws what the search of the CPU draws, but for texels at edges.
+#[test]
+fn render_searches_on_an_adapter_where_it_is_told_to() {
+    let folder = Folder::with_cubes();
+    let rest = "cube.obj --ground --size 48x36 --samples 4 --light point:3,5,4,radius=0.5 -o a.png";
+    let on = |search: &str| format!("render {rest} --shadow single-sample:size=128,search={search}");
+    if cfg!(target_os = "linux") {
+        let run = folder.run_without_adapter(&on("device"));
+        assert!(run.code == 2 && run.stderr.contains("mesa-vulkan-drivers"), "{}", run.stderr);
+    }
+    if gpu().is_none() {
+        return;
+    }
+    let picture = |command: &str| {
+        let run = folder.run(command);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        (png(&folder, "a.png").2, run.stderr)
+    };
+    let ((cpu, said), (device, said_of_device)) = (picture(&on("cpu")), picture(&on("device")));
+    assert!(said.contains(", on the CPU") && !said_of_device.contains(", on the CPU"), "{said_of_device}");
+    let differ = |other: &[u8]| cpu.iter().zip(other).filter(|(a, b)| a.abs_diff(**b) > 4).count();
+    assert!(differ(&device) * 50 < cpu.len(), "{}", differ(&device));
+    // Fault injected: the hard shadow.
+    let (hard, _) = picture(&format!("render {rest} --shadow rays"));
+    assert!(differ(&hard) > 4 * differ(&device) + 20, "{} {}", differ(&hard), differ(&device));
+}
+
 #[test]
 fn render_takes_a_technique_for_each_light() {
     let folder = Folder::with_cubes();
@@ -217,7 +244,7 @@ fn render_takes_a_technique_for_each_light() {
             "--shadow 3=rays",
             "--shadow 3=: there is no such light; use the name of a light, or a number from 1 to 2",
         ),
-        ("--shadow projective:size=16", "not built yet: projective"),
+        ("--shadow counter:tile=16", "not built yet: counter"),
         ("--shadow rays --shadow dark", "--shadow dark: there is one for all lamps already; "),
         ("--shadow ray", "`ray` is not a technique; write one of rays, stencil,"),
     ] {

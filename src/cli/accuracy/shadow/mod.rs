@@ -23,6 +23,7 @@ use crate::cli::input::Source;
 use crate::cli::output::{self, Output};
 use crate::cli::progress::Progress;
 use crate::cli::render::colors;
+use crate::cli::search;
 use crate::cli::{Failure, Outcome};
 use pictures::Pictures;
 
@@ -84,6 +85,17 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     Ok(outcome)
 }
 
+/// Every technique, and the plain map twice more at twice the resolution: what texels alone are good for.
+fn default_rows() -> Vec<Technique> {
+    let doubled = |technique: Technique| {
+        let sizes: &[&str] =
+            if technique.name() == "map" { &["map:size=2048", "map:size=4096"] } else { &[] };
+        let finer = sizes.iter().map(|text| text.parse().expect("within the range of sizes"));
+        std::iter::once(technique).chain(finer)
+    };
+    Technique::ALL.into_iter().flat_map(doubled).collect()
+}
+
 fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
     let mut source = args.source(file).load()?;
     let size = args.size.unwrap_or(Size::new(SIZE.0, SIZE.1).expect("in range"));
@@ -97,7 +109,15 @@ fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
         return Err(Failure::new(problem, "name a mesh that has some").in_file(file));
     }
     let projection: Projection = camera.projection(size, camera.near([source.seen().mesh()], size));
-    let techniques = if args.shadow.is_empty() { Technique::ALL.to_vec() } else { args.shadow.clone() };
+    // A technique that searches on an adapter is measured beside its twin on the CPU.
+    let searches = args.shadow.iter().any(|&technique| search::needs_adapter(technique));
+    let techniques: Vec<Technique> = match args.shadow.is_empty() {
+        true => default_rows(),
+        false => args.shadow.iter().map(|&technique| search::on_cpu(technique)).collect(),
+    };
+    if searches {
+        args.adapter.open("search=device")?;
+    }
     let steps = (1 + techniques.len() as u64) * lights.len() as u64;
     let progress = Progress::bar(format!("measuring {}", file.display()), steps);
     let casters = source.group();
@@ -109,8 +129,13 @@ fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
     let (samples, mut found) =
         ShadowAccuracy::measure(&casters, lights, &techniques, view, args.rounds, &done)?;
     drop(progress);
-    if args.shadow.is_empty() {
+    if args.shadow.is_empty() || searches {
         add_device(args, &casters, &samples, &mut found)?;
+    }
+    if searches {
+        for light in &mut found {
+            light.rows.retain(|row| row.device.is_none() || search::needs_adapter(row.technique));
+        }
     }
     let pictures = match &args.html {
         None => Vec::new(),
@@ -139,6 +164,7 @@ fn pictures(
         ground: None,
         paint: &paint,
         edge_samples: samples.per_side(),
+        ambient: None,
     };
     let progress = Progress::bar("drawing the page", found.len() as u64);
     let draw = |found: &ShadowAccuracy| {

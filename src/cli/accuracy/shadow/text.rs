@@ -12,7 +12,8 @@ pub(super) const HEADER: &str = "file,light,technique,device,claim,judged,wrong,
 
 /// Meaning of the columns.
 const LEGEND: &str = "judged: samples that face the light and whose exact verdict is not grazing; wrong: contradicts \
-                      the truth; acne: falsely dark, leak: falsely lit; prepare: work that stays valid while the \
+                      the truth; acne: falsely dark, leak: falsely lit; by rays: samples that \
+                      were passed to exact shadow rays; prepare: work that stays valid while the \
                       camera moves; frame: from given samples to their visibility, the median of the rounds; dominated: \
                       another technique is as fast and as often right";
 
@@ -61,6 +62,7 @@ impl Measured {
             "acne",
             "leak",
             "mean error",
+            "by rays",
             "prepare ms",
             "frame ms",
             "KiB",
@@ -76,6 +78,7 @@ impl Measured {
                 verdicts(errors, || errors.acne.to_string()),
                 verdicts(errors, || errors.leak.to_string()),
                 significant(errors.mean),
+                row.asked_exactly.map_or(String::new(), |count| count.to_string()),
                 milliseconds(row.prepare_ms),
                 milliseconds(row.frame_ms.median),
                 row.bytes.div_ceil(1024).to_string(),

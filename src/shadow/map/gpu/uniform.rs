@@ -11,7 +11,7 @@ use crate::shadow::map::{Bias, Filter, LightSpace, Spread};
 /// Mirrors `struct Light` in map.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(super) struct LightUniform {
+pub(in crate::shadow) struct LightUniform {
     right: [[f32; 4]; 6],
     up: [[f32; 4]; 6],
     axis: [[f32; 4]; 6],
@@ -37,7 +37,7 @@ pub(super) struct LightUniform {
 
 /// Allowance for `f32`: the depth of a plane is a sum of three products of numbers of at most about 1, with
 /// coefficients of five roundings each.
-const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
+pub(in crate::shadow) const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
 
 impl LightUniform {
     /// For casters whose coordinates are at most `largest` in magnitude.
@@ -76,6 +76,11 @@ impl LightUniform {
         }
     }
 
+    /// The power of two that lengths are multiplied by.
+    pub(in crate::shadow) fn scale(&self) -> f64 {
+        self.scale.into()
+    }
+
     /// For drawing one layer.
     pub(super) fn with_layer(self, layer: u32) -> Self {
         Self { layer, ..self }
@@ -101,6 +106,12 @@ impl LightUniform {
             _ => return None,
         };
         Some(Self { side, is_tent, at_center, reach, ..self })
+    }
+
+    /// For the question whether the texels up to `reach` agree. A texel blocks if it lies above the
+    /// receiver's plane at its center by more than the plane changes over one texel.
+    pub(super) fn with_agreement(self, reach: u32) -> Self {
+        Self { at_center: 1, slack: 1.0, reach: reach as f32, ..self } // at most 16
     }
 }
 

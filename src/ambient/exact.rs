@@ -1,0 +1,82 @@
+//! Ambient occlusion by the analytic form: no samples, no noise.
+//!
+//! The sky is six lights at infinity, and Lambert's formula measures what the outlines of all faces leave of
+//! them ([`crate::oracle::area`]). A receiver lies off its point by nothing at all, in the direction of its
+//! normal: a face through the point hides what is beyond those of its sides that the point is not on. This is
+//! the rule of the rays too. A receiver without a normal has no such side, and faces through it hide nothing.
+
+use std::ops::Range;
+
+use super::{Ambient, Receiver, Receivers};
+use crate::oracle::area::{HardEdges, SoftOracle, UnderSky};
+
+/// The openness of receivers, with an error bound.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Exact {
+    /// See [`Ambient::openness`]; one value each, in their order.
+    pub openness: Vec<f64>,
+    /// No value differs from the truth by more than this.
+    pub bound: f64,
+}
+
+/// Works out how much of the sky no face hides from each receiver, on several threads if the feature
+/// `parallel` is on. About 0.1 µs per receiver and face above its horizon.
+///
+/// ```
+/// use umbrage::ambient::{Receiver, exact};
+/// use umbrage::oracle::area::SoftOracle;
+/// use umbrage::testing::shapes;
+/// // Below the middle of a long wall's foot, half of the sky is left.
+/// let wall = SoftOracle::build(&shapes::cuboid([1.0, -1e6, 0.0], [2.0, 1e6, 1e6]));
+/// let receiver = Receiver { point: [0.0; 3], normal: Some([0.0, 0.0, 1.0]), face: None };
+/// let found = exact(&wall, &[receiver]);
+/// assert!((found.openness[0] - 0.5).abs() < 1e-6 && found.bound < 1e-6);
+/// ```
+#[must_use]
+pub fn exact(soft: &SoftOracle<'_>, receivers: &[Receiver]) -> Exact {
+    measured(soft, receivers, HardEdges { off: &|_| None, is_own: &|_, _| false })
+}
+
+/// As [`exact`], for a part of receivers that know their faces: at a hard edge, each is on its own side of
+/// walls that contain its normal, as it is for rays.
+///
+/// # Panics
+///
+/// Panics if there are no such receivers.
+///
+/// ```
+/// use umbrage::ambient::{Per, Receivers, exact_part};
+/// use umbrage::oracle::area::SoftOracle;
+/// use umbrage::testing::shapes;
+/// let room = shapes::inside_out(&shapes::cube());
+/// let receivers = Receivers::of(&[&room], Per::Corner);
+/// assert!(exact_part(&SoftOracle::build(&room), &receivers, 3..9).openness.iter().all(|&open| open < 1e-12));
+/// ```
+#[must_use]
+pub fn exact_part(soft: &SoftOracle<'_>, receivers: &Receivers, part: Range<usize>) -> Exact {
+    let (first, sides) = (part.start, &receivers.sides);
+    let off = |index: usize| {
+        let normal = receivers.list[first + index].normal?;
+        Some(sides.off(first + index, normal)).filter(|&off| off != normal)
+    };
+    let is_own = |index: usize, face| sides.is_own(first + index, face);
+    measured(soft, &receivers.list[part], HardEdges { off: &off, is_own: &is_own })
+}
+
+fn measured(soft: &SoftOracle<'_>, receivers: &[Receiver], edges: HardEdges<'_>) -> Exact {
+    let under_sky = |&Receiver { point, normal, face }: &Receiver| UnderSky { point, normal, face };
+    let receivers: Vec<UnderSky> = receivers.iter().map(under_sky).collect();
+    let found = soft.open_sky(&receivers, edges);
+    Exact {
+        bound: found.iter().fold(0.0, |most, open| open.bound.max(most)),
+        openness: found.into_iter().map(|open| open.share).collect(),
+    }
+}
+
+impl From<Exact> for Ambient {
+    /// Rounded, and without the bound.
+    fn from(found: Exact) -> Self {
+        let openness = found.openness.into_iter().map(|open| open as f32).collect();
+        Self { openness, ..Self::default() }
+    }
+}

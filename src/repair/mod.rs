@@ -15,6 +15,7 @@ mod parity;
 mod prepare;
 mod radial;
 mod rewrite;
+mod shadow_indices;
 mod split;
 mod stitch;
 #[cfg(test)]
@@ -29,6 +30,7 @@ pub use duplicates::drop_duplicates;
 pub use fill::{Fill, fill};
 pub use orient::orient;
 pub use prepare::{Options, Prepared, prepare};
+pub use shadow_indices::shadow_indices;
 pub use split::split;
 pub use stitch::stitch;
 pub use unreferenced::drop_unreferenced;

@@ -33,16 +33,17 @@ pub fn orient(mesh: Mesh) -> Result<(Mesh, Step), MeshError> {
     let topology = Topology::of(&mesh);
     let mut turned = vec![false; mesh.face_count()];
     let twisted = agree(&topology, &mut turned);
-    let mut agreed = with_turned(mesh.clone(), &turned);
-    // Shells that share edges are taken apart to judge them; their faces keep their numbers.
-    if topology.edge_counts().non_manifold > 0 {
-        agreed = split(agreed)?.0;
+    let agreed = with_turned(mesh.clone(), &turned);
+    let mut inside_out = inside_out(&agreed, &topology)?;
+    if topology.edge_counts().non_manifold > 0 && inside_out.contains(&None) {
+        // Shells that touch along an edge may come apart only if what is inside is solid.
+        let other = with_turned(agreed, &vec![true; mesh.face_count()]);
+        for (here, there) in inside_out.iter_mut().zip(self::inside_out(&other, &topology)?) {
+            *here = here.or(there.map(|inside_out| !inside_out));
+        }
     }
-    let agreed_topology = Topology::of(&agreed);
-    let report = CrackReport::of(&agreed, &agreed_topology);
-    let shells = agreed_topology.shells().of_face;
-    for (turned, shell) in turned.iter_mut().zip(&shells) {
-        *turned ^= shell.is_some_and(|shell| report.shell_list[shell as usize].inside_out);
+    for (turned, inside_out) in turned.iter_mut().zip(inside_out) {
+        *turned ^= inside_out == Some(true);
     }
     for (face, _) in (0..).zip(&turned).filter(|(_, turned)| **turned) {
         let at = mesh.corners(FaceId(face))[0];
@@ -87,6 +88,23 @@ fn agree(topology: &Topology, turned: &mut [bool]) -> Vec<u32> {
     twisted
 }
 
+/// For each face, whether its shell is inside out, or `None` if the shell is not closed. Shells that share
+/// edges are taken apart to judge them; their faces keep their numbers. `topology` is that of the mesh, but
+/// for windings.
+fn inside_out(mesh: &Mesh, topology: &Topology) -> Result<Vec<Option<bool>>, MeshError> {
+    let apart = match topology.edge_counts().non_manifold {
+        0 => mesh.clone(),
+        _ => split(mesh.clone())?.0,
+    };
+    let topology = Topology::of(&apart);
+    let report = CrackReport::of(&apart, &topology);
+    let of_shell = |shell: u32| {
+        let shell = &report.shell_list[shell as usize];
+        shell.watertight.then_some(shell.inside_out)
+    };
+    Ok(topology.shells().of_face.into_iter().map(|shell| shell.and_then(of_shell)).collect())
+}
+
 fn with_turned(mesh: Mesh, turned: &[bool]) -> Mesh {
     if !turned.contains(&true) {
         return mesh;
@@ -115,7 +133,7 @@ mod tests {
         with_turned(mesh.clone(), &turned)
     }
 
-    fn inside_out(mesh: &Mesh) -> usize {
+    fn count_inside_out(mesh: &Mesh) -> usize {
         CrackReport::of(mesh, &Topology::of(mesh)).counts.inside_out_shells
     }
 
@@ -145,7 +163,7 @@ mod tests {
                 let differ =
                     canonical(&spoiled).iter().zip(canonical(&shape)).filter(|(a, b)| *a != b).count();
                 assert_eq!((step.count, step.left), (differ, 0), "{}", shape.name);
-                assert_eq!(inside_out(&mesh), 0);
+                assert_eq!(count_inside_out(&mesh), 0);
                 // Fault injected: one face.
                 assert_ne!(canonical(&tousled(&mesh, 5)), canonical(&shape));
             }
@@ -159,7 +177,7 @@ mod tests {
         assert!(report.counts.sound() && step.count == 24);
         assert!(report.shell_list.iter().all(|shell| (shell.signed_volume > 0.0) == (shell.depth % 2 == 0)));
         // Fault injected: all of them as they were.
-        assert_eq!(inside_out(&shapes::nested_cubes(4)), 2);
+        assert_eq!(count_inside_out(&shapes::nested_cubes(4)), 2);
     }
 
     #[test]
@@ -172,7 +190,7 @@ mod tests {
             moved(&shapes::inside_out(&shapes::octahedron()), 20.0),
         ];
         let (mesh, step) = orient(Mesh::concat(&parts).unwrap()).unwrap();
-        assert_eq!((step.left, inside_out(&mesh)), (1, 0));
+        assert_eq!((step.left, count_inside_out(&mesh)), (1, 0));
         assert_eq!(mesh.triangles()[..18], parts[0].triangles()[..]);
         let left = step.changes.iter().find(|change| change.kind == ChangeKind::ShellLeft).unwrap();
         assert_eq!(left.old, Some(0));

@@ -168,4 +168,45 @@ mod tests {
             assert!(report.counts.sound(), "{}: {}", mesh.name, report.counts.reasons());
         }
     }
+
+    #[cfg(feature = "verify")]
+    #[test]
+    fn prepare_keeps_its_guarantees_on_any_mesh() {
+        use super::super::ChangeKind;
+        let all = Options {
+            orient: true,
+            stitch: true,
+            split: true,
+            fill: Some(Fill::default()),
+            ..Options::default()
+        };
+        let (mut filled, mut split) = (0, 0);
+        for seed in 0..600 {
+            let mesh = crate::testing::generate::mesh(&mut crate::random::SplitMix64(seed));
+            let known = bits(&mesh);
+            let kept = |mesh: &Mesh| bits(mesh).iter().all(|position| known.contains(position));
+            let plain = prepare(mesh.clone(), &Options::default()).unwrap();
+            assert!(kept(&plain.mesh), "seed {seed}");
+            let changes = || plain.steps.iter().flat_map(|step| &step.changes);
+            if !changes().any(|change| change.kind == ChangeKind::DuplicateDropped) {
+                assert_eq!(boundary_chain(&plain.mesh), boundary_chain(&mesh), "seed {seed}");
+            }
+            let gone = plain.steps[1].count + plain.steps[2].count;
+            assert_eq!(plain.mesh.face_count() + gone, mesh.face_count(), "seed {seed}");
+
+            let prepared = prepare(plain.mesh.clone(), &all).unwrap();
+            assert!(kept(&prepared.mesh), "seed {seed}");
+            assert!(prepared.mesh.face_count() >= plain.mesh.face_count(), "seed {seed}");
+            let step = |name| prepared.steps.iter().find(|step| step.name == name).unwrap();
+            let topology = Topology::of(&prepared.mesh);
+            assert_eq!(topology.edge_counts().non_manifold, step("split").left, "seed {seed}");
+            // What is still open was left, and said to be.
+            let left = step("fill").changes.iter().filter(|change| change.kind == ChangeKind::HoleLeft);
+            let open: usize = left.map(|change| change.patch.unwrap().edges).sum();
+            assert_eq!(topology.edge_counts().boundary, open, "seed {seed}");
+            filled += step("fill").count;
+            split += step("split").count;
+        }
+        assert!(filled > 50 && split > 100, "{filled} {split}");
+    }
 }

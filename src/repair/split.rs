@@ -93,7 +93,7 @@ fn with_copies(mesh: Mesh, copied: &[u32], triangles: Vec<[u32; 3]>) -> Result<M
         frame.extend(copies);
     }
     let mesh = Mesh::new(positions, triangles)?.with_name(name).with_parts(parts);
-    Ok(mesh.with_origins_of(origins).with_frames(frames)?)
+    mesh.with_origins_of(origins).with_frames(frames)
 }
 
 #[cfg(test)]

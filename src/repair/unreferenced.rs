@@ -21,6 +21,11 @@ use crate::mesh::{Mesh, Weld};
 /// ```
 #[must_use]
 pub fn drop_unreferenced(mesh: Mesh) -> (Mesh, Step) {
+    let mut is_used = vec![false; mesh.vertex_count()];
+    mesh.triangles().as_flattened().iter().for_each(|&vertex| is_used[vertex as usize] = true);
+    if !is_used.contains(&false) {
+        return (mesh, Step::new("unreferenced"));
+    }
     let (mesh, step) = weld(mesh, Weld::None);
     (mesh, Step { name: "unreferenced", ..step })
 }

@@ -61,11 +61,11 @@ pub(super) fn inner_walls(mesh: &Mesh, sets: &[Same], alone: &[[u32; 2]]) -> Vec
         all_inside[wall] &= inside[pair];
         any_rim[wall] |= has_rim[pair];
     }
-    let mut is_inner = |pair: usize| {
+    let is_inner = |pair: usize| {
         let wall = walls.find(pair as u32) as usize;
         all_inside[wall] && any_rim[wall]
     };
-    (0..alone.len()).map(|pair| is_inner(pair)).collect()
+    (0..alone.len()).map(is_inner).collect()
 }
 
 /// The mesh without the pairs.

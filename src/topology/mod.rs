@@ -9,6 +9,7 @@
 //! Environments*, 1985; Swen Campagna, Leif Kobbelt, Hans-Peter Seidel, *Directed Edges*, 1998 (implicit
 //! half-edges in a triangle list).
 
+mod adjacency;
 mod boundary;
 mod build;
 mod components;

@@ -1,6 +1,7 @@
 //! `umbrage prepare`: a mesh file into one that casts better.
 
 mod back;
+mod buffers;
 mod json;
 mod text;
 
@@ -87,6 +88,23 @@ pub(crate) struct Args {
     #[arg(long, requires = "fill")]
     fill_anyway: bool,
 
+    /// Also write an index buffer into the vertices of the input, three u32 a face, little-endian: equal
+    /// positions become one index, and faces that are dropped are left out; for one mesh
+    /// [default: nothing is written]
+    ///
+    /// Vertices are numbered as they are read: those of an OBJ, PLY or OFF file, three a face of an STL, those
+    /// of all primitives of a glTF mesh one after the other.
+    #[arg(long, value_name = "OUT")]
+    shadow_indices: Option<PathBuf>,
+
+    /// Also write the written mesh's triangles with adjacency, six u32 a face, little-endian, as
+    /// GL_TRIANGLES_ADJACENCY takes them; for one mesh [default: nothing is written]
+    ///
+    /// After each corner comes the vertex across the edge that begins there: the third corner of the other
+    /// face, or, at an open edge, of the face itself. An edge of more than two faces is refused: add --split.
+    #[arg(long, value_name = "OUT")]
+    adjacency: Option<PathBuf>,
+
     /// Write only if every mesh is then like this; a list, or repeated [default: nothing is required]
     #[arg(long, value_name = "PROPERTY,...", value_delimiter = ',', value_parser = requirements())]
     require: Vec<Requirement>,
@@ -131,6 +149,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     if baked.meshes.iter().any(|mesh| !mesh.frames().is_empty()) {
         output::say(format_args!("note: {}: the first frame is written, no other", args.file.display()));
     }
+    let original = buffers::original(&args, &baked.meshes)?;
     let progress = Progress::spinner(format!("preparing {}", args.file.display()));
     let (mut before, mut after, mut steps) = (Vec::new(), Vec::new(), Vec::new());
     let options = args.options();
@@ -160,8 +179,12 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         .collect();
     if unmet.is_empty() {
         let meshes: Vec<&Mesh> = after.iter().map(|welded| &welded.mesh).collect();
+        let buffers = buffers::of(&args, original.as_ref(), &meshes)?;
         report.written = write_verified(&args, target, &meshes, &report.after)?;
         report.verified = Some(report.written.is_some());
+        if report.written.is_some() {
+            buffers::write(buffers)?;
+        }
     }
     drop(progress);
     let mut out = Output::new();
@@ -222,8 +245,12 @@ fn target(args: &Args) -> Result<Target, Failure> {
         let problem = format!("{option}: STL cannot keep vertices of one position apart");
         return Err(Failure::new(problem, "name a .glb, .obj or .ply file").in_file(path));
     }
-    refuse_overwriting("--output", Some(path), &args.file)?;
-    require_folder(path)?;
+    let buffers = [("--shadow-indices", &args.shadow_indices), ("--adjacency", &args.adjacency)];
+    let buffers = buffers.into_iter().filter_map(|(option, path)| Some((option, path.as_ref()?)));
+    for (option, path) in [("--output", path)].into_iter().chain(buffers) {
+        refuse_overwriting(option, Some(path), &args.file)?;
+        require_folder(path)?;
+    }
     Ok(target)
 }
 

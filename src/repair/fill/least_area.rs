@@ -51,6 +51,11 @@ pub(super) fn least_area(points: &[[f32; 3]], in_use: impl Fn(usize, usize) -> b
             (cost[i * n + j], middle[i * n + j]) = (found, k as u32);
         }
     }
+    triangles(n, &middle)
+}
+
+/// The triangles of the whole loop, where `middle` has the third corner of each stretch's triangle.
+pub(super) fn triangles(n: usize, middle: &[u32]) -> Vec<[usize; 3]> {
     let mut triangles = Vec::with_capacity(n - 2);
     let mut stretches = vec![(0, n - 1)];
     while let Some((i, j)) = stretches.pop() {
@@ -64,7 +69,7 @@ pub(super) fn least_area(points: &[[f32; 3]], in_use: impl Fn(usize, usize) -> b
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
     use crate::random::SplitMix64;
 
@@ -83,11 +88,7 @@ pub(super) mod tests {
         (i + 1..j).flat_map(with).collect()
     }
 
-    pub(in super::super) fn cost(
-        points: &[[f32; 3]],
-        faces: &[[usize; 3]],
-        used: &[[usize; 2]],
-    ) -> (usize, f64) {
+    fn cost(points: &[[f32; 3]], faces: &[[usize; 3]], used: &[[usize; 2]]) -> (usize, f64) {
         let n = points.len();
         let at = |face: &[usize; 3]| face.map(|corner| points[corner]);
         let flat = faces.iter().filter(|face| collinear(at(face)[0], at(face)[1], at(face)[2])).count();

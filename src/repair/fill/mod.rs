@@ -1,6 +1,7 @@
 //! The step that closes holes.
 
 mod ears;
+mod least_angle;
 mod least_area;
 mod loops;
 mod meet;
@@ -12,8 +13,8 @@ use super::rewrite::with_faces;
 use crate::mesh::{Mesh, MeshError};
 use crate::topology::Topology;
 use loops::loops;
-use meet::conflicts;
-use triangulate::Triangulator;
+use meet::{Conflict, conflicts};
+use triangulate::{Method, Triangulator};
 
 /// Which holes are closed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,7 +39,8 @@ impl Fill {
 /// A border that touches itself is cut into loops there. A flat loop is cut exactly, by the rules for
 /// polygons of files; any other so that the area is least (Gheorghe Barequet and Micha Sharir, *Filling Gaps
 /// in the Boundary of a Polyhedron*, 1995, section 3), in cubic time; one too long for that by its shortest
-/// diagonals. Diagonals that are edges already, and faces without area, are avoided wherever possible.
+/// diagonals. Where such a patch would meet other faces, one that bends little is tried, and one by the
+/// shortest diagonals. Diagonals that are edges already, and faces without area, are avoided wherever possible.
 ///
 /// Guarantee: all faces and positions stay, bit for bit, and no vertex is new. New faces come at the end. At
 /// each edge of a patch there are two faces, in opposite directions. A patch that would meet other faces where
@@ -68,19 +70,20 @@ pub fn fill(mesh: Mesh, which: Fill) -> Result<(Mesh, Step), MeshError> {
     let mut triangulator = Triangulator::new(&mesh, &topology);
     let mut holes: Vec<Hole> = Vec::new();
     for ring in found.loops {
-        let patch = shape::of(&ring.iter().map(|&vertex| at(vertex)).collect::<Vec<_>>());
+        let mut patch = shape::of(&ring.iter().map(|&vertex| at(vertex)).collect::<Vec<_>>());
         let too_long = which.most_edges.is_some_and(|most| ring.len() > most);
-        let mut hole = Hole { ring, faces: Vec::new(), patch };
-        if too_long {
-            hole.patch.left = Some(Left::TooLong);
-        } else {
-            hole.faces = triangulator.cut(&hole.ring);
-            hole.patch.area = Some(shape::area(hole.faces.iter().map(|corners| corners.map(at))));
+        patch.left = too_long.then_some(Left::TooLong);
+        holes.push(Hole { ring, faces: Vec::new(), first: None, patch });
+    }
+    close(&mesh, &mut triangulator, &mut holes)?;
+    for hole in &mut holes {
+        if which.anyway && matches!(hole.patch.left, Some(Left::Meets | Left::NotDecided)) {
+            hole.patch.left = None;
         }
-        holes.push(hole);
+        let faces = hole.faces.iter().map(|corners| corners.map(at));
+        hole.patch.area = (!hole.faces.is_empty()).then(|| shape::area(faces));
     }
     drop(topology);
-    judge(&mesh, &mut holes, which.anyway)?;
     let mut next = mesh.face_count();
     let mut new = Vec::new();
     for hole in &holes {
@@ -102,34 +105,59 @@ pub fn fill(mesh: Mesh, which: Fill) -> Result<(Mesh, Step), MeshError> {
 /// A loop of the border in the winding of its patch, and the faces that would close it.
 struct Hole {
     ring: Vec<u32>,
+    /// Those of the first method, unless one after it meets no other face.
     faces: Vec<[u32; 3]>,
+    /// What stood against the first method.
+    first: Option<Conflict>,
     patch: Patch,
 }
 
-/// Says of each patch whether it meets other faces, and refuses those that must not be.
-fn judge(mesh: &Mesh, holes: &mut [Hole], anyway: bool) -> Result<(), MeshError> {
-    let patches = || holes.iter().filter(|hole| hole.patch.left.is_none());
-    let faces: Vec<[u32; 3]> = patches().flat_map(|hole| hole.faces.iter().copied()).collect();
-    let ends: Vec<usize> = patches()
-        .scan(mesh.face_count(), |end, hole| {
-            *end += hole.faces.len();
-            Some(*end)
-        })
-        .collect();
-    if faces.is_empty() {
-        return Ok(());
-    }
-    let conflicts = conflicts(&with_patches(mesh.clone(), &faces)?, mesh.face_count(), &ends);
-    let closed = holes.iter_mut().filter(|hole| hole.patch.left.is_none());
-    for (hole, conflict) in closed.zip(conflicts) {
-        hole.patch.meets = conflict.meets;
-        hole.patch.left = match conflict.meets {
-            _ if conflict.edge_in_use => Some(Left::EdgeInUse),
-            Some(false) => None,
-            _ if anyway => None,
-            Some(true) => Some(Left::Meets),
-            None => Some(Left::NotDecided),
-        };
+/// Finds a patch for each hole that is not left already, or says why there is none: one method after the
+/// other, each for all holes that are still open.
+fn close(mesh: &Mesh, triangulator: &mut Triangulator<'_>, holes: &mut [Hole]) -> Result<(), MeshError> {
+    let mut open: Vec<usize> = (0..holes.len()).filter(|&hole| holes[hole].patch.left.is_none()).collect();
+    // With the patches that were found so far.
+    let mut base = mesh.clone();
+    for method in Method::ALL {
+        let cut = |&hole: &usize| Some((hole, triangulator.cut(&holes[hole].ring, method)?));
+        let tried: Vec<(usize, Vec<[u32; 3]>)> = open.iter().filter_map(cut).collect();
+        if tried.is_empty() {
+            continue;
+        }
+        let faces: Vec<[u32; 3]> = tried.iter().flat_map(|(_, faces)| faces.iter().copied()).collect();
+        let mut end = base.face_count();
+        let ends: Vec<usize> = tried
+            .iter()
+            .map(|(_, faces)| {
+                end += faces.len();
+                end
+            })
+            .collect();
+        let conflicts = conflicts(&with_patches(base.clone(), &faces)?, base.face_count(), &ends);
+        let mut found: Vec<[u32; 3]> = Vec::new();
+        for ((hole, faces), conflict) in tried.into_iter().zip(conflicts) {
+            let hole = &mut holes[hole];
+            let first = *hole.first.get_or_insert(conflict);
+            let fits = conflict.meets == Some(false) && !conflict.edge_in_use;
+            if fits {
+                found.extend_from_slice(&faces);
+            }
+            if fits || hole.faces.is_empty() {
+                hole.faces = faces;
+            }
+            hole.patch.meets = if fits { Some(false) } else { first.meets };
+            hole.patch.left = match first.meets {
+                _ if fits => None,
+                _ if first.edge_in_use => Some(Left::EdgeInUse),
+                None => Some(Left::NotDecided),
+                Some(_) => Some(Left::Meets),
+            };
+        }
+        open.retain(|&hole| holes[hole].patch.left.is_some());
+        if open.is_empty() {
+            break;
+        }
+        base = with_patches(base, &found)?;
     }
     Ok(())
 }

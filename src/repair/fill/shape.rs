@@ -32,6 +32,15 @@ pub(super) fn triangle_area([a, b, c]: [[f32; 3]; 3]) -> f64 {
     0.5 * norm(cross(minus(b, a), minus(c, a)))
 }
 
+/// The unit normal of a triangle; zeros where it has no area.
+#[inline]
+pub(super) fn normal([a, b, c]: [[f32; 3]; 3]) -> [f64; 3] {
+    let [a, b, c] = [a, b, c].map(|p| [f64::from(p[0]), f64::from(p[1]), f64::from(p[2])]);
+    let turned = cross(minus(b, a), minus(c, a));
+    let length = norm(turned);
+    if length > 0.0 { turned.map(|x| x / length) } else { [0.0; 3] }
+}
+
 /// The distance of two points.
 #[inline]
 pub(super) fn distance(p: [f32; 3], q: [f32; 3]) -> f64 {

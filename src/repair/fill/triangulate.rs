@@ -1,7 +1,9 @@
 //! A loop to triangles.
 
 use super::ears::by_ears;
+use super::least_angle::least_angle;
 use super::least_area::least_area;
+use super::shape::normal;
 use crate::geom::polygon::{Cutter, Quad};
 use crate::geom::predicate::{collinear, orient3d};
 use crate::mesh::{Mesh, VertexId};
@@ -11,6 +13,21 @@ use crate::topology::Topology;
 const MOST_CORNERS: usize = 400;
 /// Triangles that are weighed for all loops together: some seconds. Loops after that are cut by ears.
 const MOST_WEIGHED: u64 = 1 << 28;
+
+/// How a loop is cut. Each is tried where the patch of the one before it would meet other faces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Method {
+    /// Exactly where the loop is flat, else so that the area is least; by ears where it is too long.
+    LeastArea,
+    /// So that it bends little.
+    LeastAngle,
+    /// By its shortest diagonals.
+    Ears,
+}
+
+impl Method {
+    pub(super) const ALL: [Self; 3] = [Self::LeastArea, Self::LeastAngle, Self::Ears];
+}
 
 /// Cuts one loop after the other.
 pub(super) struct Triangulator<'a> {
@@ -26,22 +43,43 @@ impl<'a> Triangulator<'a> {
         Self { mesh, topology, cutter: Cutter::default(), weighed: MOST_WEIGHED }
     }
 
-    /// The faces that close the loop, two fewer than it has corners, in its winding.
-    pub(super) fn cut(&mut self, ring: &[u32]) -> Vec<[u32; 3]> {
+    /// The faces that close the loop by a method, two fewer than it has corners, in its winding. `None` if the
+    /// method gives those of one before it.
+    pub(super) fn cut(&mut self, ring: &[u32], method: Method) -> Option<Vec<[u32; 3]>> {
+        let first = method == Method::ALL[0];
         if let &[a, b, c] = ring {
-            return vec![[a, b, c]];
+            return first.then(|| vec![[a, b, c]]);
         }
-        if let Some(flat) = self.cut_flat(ring) {
-            return flat;
+        if first && let Some(flat) = self.cut_flat(ring) {
+            return Some(flat);
         }
         let n = ring.len() as u64;
         let weighed = n * n * n / 6;
-        let points: Vec<[f32; 3]> = ring.iter().map(|&vertex| self.at(vertex)).collect();
         let few = ring.len() <= MOST_CORNERS && weighed <= self.weighed;
-        self.weighed -= if few { weighed } else { 0 };
+        if method != Method::Ears && few {
+            self.weighed -= weighed;
+        }
+        let points: Vec<[f32; 3]> = ring.iter().map(|&vertex| self.at(vertex)).collect();
         let in_use = |i: usize, j: usize| self.is_edge(ring[i], ring[j]);
-        let faces = if few { least_area(&points, in_use) } else { by_ears(&points, in_use) };
-        faces.into_iter().map(|corners| corners.map(|corner| ring[corner])).collect()
+        let faces = match method {
+            Method::LeastArea if few => least_area(&points, in_use),
+            Method::LeastAngle if few => least_angle(&points, &self.normals_around(ring), in_use),
+            Method::LeastArea => by_ears(&points, in_use),
+            // Too long for the others, it was cut by ears already.
+            _ if !few => return None,
+            _ => by_ears(&points, in_use),
+        };
+        Some(faces.into_iter().map(|corners| corners.map(|corner| ring[corner])).collect())
+    }
+
+    /// The normal of the face at each side of a loop.
+    fn normals_around(&self, ring: &[u32]) -> Vec<[f64; 3]> {
+        let side = |i: usize| {
+            let edge = self.topology.edge_between(VertexId(ring[i]), VertexId(ring[(i + 1) % ring.len()]))?;
+            let half_edge = self.topology.half_edges(edge).next()?;
+            Some(normal(self.mesh.corners(self.topology.face(half_edge))))
+        };
+        (0..ring.len()).map(|i| side(i).unwrap_or([0.0; 3])).collect()
     }
 
     fn at(&self, vertex: u32) -> [f32; 3] {

@@ -12,6 +12,7 @@ mod lattice;
 mod rays;
 mod receivers;
 mod ring;
+#[cfg(feature = "verify")]
 mod sample;
 mod sides;
 mod smooth;

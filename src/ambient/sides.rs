@@ -28,6 +28,7 @@ impl Sides {
     }
 
     /// Those of some receivers.
+    #[cfg(feature = "verify")]
     pub(super) fn only(&self, chosen: &[u32]) -> Self {
         if self.inward.is_empty() {
             return Self::default();

@@ -19,7 +19,8 @@ struct Leaf {
 /// that has its back ahead, and the next one that has its back behind, like brackets. So pairs do not cross
 /// each other. Exact: only signs of determinants are used. A face that finds no partner is in no pair.
 ///
-/// Faces in one half-plane enclose nothing. A face without area has no angle; it takes a partner that is left.
+/// Faces in one half-plane enclose nothing. A face without area has no angle; it takes a partner that is
+/// left.
 pub(super) fn pairs(mesh: &Mesh, topology: &Topology, edge: EdgeId) -> Vec<[HalfEdgeId; 2]> {
     let at = |vertex: crate::mesh::VertexId| mesh.positions()[vertex.index()];
     let [a, b] = topology.vertices(edge).map(at);

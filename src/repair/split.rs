@@ -133,8 +133,8 @@ mod tests {
         }
     }
 
-    /// An hourglass, open at both ends, whose waist is the edge between its first two vertices: faces there are
-    /// in two pairs, those above and those below, or those in front and those behind.
+    /// An hourglass, open at both ends, whose waist is the edge between its first two vertices: faces there
+    /// are in two pairs, those above and those below, or those in front and those behind.
     fn hourglass() -> Mesh {
         let ring = |z: f32| [[-1.5, 0.0, z], [0.0, 1.0, z], [1.5, 0.0, z], [0.0, -1.0, z]];
         let positions = [&[[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], &ring(1.0)[..], &ring(-1.0)].concat();

@@ -4,11 +4,11 @@ use super::Topology;
 use crate::mesh::{EdgeId, HalfEdgeId};
 
 impl Topology {
-    /// Six vertices a face, as `GL_TRIANGLES_ADJACENCY` takes them: each corner, and after it the vertex across
-    /// the edge that begins there, which is the third corner of the other face at that edge.
+    /// Six vertices a face, as `GL_TRIANGLES_ADJACENCY` takes them: each corner, and after it the vertex
+    /// across the edge that begins there, which is the third corner of the other face at that edge.
     ///
-    /// Where there is no other face (an open edge, a collapsed face) it is the third corner of the face itself,
-    /// so that the edge lies between a face and its own reverse: a silhouette from every side.
+    /// Where there is no other face (an open edge, a collapsed face) it is the third corner of the face
+    /// itself, so that the edge lies between a face and its own reverse: a silhouette from every side.
     ///
     /// # Errors
     ///

@@ -92,8 +92,8 @@ pub(crate) struct Args {
     /// positions become one index, and faces that are dropped are left out; for one mesh
     /// [default: nothing is written]
     ///
-    /// Vertices are numbered as they are read: those of an OBJ, PLY or OFF file, three a face of an STL, those
-    /// of all primitives of a glTF mesh one after the other.
+    /// Vertices are numbered as they are read: those of an OBJ, PLY or OFF file, three a face of an STL,
+    /// those of all primitives of a glTF mesh one after the other.
     #[arg(long, value_name = "OUT")]
     shadow_indices: Option<PathBuf>,
 

@@ -3,8 +3,8 @@
 use super::shape::{normal, triangle_area};
 use crate::geom::predicate::collinear;
 
-/// What part of a triangulation costs: faces without area and diagonals in use, then the sharpest bend between
-/// two neighbors, as 1 minus the cosine between their normals, then the area.
+/// What part of a triangulation costs: faces without area and diagonals in use, then the sharpest bend
+/// between two neighbors, as 1 minus the cosine between their normals, then the area.
 #[derive(Clone, Copy, PartialEq)]
 struct Cost {
     bad: u32,

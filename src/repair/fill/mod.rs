@@ -40,11 +40,12 @@ impl Fill {
 /// polygons of files; any other so that the area is least (Gheorghe Barequet and Micha Sharir, *Filling Gaps
 /// in the Boundary of a Polyhedron*, 1995, section 3), in cubic time; one too long for that by its shortest
 /// diagonals. Where such a patch would meet other faces, one that bends little is tried, and one by the
-/// shortest diagonals. Diagonals that are edges already, and faces without area, are avoided wherever possible.
+/// shortest diagonals. Diagonals that are edges already, and faces without area, are avoided wherever
+/// possible.
 ///
 /// Guarantee: all faces and positions stay, bit for bit, and no vertex is new. New faces come at the end. At
-/// each edge of a patch there are two faces, in opposite directions. A patch that would meet other faces where
-/// it should not is refused, unless [`Fill::anyway`]. What is left is listed with the reason.
+/// each edge of a patch there are two faces, in opposite directions. A patch that would meet other faces
+/// where it should not is refused, unless [`Fill::anyway`]. What is left is listed with the reason.
 ///
 /// ```
 /// use umbrage::repair::{self, Fill};

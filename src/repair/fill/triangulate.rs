@@ -43,8 +43,8 @@ impl<'a> Triangulator<'a> {
         Self { mesh, topology, cutter: Cutter::default(), weighed: MOST_WEIGHED }
     }
 
-    /// The faces that close the loop by a method, two fewer than it has corners, in its winding. `None` if the
-    /// method gives those of one before it.
+    /// The faces that close the loop by a method, two fewer than it has corners, in its winding. `None` if
+    /// the method gives those of one before it.
     pub(super) fn cut(&mut self, ring: &[u32], method: Method) -> Option<Vec<[u32; 3]>> {
         let first = method == Method::ALL[0];
         if let &[a, b, c] = ring {

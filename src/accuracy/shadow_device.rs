@@ -7,7 +7,7 @@ use super::Spread;
 use super::shadow::{ShadowAccuracy, ShadowRow, mark_dominated, timed};
 use crate::caster::{CasterGroup, GpuCaster};
 use crate::gpu::{Gpu, GpuError, wgpu};
-use crate::shadow::planar::gpu::{Footprint, GpuGround, PlanarPass};
+use crate::shadow::planar::gpu::{GpuGround, PlanarPass};
 use crate::shadow::stencil::{StencilMethod, StencilPass};
 use crate::shadow::{Claim, Depth, GpuSamples, Request, Samples, Technique, Visibility};
 use crate::verify::errors::{Errors, Made, Truth};
@@ -144,7 +144,7 @@ impl ShadowAccuracy {
             values.map(|(index, (value, &ray))| if is_on_plane(index) { value } else { ray }).collect();
         let claim = Claim::WithinFootprint;
         let shown = Visibility::from_values(samples, light, values, claim);
-        let around = Footprint::new(request.casters, plane, *light, samples.projection(), samples.size());
+        let around = PlanarFootprint::new(request.casters, plane, *light, samples.projection(), samples.size());
         let width = samples.size().width() as usize;
         let footprint =
             shown.values().iter().zip(&on_cpu.values).enumerate().map(|(index, (value, exact))| {

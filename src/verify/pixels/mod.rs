@@ -8,10 +8,13 @@
 
 mod counts;
 mod footprint;
+#[cfg(feature = "gpu")]
+mod planar;
 mod ray_point;
 
 pub use counts::PixelCounts;
-pub(crate) use footprint::step;
+#[cfg(feature = "gpu")]
+pub(crate) use planar::Footprint as PlanarFootprint;
 
 use crate::caster::Caster;
 use crate::geom::bvh::Bvh;

@@ -5,14 +5,12 @@
 //! take the mark away: each sample once, however many casters overlap. Nothing is drawn outside the plane's
 //! visible samples, and no depth is compared, so that there is no offset of any kind.
 
-mod footprint;
 #[cfg(test)]
 mod tests;
 mod uniform;
 
 use wgpu::{CompareFunction, StencilFaceState, StencilOperation};
 
-pub(crate) use self::footprint::Footprint;
 use self::uniform::PlaneUniform;
 use super::Plane;
 use crate::caster::{Caster, GpuCaster};

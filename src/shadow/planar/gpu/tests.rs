@@ -8,6 +8,7 @@ use crate::gpu::tests::gpu;
 use crate::scene::Lamp;
 use crate::shadow::Depth;
 use crate::testing::shapes;
+use crate::verify::pixels::PlanarFootprint;
 use crate::view::{Camera, Projection, Size, Up};
 
 const SIZE: [u32; 2] = [96, 72];
@@ -55,7 +56,7 @@ impl Scene {
         }
         let pass = PlanarPass::with(gpu, rules).unwrap();
         let values = pass.visibility(&samples, &ground, &light).unwrap().download(gpu).unwrap();
-        let footprint = Footprint::new(&casters, *plane, light, &self.projection, self.size);
+        let footprint = PlanarFootprint::new(&casters, *plane, light, &self.projection, self.size);
         let mut tally = Tally::default();
         for (index, &value) in values.iter().enumerate() {
             let [x, y] = [index % SIZE[0] as usize, index / SIZE[0] as usize].map(|k| k as f64 + 0.5);

@@ -1,15 +1,15 @@
 //! Which pixels of a device's planar shadow may differ from the exact verdict.
 //!
 //! A rasterizer snaps corners to 1/256 of a pixel. A pixel that differs is excused only if the exact verdict,
-//! or the plane's outline, changes within one step sideways, as for the stencil pass
-//! ([`verify::pixels`](crate::verify::pixels)). There is no tolerance of depth: no depth is compared.
+//! or the plane's outline, changes within one step sideways, as for the stencil pass. There is no tolerance of
+//! depth: no depth is compared.
 
-use super::Plane;
+use super::footprint::step;
 use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::oracle::Verdict;
 use crate::shadow::is_front_lit;
-use crate::verify::pixels::step;
+use crate::shadow::planar::Plane;
 use crate::view::{Projection, Rays, Size};
 
 /// Positions along each side of the square that is searched.

@@ -11,7 +11,7 @@ use crate::shadow::planar::gpu::{GpuGround, PlanarPass};
 use crate::shadow::stencil::{StencilMethod, StencilPass};
 use crate::shadow::{Claim, Depth, GpuSamples, Request, Samples, Technique, Visibility};
 use crate::verify::errors::{Errors, Made, Truth};
-use crate::verify::pixels::{PixelVerdict, Rendered, compare};
+use crate::verify::pixels::{PixelVerdict, PlanarFootprint, Rendered, compare};
 
 /// The techniques with a device form, and the method that counts every shell.
 const ON_DEVICE: [(Technique, Option<StencilMethod>); 3] = [
@@ -144,7 +144,8 @@ impl ShadowAccuracy {
             values.map(|(index, (value, &ray))| if is_on_plane(index) { value } else { ray }).collect();
         let claim = Claim::WithinFootprint;
         let shown = Visibility::from_values(samples, light, values, claim);
-        let around = PlanarFootprint::new(request.casters, plane, *light, samples.projection(), samples.size());
+        let around =
+            PlanarFootprint::new(request.casters, plane, *light, samples.projection(), samples.size());
         let width = samples.size().width() as usize;
         let footprint =
             shown.values().iter().zip(&on_cpu.values).enumerate().map(|(index, (value, exact))| {

@@ -196,7 +196,7 @@ pub fn compare(rendered: &Rendered<'_>, keep: usize, progress: &(dyn Fn(u64) + S
         seen: rendered.seen.unwrap_or(caster).oracle(),
         rendered,
         rays: Rays::new(projection, size),
-        step: step(projection, size),
+        step: footprint::step(projection, size),
         light: Rounded::seen_from(projection.eye, Homogeneous::light(light)),
         edges,
         edge_tree,

@@ -124,6 +124,7 @@ fn files(mesh: &Mesh) -> u64 {
         ground: None,
         paint: &|_: FaceId| CLAY,
         edge_samples: 2,
+        ambient: None,
     };
     let picture = render(&Oracle::build(mesh), &view, &|_| {}).unwrap();
     let mut png = Vec::new();

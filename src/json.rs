@@ -13,6 +13,7 @@ use crate::facing::CasterFaces;
 use crate::geom::{Aabb, Light};
 use crate::mesh::{EdgeId, FaceId, VertexId};
 use crate::oracle::Verdict;
+use crate::repair::{Change, ChangeKind, Left, Patch, Step};
 use crate::shadow::stencil::StencilMethod;
 use crate::silhouette::SilhouetteMethod;
 use crate::verify::pixels::{Comparison, Mismatch, PixelCounts, PixelVerdict};
@@ -59,6 +60,8 @@ value!(CasterFaces, faces => faces.name());
 value!(StencilMethod, method => method.name());
 value!(SilhouetteMethod, method => method.to_string());
 value!(PixelVerdict, verdict => verdict.name());
+value!(ChangeKind, kind => kind.name());
+value!(Left, left => left.name());
 value!(Reason, reason => reason.to_string());
 value!(Light, light => light.to_string());
 value!(VertexId, id => id.0);
@@ -86,6 +89,12 @@ impl<T: Serialize> Serialize for Choice<T> {
         out.end()
     }
 }
+
+// Steps of repair.
+
+map!(Step, step => { name, count, left, changes, largest_move });
+map!(Change, change => { kind, old, new, at: short(change.at), patch });
+map!(Patch, patch => { edges, length, area, off_plane, meets, left });
 
 // The crack report.
 

@@ -27,9 +27,11 @@
 //! | [`oracle`] | exact shadow rays and primary hits; visible fractions of lights with an extent |
 //! | [`topology`] | half-edges and edges; never sees a position |
 //! | [`check`] | the crack report: defects, shells, self-intersections |
+//! | [`repair`] | a mesh into one that casts better, each change listed |
 //! | [`facing`] | the side of every face that a light is on |
 //! | [`caster`] | [`Caster`](caster::Caster), proofs |
 //! | [`silhouette`] | silhouette edges: scan, tree, certificates for a moving light |
+//! | [`light_grid`] | what a light sees, conservatively, in cells: most points are proven lit or dark |
 //! | [`shadow`] | the contract of every technique; stencil shadow volumes, rays |
 //! | [`ambient`] | ambient occlusion: exact rays, the analytic form, disks |
 //! | [`verify`] | every method against every other, at points and at pixels; errors by kind |
@@ -121,9 +123,11 @@ pub mod write;
 pub mod oracle;
 pub mod topology;
 pub mod check;
+pub mod repair;
 pub mod facing;
 pub mod caster;
 pub mod silhouette;
+pub mod light_grid;
 pub mod shadow;
 pub mod ambient;
 pub mod verify;

@@ -95,10 +95,17 @@ impl PartTimes {
             | Technique::Samples(_)
             | Technique::Area
             | Technique::Hybrid3x3(_)
+            | Technique::Hybrid(_)
             | Technique::SoftHybrid(_)
             | Technique::PenumbraMap(_)
             | Technique::Smoothies(_)
-            | Technique::ContactBlur(_) => self.oracle,
+            | Technique::ContactBlur(_)
+            | Technique::Planar(_)
+            | Technique::PlanarBlur(_)
+            | Technique::PlanarContact(_)
+            | Technique::PlanarLayers(_)
+            | Technique::Blob(_)
+            | Technique::Projective(_) => self.oracle,
             Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
             Technique::Map(_)
             | Technique::Pcf(_)
@@ -227,10 +234,17 @@ fn asks_exactly(technique: Technique) -> bool {
             | Technique::ZFail
             | Technique::ZPass
             | Technique::Hybrid3x3(_)
+            | Technique::Hybrid(_)
             | Technique::SoftHybrid(_)
             | Technique::PenumbraMap(_)
             | Technique::Smoothies(_)
             | Technique::ContactBlur(_)
+            | Technique::Planar(_)
+            | Technique::PlanarBlur(_)
+            | Technique::PlanarContact(_)
+            | Technique::PlanarLayers(_)
+            | Technique::Blob(_)
+            | Technique::Projective(_)
     )
 }
 

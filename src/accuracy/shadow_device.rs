@@ -6,6 +6,7 @@ use crate::caster::{CasterGroup, GpuCaster};
 use crate::gpu::{Gpu, GpuError, wgpu};
 use crate::shadow::map::gpu::{Lookup, MapPass};
 use crate::shadow::map::{DepthSource, Fit, LightSpace, MapOptions, PcfOptions};
+use crate::shadow::planar::gpu::{Footprint, GpuGround, PlanarPass};
 use crate::shadow::stencil::{StencilMethod, StencilPass};
 use crate::shadow::{Claim, Depth, GpuSamples, Request, Samples, Technique, Visibility};
 use crate::verify::errors::{Errors, Made, Truth};
@@ -100,7 +101,68 @@ impl ShadowAccuracy {
             });
         }
         self.add_maps(gpu, &request, &truth, &drawn, rounds)?;
+        self.add_planar(gpu, &request, &truth, &drawn, rounds)?;
         mark_dominated(&mut self.rows);
+        Ok(())
+    }
+
+    /// The row of `planar`, if it was measured on the CPU: the samples of the plane on the device, all others
+    /// by the exact rays of the CPU.
+    fn add_planar(
+        &mut self,
+        gpu: &Gpu,
+        request: &Request<'_>,
+        truth: &Truth,
+        drawn: &GpuSamples,
+        rounds: u32,
+    ) -> Result<(), GpuError> {
+        let on_cpu = self.rows.iter().find(|row| matches!(row.technique, Technique::Planar(_))).cloned();
+        let (Some(on_cpu), [caster]) = (on_cpu, request.casters.casters()) else { return Ok(()) };
+        let Technique::Planar(options) = on_cpu.technique else { return Ok(()) };
+        let (samples, light) = (request.samples, request.light());
+        let Some(plane) = options.plane.plane(samples, light) else { return Ok(()) };
+        let pass = PlanarPass::new(gpu)?;
+        let (ground, upload_ms) = timed(|| {
+            let seen = request.casters.seen_caster().unwrap_or(caster);
+            GpuGround::new(gpu, plane, seen, caster, &GpuCaster::upload(gpu, caster)?)
+        });
+        let ground = ground?;
+        let frame = || {
+            let visibility = pass.visibility(drawn, &ground, light)?;
+            gpu.attempt(|| gpu.device().poll(wgpu::PollType::wait_indefinitely()))?.ok();
+            Ok::<_, GpuError>(visibility)
+        };
+        let visibility = frame()?;
+        let (values, readback_ms) = timed(|| visibility.download(gpu));
+        let frames = (0..rounds.max(1)).map(|_| timed(frame)).map(|(found, ms)| found.map(|_| ms));
+        let frames = frames.collect::<Result<Vec<f64>, _>>()?;
+        let is_on_plane = |index: usize| samples.hits()[index].is_some_and(|hit| plane.holds(hit.corners));
+        let values = values?.into_iter().zip(&on_cpu.values).enumerate();
+        let values: Vec<f32> =
+            values.map(|(index, (value, &ray))| if is_on_plane(index) { value } else { ray }).collect();
+        let claim = Claim::WithinFootprint;
+        let shown = Visibility::from_values(samples, light, values, claim);
+        let around = Footprint::new(request.casters, plane, *light, samples.projection(), samples.size());
+        let width = samples.size().width() as usize;
+        let footprint =
+            shown.values().iter().zip(&on_cpu.values).enumerate().map(|(index, (value, exact))| {
+                let [x, y] = [index % width, index / width].map(|k| k as f64 + 0.5);
+                value != exact && around.changes(x, y)
+            });
+        let made = Made { footprint: &footprint.collect::<Vec<bool>>(), ..Made::default() };
+        let errors = Errors::of(request, &shown, truth, &made);
+        self.rows.push(ShadowRow {
+            device: Some(gpu.name()),
+            claim,
+            holds: errors.hold(claim),
+            errors,
+            prepare_ms: upload_ms,
+            frame_ms: Spread::of(frames),
+            readback_ms: Some(readback_ms),
+            bytes: (ground.bytes() + samples.len()) as u64,
+            values: shown.values().to_vec(),
+            ..on_cpu
+        });
         Ok(())
     }
 

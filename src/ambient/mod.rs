@@ -3,6 +3,7 @@
 //! [`Ambient::openness`] is the share of the light of an even sky that arrives, weighted by the cosine to the
 //! normal: 1 with nothing in the way, 0 inside a closed shell. Occlusion is 1 less openness.
 
+mod at_point;
 pub mod disks;
 mod exact;
 mod fan;
@@ -17,6 +18,7 @@ mod start;
 #[cfg(test)]
 mod closed_tests;
 
+pub use at_point::PointRays;
 pub use exact::{Exact, exact};
 pub use rays::{Cast, Effort, MOST_RAYS, RayOptions, Reach, Ring};
 pub use receivers::{Per, Receiver, Receivers};

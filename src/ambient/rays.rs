@@ -194,7 +194,7 @@ fn samples(
 }
 
 /// Casts the rays of one receiver.
-fn sample(
+pub(super) fn sample(
     oracle: &Oracle,
     receiver: &Receiver,
     start: &Start,

@@ -27,3 +27,4 @@ pub use requirement::{Requirement, Standing, UnknownRequirement};
 pub use self_intersections::{SelfIntersections, for_each_self_intersection, self_intersections};
 pub(crate) use self_intersections::{for_each_intersection_among, is_star};
 pub use shells::ShellReport;
+pub(crate) use t_junctions::exact_t_junctions;

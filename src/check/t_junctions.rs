@@ -6,7 +6,21 @@ use super::boundary::Boundary;
 use crate::geom::Aabb;
 use crate::geom::box_pairs::PointQueries;
 use crate::geom::predicate::collinear;
-use crate::mesh::{EdgeId, VertexId};
+use crate::mesh::{EdgeId, Mesh, VertexId};
+use crate::topology::Topology;
+
+/// Boundary vertices that lie exactly inside a boundary edge, each with one such edge; and whether the search
+/// finished within `tests`.
+pub(crate) fn exact_t_junctions(
+    mesh: &Mesh,
+    topology: &Topology,
+    tests: u64,
+) -> (Vec<(VertexId, EdgeId)>, bool) {
+    let (edges, _) = topology.grouped_boundary();
+    let (found, complete) = Boundary::new(mesh, topology, &edges).t_junctions(tests);
+    let exact = found.into_iter().filter(|junction| junction.exact);
+    (exact.map(|junction| (junction.vertex, junction.edge)).collect(), complete)
+}
 
 impl Boundary<'_> {
     /// Boundary vertices inside a boundary edge that is not theirs, ascending; and whether the search
@@ -131,10 +145,8 @@ fn widened(aabb: Aabb, slack: [f64; 3]) -> Aabb {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Mesh;
     use crate::random::SplitMix64;
     use crate::testing::shapes;
-    use crate::topology::Topology;
 
     /// The T-junctions of a mesh, and the tests that they took.
     fn searched(mesh: &Mesh, most: u64) -> (Vec<TJunction>, bool) {

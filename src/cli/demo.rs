@@ -161,7 +161,17 @@ fn with_view<T>(
         _ => CLAY,
     };
     let (up, paint) = (Up::Y, &paint);
-    work(View { camera, size, lamps: &lamps, casters: None, up, ground: None, paint, edge_samples: 4 })
+    work(View {
+        camera,
+        size,
+        lamps: &lamps,
+        casters: None,
+        up,
+        ground: None,
+        paint,
+        edge_samples: 4,
+        ambient: None,
+    })
 }
 
 fn by_rays(caster: &Caster, lights: &[Lamp], size: (u32, u32)) -> Result<Picture, Failure> {

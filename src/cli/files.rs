@@ -20,9 +20,18 @@ pub(super) fn read(file: &Path) -> Result<Scene, Failure> {
         let problem = "is a directory without mesh files that can be read";
         return Err(Failure::new(problem, "name a mesh file").in_file(file));
     }
-    if file != Path::new(STANDARD_INPUT) {
+    if !is_standard_input(file) {
         return Ok(read::read(file)?);
     }
+    Ok(read::read_bytes(&standard_input(file)?, file)?)
+}
+
+pub(super) fn is_standard_input(file: &Path) -> bool {
+    file == Path::new(STANDARD_INPUT)
+}
+
+/// All of standard input, which `file` names.
+pub(super) fn standard_input(file: &Path) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     let failed = |error| {
         let problem = format!("standard input cannot be read: {error}");
@@ -33,7 +42,7 @@ pub(super) fn read(file: &Path) -> Result<Scene, Failure> {
         let problem = format!("standard input is longer than {MOST_INPUT} bytes");
         return Err(Failure::new(problem, "write it into a file, and name that").in_file(file));
     }
-    Ok(read::read_bytes(&bytes, file)?)
+    Ok(bytes)
 }
 
 /// The files, and instead of each folder the mesh files in it and in its folders, by name. A folder without

@@ -42,6 +42,12 @@ pub(crate) struct CastArgs {
     no_cast: Vec<Pattern>,
 }
 
+impl CastArgs {
+    pub(crate) fn no_cast(&self) -> &[Pattern] {
+        &self.no_cast
+    }
+}
+
 /// All meshes of a file as one caster, what is seen beside it, and the lights.
 #[derive(Debug)]
 pub(crate) struct Source {

@@ -129,10 +129,11 @@ impl MeshArgs {
     }
 
     pub(crate) fn scene(&self, file: &Path) -> Result<Scene, Failure> {
-        let progress = Progress::spinner(format!("reading {}", file.display()));
-        let scene = files::read(file);
-        drop(progress);
-        let mut scene = scene?;
+        self.chosen(read_whole(file)?, file)
+    }
+
+    /// What of a scene is asked for. What the reader has to say goes to standard error.
+    pub(crate) fn chosen(&self, mut scene: Scene, file: &Path) -> Result<Scene, Failure> {
         for note in &scene.notes {
             output::say(format_args!("note: {}: {}", file.display(), output::plain(note)));
         }
@@ -168,13 +169,29 @@ impl MeshArgs {
         Ok(Baked { format, up, meshes: self.bake(scene, file)?, lights, cameras, materials })
     }
 
-    fn bake(&self, scene: Scene, file: &Path) -> Result<Vec<Mesh>, Failure> {
+    /// Whether a part is asked for, and seen: what [`leave_out_invisible`] leaves of what is chosen.
+    pub(crate) fn shows(&self, part: &PlacedPart<'_>) -> bool {
+        let asked = self.only.is_empty() || matches_any(part, &self.only);
+        asked && !part.material.is_some_and(Material::is_invisible)
+    }
+
+    /// Whether each part becomes a mesh of its own.
+    pub(crate) fn splits_parts(&self) -> bool {
+        self.scope == ScopeArg::Primitive
+    }
+
+    pub(crate) fn bake(&self, scene: Scene, file: &Path) -> Result<Vec<Mesh>, Failure> {
         scene.bake(self.scope.into()).map_err(|error| too_far(&error, file))
     }
 
     /// Whether a file may be split into several meshes.
     pub(crate) fn is_below_scene(&self) -> bool {
         self.scope != ScopeArg::Scene
+    }
+
+    /// Which vertices are the same.
+    pub(crate) fn weld_rule(&self) -> Weld {
+        self.weld
     }
 
     /// Welds one mesh, in its own memory.
@@ -210,6 +227,14 @@ impl MeshArgs {
     }
 }
 
+/// A file as it is.
+pub(crate) fn read_whole(file: &Path) -> Result<Scene, Failure> {
+    let progress = Progress::spinner(format!("reading {}", file.display()));
+    let scene = files::read(file);
+    drop(progress);
+    scene
+}
+
 /// The failure of a scene that cannot be placed.
 pub(crate) fn too_far(error: &MeshError, file: &Path) -> Failure {
     Failure::new(error, "scale the model, or choose a smaller --scope").in_file(file)
@@ -223,12 +248,12 @@ fn retain_only(scene: &mut Scene, patterns: &[Pattern]) -> Result<(), Failure> {
 }
 
 /// Whether a name of `part` is as one of the patterns says.
-fn matches_any(part: &PlacedPart<'_>, patterns: &[Pattern]) -> bool {
+pub(crate) fn matches_any(part: &PlacedPart<'_>, patterns: &[Pattern]) -> bool {
     part.names().any(|name| patterns.iter().any(|pattern| pattern.matches(name)))
 }
 
 /// Refuses a pattern that no name is like.
-fn require_matches(scene: &Scene, option: &str, patterns: &[Pattern]) -> Result<(), Failure> {
+pub(crate) fn require_matches(scene: &Scene, option: &str, patterns: &[Pattern]) -> Result<(), Failure> {
     match patterns
         .iter()
         .find(|&pattern| !scene.placed_parts().any(|part| matches_any(&part, std::slice::from_ref(pattern))))
@@ -260,7 +285,7 @@ fn nothing_matches(option: &str, pattern: &Pattern, scene: &Scene) -> Failure {
 
 /// Leaves out what its material makes invisible and says so; also where a texture, which is not read, may do
 /// that.
-fn leave_out_invisible(scene: &mut Scene, file: &Path) -> Result<(), Failure> {
+pub(crate) fn leave_out_invisible(scene: &mut Scene, file: &Path) -> Result<(), Failure> {
     let of_parts = |is: fn(&Material) -> bool| {
         let mut names: Vec<&str> = Vec::new();
         for material in scene.placed_parts().filter_map(|part| part.material).filter(|material| is(material))

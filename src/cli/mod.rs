@@ -21,10 +21,12 @@ mod stencil_render;
 mod view;
 
 mod check;
+mod prepare;
 mod silhouette;
 mod volume;
 mod verify;
 mod render;
+mod ambient;
 mod torture;
 mod accuracy;
 mod demo;
@@ -56,10 +58,12 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Check(check::Args),
+    Prepare(prepare::Args),
     Silhouette(silhouette::Args),
     Volume(volume::Args),
     Verify(verify::Args),
     Render(render::Args),
+    Ambient(ambient::Args),
     Torture(torture::Args),
     Accuracy(accuracy::Args),
     Demo(demo::Args),
@@ -69,10 +73,12 @@ impl Command {
     fn run(self) -> Result<Outcome, Failure> {
         match self {
             Self::Check(args) => check::run(args),
+            Self::Prepare(args) => prepare::run(args),
             Self::Silhouette(args) => silhouette::run(args),
             Self::Volume(args) => volume::run(args),
             Self::Verify(args) => verify::run(args),
             Self::Render(args) => render::run(args),
+            Self::Ambient(args) => ambient::run(args),
             Self::Torture(args) => torture::run(args),
             Self::Accuracy(args) => accuracy::run(args),
             Self::Demo(args) => demo::run(args),

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use umbrage::ambient::PointRays;
 use umbrage::caster::Caster;
 #[cfg(feature = "gpu")]
 use umbrage::geom::Light;
@@ -63,6 +64,12 @@ pub(crate) struct Args {
     #[arg(long, value_enum, default_value_t = FalloffArg::Plain)]
     falloff: FalloffArg,
 
+    /// Darken ambient light by what hides the sky: 64 exact rays from each visible point
+    ///
+    /// The picture is made on the CPU then.
+    #[arg(long)]
+    ambient: bool,
+
     /// Add a large floor below everything: lowest in z for stl, md2 and 3mf, lowest in y for others
     #[arg(long)]
     ground: bool,
@@ -112,9 +119,14 @@ impl ShadowArgs {
     /// A stencil pass if any lamp asks for one, or leaves it to us and no other asks for rays; else rays.
     /// Where some lamps count and others cast rays, or one asks for a technique of the CPU, all is done on
     /// the CPU, on the same samples.
-    fn settle(&self, adapter: &AdapterArgs) -> Result<Renderer, Failure> {
+    /// With ambient light by rays too.
+    fn settle(&self, adapter: &AdapterArgs, ambient: bool) -> Result<Renderer, Failure> {
         if self.asks_for(is_of_samples) {
             return Ok(Renderer::Samples);
+        }
+        if ambient {
+            adapter.unused("--ambient is of rays, on the CPU");
+            return Ok(if self.asks_for(counts) { Renderer::Samples } else { Renderer::Rays });
         }
         let rays = self.asks_for(|technique| technique == Some(Technique::Rays));
         match (self.asks_for(counts), self.asks_for(|technique| technique.is_none())) {
@@ -159,6 +171,9 @@ fn note_rays(error: &GpuError) {
     output::say(format_args!("note: --shadow auto: rays: {error}"));
 }
 
+/// Rays from each visible point for ambient light.
+const AMBIENT_RAYS: u32 = 64;
+
 /// Samples along each side of a pixel.
 const STENCIL_SAMPLES: u32 = 2;
 const RAYS_SAMPLES: u32 = 3;
@@ -186,7 +201,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     refuse_overwriting("--output", Some(&args.output), &args.source.file)?;
     require_folder(&args.output)?;
     args.view.refuse()?; // before the file is read
-    let renderer = args.shadow.settle(&args.adapter)?;
+    let renderer = args.shadow.settle(&args.adapter, args.ambient)?;
     args.threads.apply()?;
 
     let mut source = args.source.load()?;
@@ -219,17 +234,20 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         ground,
         paint: &paint,
         edge_samples: args.samples.unwrap_or(samples),
+        ambient: None,
     };
+    let ambient = args.ambient.then(|| PointRays::new(AMBIENT_RAYS));
+    let ambient = ambient.as_ref();
     let picture = match renderer {
-        Renderer::Rays => by_rays(source, view(RAYS_SAMPLES))?,
-        Renderer::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &casting)?,
+        Renderer::Rays => by_rays(source, view(RAYS_SAMPLES), ambient)?,
+        Renderer::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &casting, ambient)?,
         #[cfg(feature = "gpu")]
         Renderer::Device(gpu) => match by_stencil(&gpu, &source, view(STENCIL_SAMPLES), &casting) {
             Ok(picture) => picture,
             // Anything but a defect of ours.
             Err(error) if !args.shadow.asks_for(counts) && !matches!(error, GpuError::Wgpu(_)) => {
                 note_rays(&error);
-                by_rays(source, view(RAYS_SAMPLES))?
+                by_rays(source, view(RAYS_SAMPLES), ambient)?
             }
             Err(error) => return Err(error.into()),
         },
@@ -272,12 +290,13 @@ pub(crate) fn colors(mesh: &Mesh, materials: &[Material]) -> Vec<[f32; 3]> {
 }
 
 /// Lets go of the meshes: the ray casts have faces of their own.
-fn by_rays(source: Source, view: View<'_>) -> Result<Picture, Failure> {
+fn by_rays(source: Source, view: View<'_>, ambient: Option<&PointRays>) -> Result<Picture, Failure> {
     let Source { caster, seen, .. } = source;
     let casters = caster.into_oracle();
     let seen = seen.map(Caster::into_oracle);
     let progress = Progress::bar("rendering", view.steps());
-    let view = View { casters: Some(&casters), ..view };
+    let open = |point, normal| ambient.map_or(1.0, |rays| rays.openness(&casters, point, normal));
+    let view = View { casters: Some(&casters), ambient: ambient.map(|_| &open as _), ..view };
     let picture = render::render(seen.as_ref().unwrap_or(&casters), &view, &|steps| progress.done(steps));
     drop(progress);
     picture.map_err(|error| Failure::new(error, "choose a smaller --size"))
@@ -288,9 +307,12 @@ fn by_samples(
     source: &Source,
     view: &View<'_>,
     casting: &[(Lamp, Option<Technique>)],
+    ambient: Option<&PointRays>,
 ) -> Result<Picture, Failure> {
     let progress = Progress::spinner("rendering");
     let casters = source.group();
+    let open = |point, normal| ambient.map_or(1.0, |rays| rays.openness(casters.oracle(), point, normal));
+    let view = &View { ambient: ambient.map(|_| &open as _), ..*view };
     let projection = view.camera.projection(view.size, view.camera.near([source.seen().mesh()], view.size));
     let samples = Samples::of_view(&casters, &projection, view.size, view.edge_samples)
         .map_err(|error| Failure::new(error, "choose a smaller --size"))?;

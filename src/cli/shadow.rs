@@ -22,10 +22,17 @@ pub(crate) struct ShadowArgs {
     /// Hard shadows on the CPU from a shadow map: `map`, `pcf` (filtered), `map-ids` (with an exact test of
     /// the faces), `hybrid-3x3` (an exact ray where its texels differ).
     ///
+    /// Exact hard shadows on the CPU from a light grid: `hybrid` (it proves most points lit or dark; an exact
+    /// ray elsewhere).
+    ///
     /// Soft shadows of a light with an extent: `area` (the visible fraction, analytic), `samples` (exact rays
     /// to many points of it), `soft-hybrid` (the same where a shadow map is not sure), and from maps alone
     /// `pcss`, `single-sample`, `vsm`, `msm`; from silhouettes `penumbra-map` and `smoothies`; blurred in the
     /// picture `contact-blur`.
+    ///
+    /// On one plane, that of most samples or `plane=A/B/C/D`, with exact rays for all else: `planar` (exact),
+    /// soft `planar-layers`, `planar-blur` and `planar-contact`, and without regard to shapes `blob`;
+    /// `projective`: what the casters cover, on what does not cast, or on the plane.
     #[arg(long, visible_alias = "method", value_name = "[LAMP=]TECHNIQUE", default_value = "auto")]
     shadow: Vec<Asked>,
 }
@@ -126,7 +133,7 @@ mod tests {
     #[test]
     fn shadow_that_is_not_built_or_unknown_is_refused_by_name() {
         let error = |text: &str| text.parse::<Asked>().unwrap_err();
-        assert_eq!(error("projective:size=16"), "not built yet: projective");
+        assert_eq!(error("counter:tile=16"), "not built yet: counter");
         assert_eq!(error("plan.json"), "not built yet: a saved plan");
         assert!(error("key=ray").starts_with("`ray` is not a technique"));
         assert!(error("zfail:size=3").contains("no option `size`"));

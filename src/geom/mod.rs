@@ -5,6 +5,7 @@ pub(crate) mod box_pairs;
 pub mod bvh;
 mod facing;
 mod light;
+pub(crate) mod polygon;
 pub mod predicate;
 mod segment;
 pub(crate) mod signed_volume;

@@ -26,6 +26,11 @@ impl Shader {
         Self { label, source }
     }
 
+    /// Enables an extension of WGSL, which comes before all else.
+    pub(crate) fn enabling(self, extension: &str) -> Self {
+        Self { source: format!("enable {extension};\n{}", self.source), ..self }
+    }
+
     /// Adds a constant, given its type and value in WGSL.
     pub(crate) fn constant(mut self, name: &str, kind: &str, value: impl Display) -> Self {
         writeln!(self.source, "const {name}: {kind} = {value};").expect("a string takes any text");

@@ -134,6 +134,8 @@ const BACKENDS: wgpu::Backends =
 
 /// The features that every device must have: a stencil with a depth of 32 bits.
 const FEATURES: wgpu::Features = wgpu::Features::DEPTH32FLOAT_STENCIL8;
+/// The features that passes use where a device has them.
+const WELCOME: wgpu::Features = wgpu::Features::CLIP_DISTANCES;
 
 /// A device and its queue. Cheap to clone; all clones share one device.
 #[derive(Clone, Debug)]
@@ -181,7 +183,7 @@ impl Gpu {
     fn open(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("umbrage"),
-            required_features: FEATURES & adapter.features(),
+            required_features: (FEATURES | WELCOME) & adapter.features(),
             required_limits: adapter.limits(),
             experimental_features: wgpu::ExperimentalFeatures::disabled(),
             memory_hints: wgpu::MemoryHints::Performance,

@@ -23,6 +23,7 @@ use std::path::Path;
 
 pub use error::{Place, ReadError};
 
+pub(crate) use gltf::stored;
 use packed::Packing;
 use sniff::sniff;
 

@@ -56,6 +56,9 @@ pub struct View<'a> {
     /// Samples along each side of a pixel at an edge: the number of rays is the square. 1 for no
     /// antialiasing.
     pub edge_samples: u32,
+    /// How much of the ambient light arrives at a visible point, by its position and the normal of its seen
+    /// side, from 0 to 1; `None` for all of it. Pictures of a device do not ask.
+    pub ambient: Option<&'a (dyn Fn([f32; 3], [f32; 3]) -> f32 + Sync)>,
 }
 
 /// Default color of faces: a light, slightly warm gray, in linear red, green, blue.
@@ -125,6 +128,7 @@ impl View<'_> {
 ///     ground: None,
 ///     paint: &|_| CLAY,
 ///     edge_samples: 1,
+///     ambient: None,
 /// };
 /// let picture = render(&oracle, &view, &|_| {})?;
 /// assert_eq!(picture.pixels.len(), 32 * 24);

@@ -100,6 +100,7 @@ impl Overlay {
             ground: None,
             paint: &paint,
             edge_samples: 1,
+            ambient: None,
         };
         let mask = buffer(size, 0.0)?;
         let mut picture = render(oracle, &view, progress)?;

@@ -49,6 +49,7 @@ use crate::view::Rays;
 ///     ground: None,
 ///     paint: &|_| CLAY,
 ///     edge_samples: 1,
+///     ambient: None,
 /// };
 /// let picture = render_samples(&samples, &view, &[dark])?;
 /// assert_eq!(picture.pixels.len(), 32 * 24);
@@ -114,6 +115,7 @@ mod tests {
             ground: None,
             paint: &|_| CLAY,
             edge_samples: 1,
+            ambient: None,
         };
         let exact = render(casters.seen(), &view, &|_| {}).unwrap();
         [exact, render_samples(&samples, &view, &[visibility]).unwrap()]

@@ -187,7 +187,8 @@ pub(super) fn shade(
     let normal = if seen.side == Sign::Positive { normal } else { -normal };
 
     let up = normal[view.up.axis()];
-    let mut light = base * (AMBIENT + AMBIENT_SLOPE * up);
+    let open = view.ambient.map_or(1.0, |ambient| ambient(seen.point, normal.to_array()));
+    let mut light = base * (AMBIENT + AMBIENT_SLOPE * up) * open;
     for (index, lamp) in view.lamps.iter().enumerate() {
         // The light is behind the seen side of the face: the face itself blocks it.
         if side_of_light(seen.corners, &lamp.light) != seen.side {

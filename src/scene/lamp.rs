@@ -1,5 +1,6 @@
 //! A lamp: where its light comes from, how large it is, how strong, how far and into which cone it shines.
 
+mod horizon;
 mod patch;
 mod syntax;
 

@@ -25,10 +25,12 @@
 //! ```
 
 mod claim;
+mod grid;
 pub mod map;
 mod name;
 mod options;
 mod plain;
+pub mod planar;
 mod rays;
 mod samples;
 pub mod soft;
@@ -40,6 +42,7 @@ pub mod volume;
 #[cfg(feature = "gpu")]
 pub use crate::gpu::raster::{Depth, GpuSamples, GpuVisibility};
 pub use claim::Claim;
+pub use grid::GridOptions;
 pub use name::TechniqueError;
 pub use samples::{Samples, TooManySamples};
 pub use technique::{PrepareError, Prepared, Request, Technique};

@@ -1,8 +1,10 @@
 //! The closed list of techniques, and the two steps of each: prepare for a lamp, shade samples.
 
+use super::grid::{GridHybrid, GridOptions};
 use super::map::{ExactOptions, HybridShadow, IdShadow, MapError, MapOptions, MapShadow, PcfOptions};
 use super::options::{self, Refusal};
 use super::plain::Plain;
+use super::planar::{self, LayersOptions, PlanarOptions, PlanarShadow, TextureOptions};
 use super::rays::Rays;
 use super::soft::area::LampArea;
 use super::soft::samples::{LampSamples, SamplesOptions};
@@ -25,7 +27,7 @@ use crate::shadow::stencil::StencilMethod;
 /// assert_eq!("zfail".parse(), Ok(Technique::ZFail));
 /// assert_eq!("samples:n=16".parse::<Technique>()?.to_string(), "samples:n=16");
 /// assert_eq!(Technique::Rays.to_string(), "rays");
-/// assert_eq!("blob".parse::<Technique>().unwrap_err().to_string(), "not built yet: blob");
+/// assert_eq!("lod".parse::<Technique>().unwrap_err().to_string(), "not built yet: lod");
 /// # Ok::<(), umbrage::shadow::TechniqueError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -68,6 +70,20 @@ pub enum Technique {
     Smoothies(SilhouetteOptions),
     /// The exact hard shadow, blurred in the picture as wide as the penumbra.
     ContactBlur(SoftMapOptions),
+    /// A light grid where it proves lit or dark, an exact shadow ray elsewhere.
+    Hybrid(GridOptions),
+    /// Casters flattened onto the plane of most samples, decided exactly; exact shadow rays elsewhere.
+    Planar(PlanarOptions),
+    /// The planar shadow, blurred by one width.
+    PlanarBlur(TextureOptions),
+    /// The planar shadow, blurred as wide as the height of the casters suggests.
+    PlanarContact(TextureOptions),
+    /// The mean of planar shadows from points spread over the lamp.
+    PlanarLayers(LayersOptions),
+    /// A dark spot on the plane under each shell: the bounding sphere's ambient occlusion.
+    Blob(PlanarOptions),
+    /// A map of what casters cover, projected from the lamp onto receivers.
+    Projective(TextureOptions),
     /// No shadows: every front-lit sample is lit.
     None,
     /// No light: every sample is dark.
@@ -119,7 +135,7 @@ pub enum PrepareError {
 
 impl Technique {
     /// The built techniques, with their default options.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 27] = [
         Self::Rays,
         Self::Stencil,
         Self::ZFail,
@@ -138,6 +154,13 @@ impl Technique {
         Self::PenumbraMap(SilhouetteOptions::DEFAULT),
         Self::Smoothies(SilhouetteOptions::DEFAULT),
         Self::ContactBlur(SoftMapOptions::DEFAULT),
+        Self::Hybrid(GridOptions::DEFAULT),
+        Self::Planar(PlanarOptions::DEFAULT),
+        Self::PlanarBlur(TextureOptions::DEFAULT),
+        Self::PlanarContact(TextureOptions::DEFAULT),
+        Self::PlanarLayers(LayersOptions::DEFAULT),
+        Self::Blob(PlanarOptions::DEFAULT),
+        Self::Projective(TextureOptions::DEFAULT),
         Self::None,
         Self::Dark,
     ];
@@ -164,6 +187,13 @@ impl Technique {
             Self::PenumbraMap(_) => "penumbra-map",
             Self::Smoothies(_) => "smoothies",
             Self::ContactBlur(_) => "contact-blur",
+            Self::Hybrid(_) => "hybrid",
+            Self::Planar(_) => "planar",
+            Self::PlanarBlur(_) => "planar-blur",
+            Self::PlanarContact(_) => "planar-contact",
+            Self::PlanarLayers(_) => "planar-layers",
+            Self::Blob(_) => "blob",
+            Self::Projective(_) => "projective",
             Self::None => "none",
             Self::Dark => "dark",
         }
@@ -191,6 +221,12 @@ impl Technique {
             Self::PenumbraMap(options) => options::listed(&options),
             Self::Smoothies(options) => options::listed(&options),
             Self::ContactBlur(options) => options::listed(&options),
+            Self::Hybrid(options) => options::listed(&options),
+            Self::Planar(options) | Self::Blob(options) => options::listed(&options),
+            Self::PlanarBlur(options) | Self::PlanarContact(options) | Self::Projective(options) => {
+                options::listed(&options)
+            }
+            Self::PlanarLayers(options) => options::listed(&options),
             _ => Vec::new(),
         }
     }
@@ -211,6 +247,13 @@ impl Technique {
             Self::PenumbraMap(options) => options::changed(options, key, value).map(Self::PenumbraMap),
             Self::Smoothies(options) => options::changed(options, key, value).map(Self::Smoothies),
             Self::ContactBlur(options) => options::changed(options, key, value).map(Self::ContactBlur),
+            Self::Hybrid(options) => options::changed(options, key, value).map(Self::Hybrid),
+            Self::Planar(options) => options::changed(options, key, value).map(Self::Planar),
+            Self::PlanarBlur(options) => options::changed(options, key, value).map(Self::PlanarBlur),
+            Self::PlanarContact(options) => options::changed(options, key, value).map(Self::PlanarContact),
+            Self::PlanarLayers(options) => options::changed(options, key, value).map(Self::PlanarLayers),
+            Self::Blob(options) => options::changed(options, key, value).map(Self::Blob),
+            Self::Projective(options) => options::changed(options, key, value).map(Self::Projective),
             _ => Err(Refusal::Key),
         }
     }
@@ -233,7 +276,10 @@ impl Technique {
             | Self::Msm(_)
             | Self::PenumbraMap(_)
             | Self::Smoothies(_)
-            | Self::ContactBlur(_) => true,
+            | Self::ContactBlur(_)
+            | Self::PlanarBlur(_)
+            | Self::PlanarContact(_)
+            | Self::PlanarLayers(_) => true,
             Self::Rays
             | Self::Stencil
             | Self::ZFail
@@ -242,6 +288,10 @@ impl Technique {
             | Self::Pcf(_)
             | Self::MapIds(_)
             | Self::Hybrid3x3(_)
+            | Self::Hybrid(_)
+            | Self::Planar(_)
+            | Self::Blob(_)
+            | Self::Projective(_)
             | Self::None
             | Self::Dark => false,
         }
@@ -293,10 +343,19 @@ impl Technique {
             Self::ContactBlur(options) => {
                 Step::Soft(soft::contact_blur(casters, lamp, options).map_err(refused)?)
             }
+            Self::Hybrid(options) => Step::Grid(GridHybrid::prepare(casters, light, options)),
+            Self::Planar(options) => Step::Planar(planar::planar(casters, lamp, options)),
+            Self::PlanarBlur(options) => Step::Planar(planar::planar_blur(casters, lamp, options)),
+            Self::PlanarContact(options) => Step::Planar(planar::planar_contact(casters, lamp, options)),
+            Self::PlanarLayers(options) => Step::Planar(planar::planar_layers(casters, lamp, options)),
+            Self::Blob(options) => Step::Planar(planar::blob(casters, lamp, options)),
+            Self::Projective(options) => {
+                Step::Planar(planar::projective(casters, lamp, options).map_err(refused)?)
+            }
             Self::None => Step::Plain(Plain::Lit),
             Self::Dark => Step::Plain(Plain::Dark),
         };
-        Ok(Prepared { technique: self, light: *light, step })
+        Ok(Prepared { technique: self, lamp: lamp.clone(), step })
     }
 
     /// Prepares and shades, on the CPU.
@@ -313,7 +372,7 @@ impl Technique {
 #[derive(Debug)]
 pub struct Prepared<'a> {
     technique: Technique,
-    light: Light,
+    lamp: Lamp,
     step: Step<'a>,
 }
 
@@ -327,6 +386,8 @@ enum Step<'a> {
     Ids(Box<IdShadow<'a>>),
     Hybrid(Box<HybridShadow<'a>>),
     Soft(Box<dyn SoftShadow + 'a>),
+    Grid(GridHybrid<'a>),
+    Planar(Box<dyn PlanarShadow + 'a>),
     Plain(Plain),
 }
 
@@ -341,15 +402,23 @@ impl Prepared<'_> {
     #[must_use]
     pub fn shade(&self, samples: &Samples) -> Visibility {
         match &self.step {
-            Step::Rays(rays) => rays.shade(&self.light, samples),
+            Step::Rays(rays) => rays.shade(self.lamp.light(), samples),
             Step::Counting(counting) => counting.shade(samples),
             Step::Samples(rays) => rays.shade(samples),
             Step::Area(area) => area.shade(samples),
             Step::Map(map) => map.shade(samples),
             Step::Ids(map) => map.shade(samples),
             Step::Hybrid(map) => map.shade(samples),
-            Step::Soft(map) => map.shade(samples),
-            Step::Plain(plain) => plain.shade(&self.light, samples),
+            Step::Soft(map) => {
+                let mut visibility = map.shade(samples);
+                if !map.sees_horizon() {
+                    soft::above_horizon(&mut visibility, samples, &self.lamp);
+                }
+                visibility
+            }
+            Step::Grid(grid) => grid.shade(samples),
+            Step::Planar(planar) => planar.shade(samples),
+            Step::Plain(plain) => plain.shade(self.lamp.light(), samples),
         }
     }
 
@@ -365,6 +434,8 @@ impl Prepared<'_> {
             Step::Ids(map) => map.bytes(),
             Step::Hybrid(map) => map.bytes(),
             Step::Soft(map) => map.bytes(),
+            Step::Grid(grid) => grid.bytes(),
+            Step::Planar(planar) => planar.bytes(),
         }
     }
 
@@ -376,6 +447,7 @@ impl Prepared<'_> {
             Step::Ids(map) => Some(map.texel_world()),
             Step::Hybrid(map) => Some(map.texel_world()),
             Step::Soft(map) => Some(map.texel_world()),
+            Step::Planar(planar) => planar.texel_world(),
             _ => None,
         }
     }

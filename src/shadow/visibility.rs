@@ -114,6 +114,19 @@ impl Visibility {
         }
     }
 
+    /// Lowers the values of front-lit samples to `most`.
+    pub(crate) fn cut(&mut self, samples: &Samples, most: impl Fn(&PrimaryHit) -> f32 + Sync) {
+        let row_len = samples.row_len();
+        let asked = &self.asked;
+        crate::parallel::rows(&mut self.values, row_len, |row, values| {
+            for (x, (value, hit)) in values.iter_mut().zip(samples.row(row)).enumerate() {
+                if let Some(hit) = hit.as_ref().filter(|_| asked[row * row_len + x]) {
+                    *value = value.min(most(hit));
+                }
+            }
+        });
+    }
+
     /// Calls `answer` for every front-lit sample. With the feature `parallel`, rows are shared among threads.
     pub(crate) fn of(
         samples: &Samples,

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::{fmt, io};
 
+use crate::read::{Place, ReadError};
+
 /// Why a file could not be written. Prints as one line: file, problem, remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WriteError {
@@ -36,6 +38,19 @@ impl From<io::Error> for WriteError {
             _ => "write to another folder",
         };
         Self::new(format!("cannot be written: {error}"), remedy)
+    }
+}
+
+/// Of a file that is read to be written again.
+impl From<ReadError> for WriteError {
+    fn from(error: ReadError) -> Self {
+        let problem = match &error.place {
+            Place::File => error.problem,
+            Place::Line(line) => format!("line {line}: {}", error.problem),
+            Place::Byte(byte) => format!("byte {byte}: {}", error.problem),
+            Place::Item(item) => format!("{item}: {}", error.problem),
+        };
+        Self { file: error.file, problem, remedy: error.remedy }
     }
 }
 

@@ -27,7 +27,7 @@ pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteEr
         .iter()
         .filter(drawn)
         .map(|layer| {
-            let vertex_words = if layer.w.is_some() { 4 } else { 3 };
+            let vertex_words = 3 + u64::from(layer.w.is_some()) + u64::from(layer.quality.is_some());
             vertex_words * layer.positions.len() as u64 + layer.elements.indices().len() as u64
         })
         .sum();
@@ -55,12 +55,17 @@ pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteEr
     }
 
     let json = json::serialize::to_vec(&file.root).map_err(io::Error::other)?;
-    let bin = (!file.bytes.is_empty()).then_some(Cow::Owned(file.bytes));
-    // The header, two chunk headers, and up to three bytes of padding.
-    let length = 12 + 2 * 8 + json.len() as u64 + 3 + bytes;
+    container(json, file.bytes, writer)
+}
+
+/// Writes a document and its binary chunk.
+pub(super) fn container(json: Vec<u8>, bytes: Vec<u8>, writer: &mut dyn Write) -> Result<(), WriteError> {
+    // The header, two chunk headers, and up to three bytes of padding each.
+    let length = 12 + 2 * 8 + json.len() as u64 + bytes.len() as u64 + 6;
     let Ok(length) = u32::try_from(length) else {
         return Err(too_large(length));
     };
+    let bin = (!bytes.is_empty()).then_some(Cow::Owned(bytes));
     // `to_writer` computes the length itself.
     let header = Header { magic: *b"glTF", version: 2, length };
     Glb { header, json: Cow::Owned(json), bin }.to_writer(writer).map_err(|error| match error {
@@ -71,7 +76,7 @@ pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteEr
 
 fn too_large(bytes: u64) -> WriteError {
     let problem = format!("{bytes} bytes are more than a GLB can hold (2^32 - 1)");
-    WriteError::new(problem, "write fewer layers to a file, or use .ply")
+    WriteError::new(problem, "write less to a file, or use .ply")
 }
 
 /// The two chunks under construction.
@@ -114,6 +119,12 @@ impl File {
             let bytes = w.iter().map(|w| w.to_le_bytes());
             let w = self.accessor(Type::Scalar, ComponentType::F32, Target::ArrayBuffer, w.len(), bytes);
             attributes.insert(Checked::Valid(Semantic::Extras("W".to_owned())), w);
+        }
+        if let Some(quality) = &layer.quality {
+            let bytes = quality.iter().map(|value| value.to_le_bytes());
+            let (scalar, component) = (Type::Scalar, ComponentType::F32);
+            let quality = self.accessor(scalar, component, Target::ArrayBuffer, quality.len(), bytes);
+            attributes.insert(Checked::Valid(Semantic::Extras("QUALITY".to_owned())), quality);
         }
         let indices = layer.elements.indices();
         let bytes = indices.iter().map(|index| index.to_le_bytes());

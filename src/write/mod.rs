@@ -1,15 +1,17 @@
 //! Mesh file writers: one format per module, chosen by the extension, each file written completely or not at
 //! all.
 //!
-//! | carries | `.obj` | `.ply` | `.glb` |
-//! |---|---|---|---|
-//! | positions, bit for bit | yes | yes | yes |
-//! | layers | objects | one after another, named in comments | nodes |
-//! | parts | groups | no | no |
-//! | color | no | `red green blue alpha`, sRGB | an unlit material |
-//! | homogeneous w | no | `w` | attribute `_W` |
-//! | triangles, lines | `f`, `l` | elements `face`, `edge` | modes 4, 1 |
-//! | points | `p` | the vertices alone | mode 0 |
+//! | carries | `.obj` | `.ply` | `.glb` | [STL](Target::Stl) |
+//! |---|---|---|---|---|
+//! | positions, bit for bit | yes | yes | yes | yes |
+//! | vertices that faces share | yes | yes | yes | no |
+//! | layers | objects | one after another, named in comments | nodes | one after another |
+//! | parts | groups | no | no | no |
+//! | color | no | `red green blue alpha`, sRGB | an unlit material | no |
+//! | homogeneous w | no | `w` | attribute `_W` | refused |
+//! | quality | no | `quality`, and in the color | attribute `_QUALITY` | no |
+//! | triangles, lines | `f`, `l` | elements `face`, `edge` | modes 4, 1 | triangles; lines are refused |
+//! | points | `p` | the vertices alone | mode 0 | refused |
 //!
 //! The same model gives the same bytes.
 
@@ -17,7 +19,9 @@ mod atomic;
 mod error;
 mod glb;
 mod obj;
+mod occlusion;
 mod ply;
+mod stl;
 
 use std::fmt;
 use std::io::Write;
@@ -28,6 +32,9 @@ use std::path::Path;
 #[doc(hidden)]
 pub use atomic::{abandon, write_atomic};
 pub use error::WriteError;
+pub use occlusion::{
+    Form, GltfFile, Occlusion, OcclusionOptions, Written, glb_with_occlusion, with_occlusion,
+};
 
 use crate::mesh::{Mesh, Part};
 
@@ -53,6 +60,8 @@ pub struct Layer {
     /// Homogeneous w per vertex, if there is one: with 0 the position is a direction, and the vertex lies at
     /// infinity.
     pub w: Option<Vec<f32>>,
+    /// A value per vertex from 0 to 1, if there is one: how bright it is, times the color.
+    pub quality: Option<Vec<f32>>,
     /// Triangles, lines or points between the vertices.
     pub elements: Elements,
     /// Named ranges of elements, in ascending order and without overlap; may be empty.
@@ -127,10 +136,12 @@ pub enum Target {
     Ply,
     /// glTF 2.0, binary container.
     Glb,
+    /// STL, binary: triangles alone. Never chosen by an extension, since it loses which faces share vertices.
+    Stl,
 }
 
 impl Target {
-    /// The format that the extension of `path` names, in any case.
+    /// The format that the extension of `path` names, in any case; one that holds layers of any kind.
     ///
     /// # Errors
     ///
@@ -159,6 +170,7 @@ impl fmt::Display for Target {
             Self::Obj => "obj",
             Self::Ply => "ply",
             Self::Glb => "glb",
+            Self::Stl => "stl",
         })
     }
 }
@@ -194,6 +206,7 @@ pub fn write_to(model: &Model, target: Target, writer: &mut dyn Write) -> Result
         Target::Obj => obj::write(model, writer)?,
         Target::Ply => ply::write(model, writer)?,
         Target::Glb => glb::write(model, writer)?,
+        Target::Stl => stl::write(model, writer)?,
     }
     Ok(())
 }
@@ -233,6 +246,16 @@ fn check(layer: &Layer) -> Result<(), (String, &'static str)> {
         }
         if let Some(vertex) = w.iter().position(|w| !w.is_finite()) {
             return Err((format!("vertex {vertex} has w = {}", w[vertex]), "give it a finite w"));
+        }
+    }
+    if let Some(quality) = &layer.quality {
+        if quality.len() != vertex_count {
+            let problem = format!("{} values of quality for {vertex_count} vertices", quality.len());
+            return Err((problem, "give one per vertex"));
+        }
+        if let Some(vertex) = quality.iter().position(|value| !(0.0..=1.0).contains(value)) {
+            let problem = format!("vertex {vertex} has the quality {}", quality[vertex]);
+            return Err((problem, "keep it from 0 to 1"));
         }
     }
     if let Some(color) = layer.color
@@ -296,6 +319,8 @@ mod tests {
             (Layer { positions: vec![[0.0; 3]; 3], ..sound.clone() }, "vertex 3 is named, of 3"),
             (Layer { w: Some(vec![1.0; 3]), ..sound.clone() }, "3 values of w for 4 vertices"),
             (Layer { w: Some(vec![f32::NAN; 4]), ..sound.clone() }, "w = NaN"),
+            (Layer { quality: Some(vec![1.0; 3]), ..sound.clone() }, "3 values of quality for 4 vertices"),
+            (Layer { quality: Some(vec![1.5; 4]), ..sound.clone() }, "vertex 0 has the quality 1.5"),
             (Layer { color: Some([0.0, 0.0, 1.5, 1.0]), ..sound.clone() }, "the color is"),
             (Layer { parts: vec![part(0..5)], ..sound.clone() }, "the part \"p\" is 0..5, of 4"),
             (Layer { parts: vec![part(1..2), part(0..1)], ..sound.clone() }, "the part \"p\" is 0..1"),

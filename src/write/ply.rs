@@ -5,7 +5,8 @@ use std::io::Write;
 use super::{Elements, GENERATOR, Layer, Model, WriteError};
 
 /// Writes the element `vertex` with `x y z`, then `red green blue alpha` where any layer has a color (the
-/// other layers are opaque white), then `w` where any layer has one (the other layers have 1); the element
+/// other layers are opaque white), then `w` and `quality` where any layer has one (the other layers have 1);
+/// a color is darkened by the quality; the element
 /// `face` with a list of three indices, and the element `edge` with two, each where there are any. Points are
 /// vertices that no element names. A comment per layer says where it begins.
 pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteError> {
@@ -15,7 +16,8 @@ pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteEr
         let problem = format!("{vertex_count} vertices are more than PLY indices of 32 bits can name");
         return Err(WriteError::new(problem, "write fewer layers to a file"));
     }
-    let colored = layers.iter().any(|layer| layer.color.is_some());
+    let colored = layers.iter().any(|layer| layer.color.is_some() || layer.quality.is_some());
+    let valued = layers.iter().any(|layer| layer.quality.is_some());
     let homogeneous = layers.iter().any(|layer| layer.w.is_some());
     let faces: usize = layers.iter().map(|layer| triangles(layer).len()).sum();
     let edges: usize = layers.iter().map(|layer| lines(layer).len()).sum();
@@ -41,6 +43,9 @@ pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteEr
     if homogeneous {
         writeln!(writer, "property float w")?;
     }
+    if valued {
+        writeln!(writer, "property float quality")?;
+    }
     if faces > 0 {
         writeln!(writer, "element face {faces}\nproperty list uchar uint vertex_indices")?;
     }
@@ -50,17 +55,22 @@ pub(super) fn write(model: &Model, writer: &mut dyn Write) -> Result<(), WriteEr
     writeln!(writer, "end_header")?;
 
     for layer in layers {
-        let color = bytes_of(layer.color.unwrap_or([1.0; 4]));
+        let color = layer.color.unwrap_or([1.0; 4]);
         for (vertex, position) in layer.positions.iter().enumerate() {
             for x in position {
                 writer.write_all(&x.to_le_bytes())?;
             }
+            let quality = layer.quality.as_ref().map_or(1.0, |quality| quality[vertex]);
             if colored {
-                writer.write_all(&color)?;
+                let [red, green, blue, alpha] = color;
+                writer.write_all(&bytes_of([red * quality, green * quality, blue * quality, alpha]))?;
             }
             if homogeneous {
                 let w = layer.w.as_ref().map_or(1.0, |w| w[vertex]);
                 writer.write_all(&w.to_le_bytes())?;
+            }
+            if valued {
+                writer.write_all(&quality.to_le_bytes())?;
             }
         }
     }

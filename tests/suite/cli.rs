@@ -1,10 +1,12 @@
 //! Command tests: exit codes, JSON keys, refusals, and the files left behind by a failure.
 
 mod accuracy;
+mod ambient;
 mod check;
 mod demo;
 mod input;
 mod machine;
+mod prepare;
 mod render;
 mod scene;
 mod silhouette;
@@ -158,7 +160,9 @@ fn cli_usage_errors_exit_with_two() {
 fn cli_help_names_every_default() {
     let folder = Folder::new();
     assert!(folder.run("--help").stdout.contains("Exit codes: 0 sound"));
-    for command in ["check", "silhouette", "volume", "verify", "render", "torture", "accuracy"] {
+    let commands =
+        ["check", "prepare", "silhouette", "volume", "verify", "render", "ambient", "torture", "accuracy"];
+    for command in commands {
         let run = folder.run(&format!("{command} --help"));
         assert_eq!(run.code, 0);
         // A line with an option starts a block, which ends at the next option.
@@ -282,7 +286,7 @@ fn cli_prints_the_same_on_any_number_of_threads() {
 #[test]
 fn cli_errors_are_one_line_that_names_the_file() {
     let folder = Folder::with_cubes();
-    for command in ["check", "silhouette", "volume", "render --method rays -o a.png"] {
+    for command in ["check", "prepare", "silhouette", "volume", "render --method rays -o a.png"] {
         for (file, problem) in
             [("missing.obj", "cannot be opened"), ("garbled.stl", ""), ("folder", "is a directory")]
         {

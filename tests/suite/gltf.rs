@@ -8,6 +8,7 @@ mod extension;
 mod geometry;
 mod instancing;
 mod meshopt;
+mod occlusion;
 mod real;
 mod reports;
 mod scene;

@@ -20,6 +20,7 @@ mod gpu_stencil;
 #[cfg(feature = "gpu")]
 mod gpu_topology;
 mod hard;
+mod light_grid;
 mod metamorphic;
 mod oracle;
 mod picture;

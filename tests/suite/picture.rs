@@ -39,7 +39,17 @@ fn sphere_over_floor() -> Mesh {
 }
 
 fn view<'a>(camera: Camera, size: Size, lamps: &'a [ShadedLight]) -> View<'a> {
-    View { camera, size, lamps, casters: None, up: Up::Y, ground: None, paint: &|_| CLAY, edge_samples: 1 }
+    View {
+        camera,
+        size,
+        lamps,
+        casters: None,
+        up: Up::Y,
+        ground: None,
+        paint: &|_| CLAY,
+        edge_samples: 1,
+        ambient: None,
+    }
 }
 
 /// The verdict by a loop over all triangles.

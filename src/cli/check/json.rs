@@ -139,7 +139,7 @@ fn mesh(mesh: &MeshReport) -> Value {
 
 /// The sum over the meshes. Shells are listed with the meshes, so their list is null here; each defect names
 /// its mesh.
-fn total(report: &FileReport, limit: usize) -> Value {
+pub(in crate::cli) fn total(report: &FileReport, limit: usize) -> Value {
     let Some(sum) = report.total() else { return Value::Null };
     let vertices = [
         report.sum(|mesh| mesh.vertices),

@@ -24,7 +24,10 @@ use super::resources::ThreadArgs;
 use super::{Failure, Outcome, render};
 use mark::Marks;
 use picture::Sketch;
-use report::{FileReport, Found, MeshReport, Place, examine};
+use report::{Found, MeshReport, Place, examine};
+
+pub(super) use json::total;
+pub(super) use report::{FileReport, report_on};
 
 /// Crack report: is a mesh closed, and if not, where and with what effect
 ///
@@ -101,7 +104,7 @@ pub(crate) struct Args {
 }
 
 /// The names of the requirements, and what they stand for.
-fn requirements() -> impl TypedValueParser<Value = Requirement> {
+pub(super) fn requirements() -> impl TypedValueParser<Value = Requirement> {
     PossibleValuesParser::new(Requirement::ALL.map(Requirement::name))
         .map(|name| name.parse().expect("the name of a requirement"))
 }

@@ -21,7 +21,7 @@ use crate::cli::output;
 use crate::cli::progress::Progress;
 
 /// The report of one file.
-pub(super) struct FileReport {
+pub(in crate::cli) struct FileReport {
     pub(super) file: PathBuf,
     pub(super) format: Option<Format>,
     pub(super) meshes: Vec<MeshReport>,
@@ -148,30 +148,39 @@ pub(super) fn examine(
         if let Some(sketch) = &mut sketch {
             sketch.add(&report, mesh, &topology);
         }
-        let defects = defects(&report, mesh, &topology, args.limit);
-        let CrackReport { counts, mut shell_list, near_miss, nesting_complete, t_junctions_complete, .. } =
-            report;
-        shell_list.truncate(SHELLS_LISTED);
-        let shell_origins = shell_list.iter().map(|shell| mesh.origin(shell.first_face)).collect();
-        meshes.push(MeshReport {
-            name: mesh.name.clone(),
-            vertices,
-            welded_vertices: mesh.vertex_count(),
-            unreferenced_vertices: unreferenced,
-            counts,
-            shell_list,
-            shell_origins,
-            near_miss,
-            defects,
-            nesting_complete,
-            t_junctions_complete,
-            verdict: verdict(&requirements, &counts),
-        });
+        let vertices = [vertices, unreferenced];
+        meshes.push(MeshReport::of(report, mesh, &topology, vertices, &requirements, args.limit));
     }
     let total = |of: fn(&Counts) -> usize| meshes.iter().map(|mesh| of(&mesh.counts)).sum();
     load::note_none_left(file, total(|counts| counts.faces), total(|counts| counts.collapsed_faces));
     let joinable = args.mesh.is_below_scene() && meshes.len() > 1;
     Ok(FileReport { file: file.to_owned(), format, meshes, requirements, joinable, rounding })
+}
+
+/// The report on meshes that are in memory, without places of defects.
+pub(in crate::cli) fn report_on(
+    file: &Path,
+    format: Option<Format>,
+    meshes: &[WeldedMesh],
+    requirements: &[Requirement],
+) -> FileReport {
+    let of = |welded: &WeldedMesh| {
+        let mesh = &welded.mesh;
+        let topology = Topology::of(mesh);
+        let mut report = CrackReport::of(mesh, &topology);
+        if requirements.contains(&Requirement::NoSelfIntersections) {
+            report.add_self_intersections(mesh, &topology, 0);
+        }
+        MeshReport::of(report, mesh, &topology, [welded.vertices, welded.unreferenced], requirements, 0)
+    };
+    FileReport {
+        file: file.to_owned(),
+        format,
+        meshes: meshes.iter().map(of).collect(),
+        requirements: requirements.to_vec(),
+        joinable: false,
+        rounding: None,
+    }
 }
 
 /// Volumes and boxes in the world of a report on a mesh in its own space; `mesh` is the placed one.
@@ -208,6 +217,35 @@ fn defects(report: &CrackReport, mesh: &Mesh, topology: &Topology, limit: usize)
 }
 
 impl MeshReport {
+    /// Of a mesh that had so many vertices before the weld, of which no face used so many.
+    fn of(
+        report: CrackReport,
+        mesh: &Mesh,
+        topology: &Topology,
+        [vertices, unreferenced_vertices]: [usize; 2],
+        requirements: &[Requirement],
+        limit: usize,
+    ) -> Self {
+        let defects = defects(&report, mesh, topology, limit);
+        let CrackReport { counts, mut shell_list, near_miss, nesting_complete, t_junctions_complete, .. } =
+            report;
+        shell_list.truncate(SHELLS_LISTED);
+        Self {
+            name: mesh.name.clone(),
+            vertices,
+            welded_vertices: mesh.vertex_count(),
+            unreferenced_vertices,
+            shell_origins: shell_list.iter().map(|shell| mesh.origin(shell.first_face)).collect(),
+            counts,
+            shell_list,
+            near_miss,
+            defects,
+            nesting_complete,
+            t_junctions_complete,
+            verdict: verdict(requirements, &counts),
+        }
+    }
+
     pub(super) fn sound(&self) -> bool {
         self.verdict == Verdict::Sound
     }
@@ -239,19 +277,19 @@ impl FileReport {
     }
 
     /// The worst of any mesh; a file without one is empty.
-    pub(super) fn verdict(&self) -> Verdict {
+    pub(in crate::cli) fn verdict(&self) -> Verdict {
         let empty = self.requirements.contains(&Requirement::NotEmpty);
         let nothing = if empty { Verdict::Empty } else { Verdict::Sound };
         self.meshes.iter().map(|mesh| mesh.verdict).max().unwrap_or(nothing)
     }
 
     /// `None` if there is no mesh.
-    pub(super) fn total(&self) -> Option<Counts> {
+    pub(in crate::cli) fn total(&self) -> Option<Counts> {
         Counts::total(self.meshes.iter().map(|mesh| mesh.counts))
     }
 
     /// The worst standing of any mesh.
-    pub(super) fn standing(&self, asked: Requirement) -> Standing {
+    pub(in crate::cli) fn standing(&self, asked: Requirement) -> Standing {
         let none = if asked == Requirement::NotEmpty { Standing::Fails } else { Standing::Holds };
         self.meshes.iter().map(|mesh| asked.standing(&mesh.counts)).max().unwrap_or(none)
     }

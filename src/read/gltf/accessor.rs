@@ -67,7 +67,7 @@ fn expect_shape(object: &Object, wanted: &str, what: &str) -> Result<(), ReadErr
 }
 
 /// All elements of an accessor, each decoded from `size` bytes; `zero` stands for absent data.
-fn elements<T: Clone>(
+pub(super) fn elements<T: Clone>(
     asset: &Asset,
     object: &Object,
     size: usize,

@@ -191,6 +191,11 @@ impl Document {
         }
     }
 
+    /// The document as it is.
+    pub(super) fn root(&self) -> &Value {
+        &self.root
+    }
+
     /// The document as an object.
     pub(super) fn object(&self) -> Object<'_> {
         Object::document(&self.root)

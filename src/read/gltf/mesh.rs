@@ -33,9 +33,9 @@ impl Mode {
 }
 
 /// The geometry of one primitive.
-struct Primitive {
-    positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
+pub(super) struct Primitive {
+    pub(super) positions: Vec<[f32; 3]>,
+    pub(super) triangles: Vec<[u32; 3]>,
     /// One a morph target; `None` where the target leaves positions alone.
     displacements: Vec<Option<Vec<[f32; 3]>>>,
 }
@@ -104,7 +104,7 @@ fn part_name(asset: &Asset, material: Option<usize>, index: usize) -> Result<Str
 }
 
 /// `None` for points, lines, and a primitive without positions.
-fn read_primitive(asset: &Asset, primitive: &Object) -> Result<Option<Primitive>, ReadError> {
+pub(super) fn read_primitive(asset: &Asset, primitive: &Object) -> Result<Option<Primitive>, ReadError> {
     let notes = asset.notes;
     let within = |error: ReadError| match error.place {
         Place::Item(item) => {

@@ -26,6 +26,7 @@ mod meshopt;
 mod node;
 mod notes;
 mod object;
+pub(crate) mod stored;
 mod tree;
 mod uri;
 mod view;

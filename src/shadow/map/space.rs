@@ -155,7 +155,7 @@ impl LightSpace {
     }
 
     /// Clip coordinates x, y, w and depth times w: linear in the point.
-    pub(super) fn homogeneous(&self, layer: usize, p: DVec3) -> [f64; 4] {
+    pub(in crate::shadow) fn homogeneous(&self, layer: usize, p: DVec3) -> [f64; 4] {
         let Frame { right, up, axis } = self.frames[layer];
         let q = p - self.origin;
         match self.spread {

@@ -87,10 +87,10 @@ mod tests {
         for (hit, &value) in samples.hits().iter().zip(found.values()) {
             let Some(hit) = hit else { continue };
             let [x, _, z] = hit.point.map(f64::from);
-            assert!(z.abs() < 1e-6, "only the floor is seen");
-            // The visible point lies before the floor, not on it.
-            let expected = (0.5 + 0.5 * x).clamp(0.0, 1.0);
-            assert!((f64::from(value) - expected).abs() < 1e-6, "{value} at {x}");
+            assert!(hit.corners.iter().all(|corner| corner[2] == 0.0), "only the floor is seen");
+            // The visible point lies above the floor, not on it: the plate is nearer by as much.
+            let expected = (0.5 + x / (2.0 - z)).clamp(0.0, 1.0);
+            assert!((f64::from(value) - expected).abs() < f64::from(f32::EPSILON), "{value} at {x}");
             within += usize::from(value > 0.0 && value < 1.0);
         }
         assert!(within > 1000, "{within}");

@@ -141,6 +141,10 @@ impl SoftShadow for SoftHybrid<'_> {
     fn texel_world(&self) -> f64 {
         self.map.texel_world()
     }
+
+    fn sees_horizon(&self) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]

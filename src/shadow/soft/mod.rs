@@ -10,6 +10,7 @@ mod blocks;
 mod contact_blur;
 mod edge_search;
 mod edges;
+mod horizon;
 mod hybrid;
 mod light_map;
 mod moments;
@@ -28,6 +29,7 @@ mod window;
 use std::fmt::Debug;
 
 pub(super) use contact_blur::contact_blur;
+pub(super) use horizon::above_horizon;
 pub(super) use hybrid::soft_hybrid;
 pub(super) use moments::{msm, vsm};
 pub use options::{
@@ -38,6 +40,7 @@ pub(super) use pcss::pcss;
 pub use samples::SamplesOptions;
 pub(super) use silhouettes::{penumbra_map, smoothies};
 pub(super) use single_sample::single_sample;
+pub(super) use sums::Sums;
 
 use super::{Samples, Visibility};
 
@@ -51,6 +54,11 @@ pub(super) trait SoftShadow: Debug + Send + Sync {
 
     /// Side of a texel in mesh units, in the middle of what is seen.
     fn texel_world(&self) -> f64;
+
+    /// Whether the values know what the face's own plane hides of the lamp. A map does not.
+    fn sees_horizon(&self) -> bool {
+        false
+    }
 
     /// The bias of a plane that meets the light at 45° in the worst direction, in mesh units along the light.
     fn bias_world(&self) -> f64 {

@@ -8,7 +8,7 @@ const MOST_BYTES: usize = 1 << 32;
 
 /// Sums of `N` values per texel.
 #[derive(Debug)]
-pub(super) struct Sums<const N: usize> {
+pub(in crate::shadow) struct Sums<const N: usize> {
     /// Texels along a side.
     side: usize,
     /// Sums over all texels above and to the left of a corner, by rows of `side + 1`.
@@ -17,7 +17,11 @@ pub(super) struct Sums<const N: usize> {
 
 impl<const N: usize> Sums<N> {
     /// One of `tables` tables. The error is the number of bytes of all, where they do not fit.
-    pub(super) fn of(side: usize, tables: usize, value: impl Fn(usize) -> [f64; N]) -> Result<Self, usize> {
+    pub(in crate::shadow) fn of(
+        side: usize,
+        tables: usize,
+        value: impl Fn(usize) -> [f64; N],
+    ) -> Result<Self, usize> {
         let row_len = side + 1;
         let count = row_len * row_len;
         let bytes = tables * count * size_of::<[f64; N]>();
@@ -41,7 +45,7 @@ impl<const N: usize> Sums<N> {
 
     /// The mean over the part of a box that lies on the map, with fractions of texels. A box beside the map
     /// has the mean of the nearest rim.
-    pub(super) fn mean(&self, at: [f64; 2], half: [f64; 2]) -> [f64; N] {
+    pub(in crate::shadow) fn mean(&self, at: [f64; 2], half: [f64; 2]) -> [f64; N] {
         let side = self.side as f64;
         let ends = [0, 1].map(|axis| {
             let low = (at[axis] - half[axis]).clamp(0.0, side - 1.0 / 256.0);

@@ -226,3 +226,34 @@ fn soft_maps_that_do_not_fit_are_refused() {
         assert!(error.starts_with(text) && error.ends_with("choose a smaller size"), "{error}");
     }
 }
+
+/// One wall that the sun's disk stands behind in part, and nothing else: every map is empty of blockers.
+#[test]
+fn soft_values_are_cut_at_the_horizon_of_their_face() {
+    let wall = Caster::new(shapes::scaled(&shapes::sheet(1), 2.0));
+    let casters = CasterGroup::new(vec![&wall]);
+    let size = Size::new(16, 12).unwrap();
+    let camera = Camera::look_at([1.0, 1.0, 4.0], [1.0, 1.0, 0.0], 0.3, Up::Y).unwrap();
+    let samples = Samples::of_view(&casters, &camera.projection(size, 0.125), size, 1).unwrap();
+    // The center 10° above the wall's plane, the rim 20° around it: a chord at tan 10° / tan 20° of the
+    // radius.
+    let (sin, cos) = 10_f64.to_radians().sin_cos();
+    let lamp: Lamp = format!("directional:{},0,{},angle=20", -cos, -sin).parse().unwrap();
+    let request = Request { casters: &casters, lamp: &lamp, samples: &samples };
+    let [x, _, z] = lamp.light().xyz().map(f64::from); // as rounded
+    let radius = lamp.patch([0.0; 3]).unwrap().across.length();
+    let expected = disk_fraction((z / x).abs() / radius);
+    // A visible point lies before the wall, and light passes over the wall's rim below the horizon: 0.2 away
+    // at least, and a share of the disk is at most 2/π of a height in radii.
+    let height = samples.hits().iter().flatten().map(|hit| f64::from(hit.point[2])).fold(0.0, f64::max);
+    let rim = height / 0.2 / radius * std::f64::consts::FRAC_2_PI;
+    for technique in Technique::ALL.into_iter().filter(|technique| technique.is_soft()) {
+        let found = technique.shade(&request).unwrap();
+        assert!(found.asked().iter().all(|asked| *asked));
+        let off = found.values().iter().map(|&value| (f64::from(value) - expected).abs()).fold(0.0, f64::max);
+        // 64 points of the lamp show its parts to a tenth; the others know the plane.
+        let is_by_points = matches!(technique, Technique::Samples(_) | Technique::SoftHybrid(_));
+        assert!(off < if is_by_points { 0.1 } else { rim + f64::from(f32::EPSILON) }, "{technique} {off}");
+    }
+    assert!(expected < 0.85, "without the cut the maps answer 1");
+}

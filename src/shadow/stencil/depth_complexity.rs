@@ -6,13 +6,13 @@
 //! A quadtree over the directions splits squares until fewer faces than the limit lie in each square. All
 //! faces that a ray crosses lie in the square that contains the ray's direction.
 //!
-//! A [`View`] gives directions two coordinates. One view holds the whole mesh if the light is far away. A
-//! light near or inside the mesh takes the six sides of a cube around the light. No split separates the faces
-//! around one vertex, so with hundreds of such faces the bound is larger than the truth.
+//! A [`View`] gives directions two coordinates. No split separates the faces around one vertex, so with
+//! hundreds of such faces the bound is larger than the truth.
 
 use std::fmt;
 
 use crate::geom::{Aabb, Light};
+use crate::light_grid::view::{ERROR, Seen, View};
 use crate::mesh::{FaceId, Mesh};
 
 /// Bound of the number of casting faces that a ray from the light may cross, compared with a limit.
@@ -94,134 +94,6 @@ pub fn max_depth_complexity(mesh: &Mesh, signs: &[i8], light: &Light, limit: u32
     search.reached.map_or(DepthComplexity::Below(search.below), DepthComplexity::MayReach)
 }
 
-/// Upper bound of all roundings of one coordinate, relative to its terms (see [`View`]): 2⁻⁴⁸, or 32
-/// roundings.
-const ERROR: f64 = 1.0 / (1_u64 << 48) as f64;
-
-/// Two coordinates for the rays of a light, equal for all points of one ray. Let z be the distance of a point
-/// p along an axis k. Then for each of the other two axes i,
-///
-/// `yᵢ = ((pᵢ − cᵢ) − rᵢ·(pₖ − cₖ)) / z`, z = ±(pₖ − Lₖ) for a point light, 1 for a directional one.
-///
-/// With c = L and r = 0 this is the plain projection onto a side of a cube. For a light far away, c is the
-/// center of the mesh, and r is the slope of the ray through c, |rᵢ| ≤ 1. This choice shifts y by a constant,
-/// and avoids cancellation. Seven roundings lead to y, each of at most ε = 2⁻⁵³ of
-/// `(|pᵢ − cᵢ| + |pₖ − cₖ|)/z`. Since r is itself rounded, with an error of 3ε at most, y is not quite
-/// constant along a ray: y differs from its value in the plane of c by at most 3ε·|pₖ − cₖ|/z. The sum is
-/// 10ε; [`ERROR`] is 32ε.
-#[derive(Clone, Copy, Debug)]
-struct View {
-    /// Axis k, then the other two axes.
-    axes: [usize; 3],
-    /// Direction of the view along axis k: 1 or −1.
-    sign: f64,
-    pivot: [f64; 3],
-    slope: [f64; 2],
-    /// Coordinate Lₖ of a point light, where z = 0; `None` for a directional light.
-    light: Option<f64>,
-    /// Bound of |yᵢ| for the points that belong to the view.
-    window: f64,
-}
-
-impl View {
-    /// The views that together hold all rays of `light` that meet the box.
-    fn all(bounds: &Aabb, light: &Light) -> Vec<Self> {
-        if bounds.is_empty() {
-            return Vec::new();
-        }
-        let (l, center) = (light.xyz().map(f64::from), bounds.center().map(f64::from));
-        let towards = if light.is_directional() { l } else { std::array::from_fn(|i| center[i] - l[i]) };
-        let longest = |a: usize, b: usize| if towards[b].abs() > towards[a].abs() { b } else { a };
-        let k = [1, 2].into_iter().fold(0, longest);
-        let axes = [k, (k + 1) % 3, (k + 2) % 3];
-        let (sign, depth) = (towards[k].signum(), towards[k].abs());
-        let far = Self {
-            axes,
-            sign,
-            pivot: center,
-            slope: [axes[1], axes[2]].map(|i| towards[i] / towards[k]),
-            light: (!light.is_directional()).then_some(l[k]),
-            window: f64::INFINITY,
-        };
-        let nearest = [bounds.low[k], bounds.high[k]].map(|x| far.depth(f64::from(x)));
-        // Any positive depth would be correct. A quarter of the depth keeps near faces from dwarfing the
-        // rest.
-        if nearest[0].min(nearest[1]) > 0.25 * if light.is_directional() { 1.0 } else { depth } {
-            return vec![far];
-        }
-        let side = |(k, sign)| Self {
-            axes: [k, (k + 1) % 3, (k + 2) % 3],
-            sign,
-            pivot: l,
-            slope: [0.0; 2],
-            light: Some(l[k]),
-            window: 1.0,
-        };
-        [0, 1, 2].into_iter().flat_map(|k| [(k, 1.0), (k, -1.0)]).map(side).collect()
-    }
-
-    /// The distance z of a point whose coordinate on axis k is `x`. The sign of z is exact.
-    #[inline]
-    fn depth(&self, x: f64) -> f64 {
-        self.light.map_or(1.0, |l| self.sign * (x - l))
-    }
-
-    /// The projection of a triangle; `None` if the view holds none of the triangle's points.
-    #[inline]
-    fn see(&self, corners: [[f32; 3]; 3]) -> Option<Seen> {
-        let [k, ..] = self.axes;
-        let z = corners.map(|p| self.depth(f64::from(p[k])));
-        let from_pivot = |p: [f32; 3], i: usize| f64::from(p[i]) - self.pivot[i];
-        let mut rectangle = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-        let (mut places, mut off) = ([[0.0; 2]; 3], [0.0_f64; 2]);
-        for i in 0..2 {
-            let [low, high] = &mut rectangle[i];
-            let mut numerators = [0.0; 3];
-            for c in 0..3 {
-                let (across, along) = (from_pivot(corners[c], self.axes[i + 1]), from_pivot(corners[c], k));
-                numerators[c] = across - self.slope[i] * along;
-                if z[c] > 0.0 {
-                    let error = ERROR * (across.abs() + along.abs());
-                    *low = low.min((numerators[c] - error) / z[c]);
-                    *high = high.max((numerators[c] + error) / z[c]);
-                    places[c][i] = numerators[c] / z[c];
-                    off[i] = off[i].max(error / z[c]);
-                }
-            }
-            // Along an edge that leaves z > 0, y grows without bound, towards the side on which the edge
-            // crosses z = 0.
-            for (p, q) in [(0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2)] {
-                if z[p] > 0.0 && z[q] <= 0.0 {
-                    let terms = [numerators[p] * -z[q], numerators[q] * z[p]];
-                    let (sum, error) = (terms[0] + terms[1], ERROR * (terms[0].abs() + terms[1].abs()));
-                    if sum >= -error {
-                        *high = f64::INFINITY;
-                    }
-                    if sum <= error {
-                        *low = f64::NEG_INFINITY;
-                    }
-                }
-            }
-            if !(*low <= self.window && *high >= -self.window) {
-                return None;
-            }
-            (*low, *high) = (low.max(-self.window), high.min(self.window));
-        }
-        Some(Seen { rectangle, corners: z.iter().all(|&z| z > 0.0).then_some(places), off })
-    }
-}
-
-/// A triangle as projected by a view.
-#[derive(Clone, Copy, Debug)]
-struct Seen {
-    /// Bounds `[low, high]` of both coordinates over all of the triangle's points that the view holds.
-    rectangle: [[f64; 2]; 2],
-    /// The projected corners; `None` if a corner is not in front of the light.
-    corners: Option<[[f64; 2]; 3]>,
-    /// Bound of the corners' error, per coordinate.
-    off: [f64; 2],
-}
-
 /// Bits per grid coordinate, and depth of the quadtree.
 const BITS: u32 = 16;
 
@@ -249,15 +121,15 @@ struct Place {
     half: [f64; 2],
 }
 
-impl Seen {
-    /// Overlap of the triangle and a square. `None` is certain: the line of an edge separates the triangle
+impl Place {
+    /// Overlap of a triangle and the square. `None` is certain: the line of an edge separates the triangle
     /// from the square.
     ///
     /// The square is enlarged by the error bound of the corners; then the corners count as exact. No compared
     /// value has an error of more than 16 roundings of its terms; [`ERROR`] is 32 roundings.
-    fn overlap(&self, place: &Place) -> Overlap {
-        let Some(corners) = self.corners else { return Overlap::All };
-        let half = [place.half[0] + self.off[0], place.half[1] + self.off[1]];
+    fn overlap(&self, seen: &Seen) -> Overlap {
+        let Some(corners) = seen.corners else { return Overlap::All };
+        let half = [self.half[0] + seen.off[0], self.half[1] + seen.off[1]];
         let mut all = true;
         for k in 0..3 {
             let [a, b, c] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
@@ -266,7 +138,7 @@ impl Seen {
                 let terms = [dx * (p[1] - a[1]), dy * (p[0] - a[0])];
                 (terms[0] - terms[1], terms[0].abs() + terms[1].abs())
             };
-            let ((third, terms), (middle, more)) = (height(c), height(place.middle));
+            let ((third, terms), (middle, more)) = (height(c), height(self.middle));
             let reach = dx.abs() * half[1] + dy.abs() * half[0];
             let error = ERROR * (terms + more + reach);
             if middle + reach + error < third.min(0.0) || middle - reach - error > third.max(0.0) {
@@ -345,7 +217,7 @@ impl Search {
                     // Most triangles are small and lie well inside the square: no test is needed.
                     let inside = x <= x0 && x1 <= x + last && y <= y0 && y1 <= y + last;
                     let covers = x0 <= x && x + last <= x1 && y0 <= y && y + last <= y1;
-                    match if inside { Overlap::Some } else { seen[cells.seen as usize].overlap(&place) } {
+                    match if inside { Overlap::Some } else { place.overlap(&seen[cells.seen as usize]) } {
                         Overlap::None => continue,
                         Overlap::All if covers => square.covering += 1,
                         _ => {

@@ -54,7 +54,7 @@ fn inside_the_square() -> impl Iterator<Item = [f64; 2]> {
 }
 
 /// Sideways reach of a pixel's footprint, in pixels.
-pub(super) fn step(projection: &Projection, size: Size) -> f64 {
+pub(crate) fn step(projection: &Projection, size: Size) -> f64 {
     const U: f64 = f32::EPSILON as f64;
     let length = |row: [f32; 3]| DVec3::from(row.map(f64::from)).length();
     let rows = 1.0 + length(projection.right).max(length(projection.up));

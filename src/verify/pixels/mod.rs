@@ -11,7 +11,7 @@ mod footprint;
 mod ray_point;
 
 pub use counts::PixelCounts;
-use footprint::step;
+pub(crate) use footprint::step;
 
 use crate::caster::Caster;
 use crate::geom::bvh::Bvh;

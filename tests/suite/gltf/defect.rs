@@ -169,7 +169,7 @@ fn gltf_document_that_is_none_is_refused() {
 }
 
 /// A document with every feature that is read.
-fn rich() -> Builder {
+pub(super) fn rich() -> Builder {
     let mut builder = Builder::square();
     let indices = builder.view(&u16s(&[1, 3]));
     let values = builder.view(&f32s(&[5.0, 6.0, 7.0, 8.0, 9.0, 10.0]));
@@ -201,7 +201,7 @@ fn rich() -> Builder {
 }
 
 /// The JSON pointers of all values in `value`, itself included.
-fn pointers(value: &Value, at: String, all: &mut Vec<String>) {
+pub(super) fn pointers(value: &Value, at: String, all: &mut Vec<String>) {
     match value {
         Value::Array(list) => {
             list.iter().enumerate().for_each(|(index, value)| pointers(value, format!("{at}/{index}"), all));

@@ -7,7 +7,7 @@ use umbrage::scene::Scope;
 use super::{Builder, f32s};
 
 /// A square whose node is instanced with these attributes.
-fn instanced(attributes: serde_json::Value, mut builder: Builder) -> Builder {
+pub(super) fn instanced(attributes: serde_json::Value, mut builder: Builder) -> Builder {
     builder.doc["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": attributes}});
     builder.doc["extensionsRequired"] = json!(["EXT_mesh_gpu_instancing"]);
     builder

@@ -30,7 +30,7 @@ impl Builder {
 }
 
 /// The mesh with its positions and indices (of `index_bytes` each) compressed.
-fn document(mesh: &Mesh, index_bytes: usize, mode: &str) -> Builder {
+pub(super) fn document(mesh: &Mesh, index_bytes: usize, mode: &str) -> Builder {
     let mut builder = Builder::mesh(mesh.positions(), 4, None);
     let indices: Vec<u32> = mesh.triangles().iter().flatten().copied().collect();
     let bytes: Vec<u8> =

@@ -56,6 +56,7 @@ impl Subject {
             ground: Some(self.ground),
             paint: &|face: FaceId| if face.index().is_multiple_of(7) { [0.7, 0.3, 0.1] } else { CLAY },
             edge_samples,
+            ambient: None,
         }
     }
 

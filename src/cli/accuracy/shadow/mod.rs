@@ -84,6 +84,17 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     Ok(outcome)
 }
 
+/// Every technique, and the plain map twice more at twice the resolution: what texels alone are good for.
+fn default_rows() -> Vec<Technique> {
+    let doubled = |technique: Technique| {
+        let sizes: &[&str] =
+            if technique.name() == "map" { &["map:size=2048", "map:size=4096"] } else { &[] };
+        let finer = sizes.iter().map(|text| text.parse().expect("within the range of sizes"));
+        std::iter::once(technique).chain(finer)
+    };
+    Technique::ALL.into_iter().flat_map(doubled).collect()
+}
+
 fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
     let mut source = args.source(file).load()?;
     let size = args.size.unwrap_or(Size::new(SIZE.0, SIZE.1).expect("in range"));
@@ -97,7 +108,7 @@ fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
         return Err(Failure::new(problem, "name a mesh that has some").in_file(file));
     }
     let projection: Projection = camera.projection(size, camera.near([source.seen().mesh()], size));
-    let techniques = if args.shadow.is_empty() { Technique::ALL.to_vec() } else { args.shadow.clone() };
+    let techniques = if args.shadow.is_empty() { default_rows() } else { args.shadow.clone() };
     let steps = (1 + techniques.len() as u64) * lights.len() as u64;
     let progress = Progress::bar(format!("measuring {}", file.display()), steps);
     let casters = source.group();
@@ -139,6 +150,7 @@ fn pictures(
         ground: None,
         paint: &paint,
         edge_samples: samples.per_side(),
+        ambient: None,
     };
     let progress = Progress::bar("drawing the page", found.len() as u64);
     let draw = |found: &ShadowAccuracy| {

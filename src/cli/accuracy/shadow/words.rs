@@ -34,6 +34,17 @@ pub(super) fn what(technique: Technique) -> &'static str {
             "The exact hard shadow, with a rim as wide as the penumbra at each silhouette edge."
         }
         "contact-blur" => "The exact hard shadow, blurred on the picture as wide as the blockers suggest.",
+        "hybrid" => "A light grid where it proves a sample lit or dark, and an exact shadow ray elsewhere.",
+        "planar" => {
+            "The casters flattened onto one plane, decided exactly; exact rays for all other samples."
+        }
+        "planar-blur" => "The planar shadow, blurred by one width: the penumbra of its mean caster.",
+        "planar-contact" => "The planar shadow, blurred as wide as the casters around each sample suggest.",
+        "planar-layers" => "The mean of planar shadows from points spread over the lamp.",
+        "blob" => {
+            "A dark spot under each shell: how much of the sky its bounding sphere hides, whatever the lamp."
+        }
+        "projective" => "A map of what the casters cover, projected from the lamp onto the receivers.",
         "none" => "No shadows: every surface that faces the lamp is lit.",
         "dark" => "No light from this lamp at all.",
         _ => "A technique without a description.",
@@ -59,6 +70,13 @@ pub(super) fn when(technique: Technique) -> &'static str {
         "vsm" | "msm" => "Take it where many samples share one filtered map, and some leaking is accepted.",
         "smoothies" | "penumbra-map" => "Take it for clean models, where silhouettes are few.",
         "contact-blur" => "Take it where an exact hard shadow is there already.",
+        "hybrid" => "Take it where exact rays are dear, and most samples lie away from silhouettes.",
+        "planar" => "Take it where a floor receives nearly all of the shadow.",
+        "planar-blur" => "Take it where a floor is looked at from afar.",
+        "planar-contact" => "Take it where casters stand on a floor under a lamp with an extent.",
+        "planar-layers" => "Take it as the reference of soft shadows on a floor.",
+        "blob" => "Take it where a contact has to be seen, and the shape of the shadow does not matter.",
+        "projective" => "Take it where few casters stand before curved receivers.",
         "none" => "Take it where the shadow is not seen: it is the cost of drawing without any.",
         "dark" => "Take it for a lamp that is switched off: it is the other end of the scale.",
         _ => "",

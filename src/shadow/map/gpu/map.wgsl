@@ -29,6 +29,7 @@ struct Light {
     // Whether the receiver's plane is taken at each texel's center.
     at_center: u32,
     reach: f32,
+    // Texels by whose change of depth a plane at a texel's center is raised.
     slack: f32,
     rounding: f32,
     spare: u32,
@@ -101,16 +102,39 @@ fn layer_of(q: vec3f) -> u32 {
     return 2u * axis + select(0u, 1u, q[axis] < 0.0);
 }
 
-// What a filter compares.
+// A visible point on its layer.
 struct Receiver {
     layer: u32,
     normal: vec3f,
     corner: vec3f,
     plane: vec3f,
     depth: f32,
+    // In texels.
+    at: vec2f,
+    // Whether the map has a position for it: it is not behind a spot.
+    is_there: bool,
 }
 
-// Depth of a plane at a texel's center, with the slack of half a texel.
+// Where the ray of a pixel meets the plane of the visible face.
+fn receiver_of(position: vec2f, face: u32) -> Receiver {
+    let first = triangles[3u * face];
+    let normal = face_normal(face);
+    let screen = normalized(position);
+    let ray = screen.x * frame.ray_right + screen.y * frame.ray_up + frame.ray_forward;
+    let distance = dot(normal, vertex(first) * frame.scale - frame.eye) / dot(normal, ray);
+    let q = (frame.eye + distance * ray) * (light.scale / frame.scale) - light.origin;
+
+    let layer = layer_of(q);
+    let at = on_layer(layer, q);
+    let texels = to_texels(at.xy / at.w);
+    let corner = from_light(first);
+    let plane = depth_plane(layer, normal, corner);
+    let depth = dot(plane, vec3f(at.xy / at.w, 1.0));
+    let is_there = at.w > 0.0 && all(abs(texels) < vec2f(1e9));
+    return Receiver(layer, normal, corner, plane, depth, texels, is_there);
+}
+
+// Depth of a plane at a texel's center, and what it changes over `slack` texels.
 fn with_slack(plane: vec3f, texel: vec2i, slack: f32) -> f32 {
     let center = from_texels(vec2f(texel) + 0.5);
     let slope = (abs(plane.x) + abs(plane.y)) * (2.0 / light.size);
@@ -121,9 +145,13 @@ fn rounding(depth: f32) -> f32 {
     return select(light.rounding, light.rounding * depth, light.is_central != 0u);
 }
 
+fn is_on_layer(texel: vec2i) -> bool {
+    return all(texel >= vec2i(0)) && all(texel < vec2i(i32(light.size)));
+}
+
 fn blocks(receiver: Receiver, texel: vec2i) -> bool {
     let side = i32(light.size);
-    if all(texel >= vec2i(0)) && all(texel < vec2i(side)) {
+    if is_on_layer(texel) {
         var least = receiver.depth;
         if light.at_center != 0u { least = with_slack(receiver.plane, texel, light.slack); }
         return textureLoad(map, texel, receiver.layer, 0) > least + rounding(receiver.depth);
@@ -137,7 +165,7 @@ fn blocks(receiver: Receiver, texel: vec2i) -> bool {
     let there = on_layer(layer, towards);
     let other = clamp(vec2i(floor(to_texels(there.xy / there.w))), vec2i(0), vec2i(side - 1));
     let plane = depth_plane(layer, receiver.normal, receiver.corner);
-    let least = with_slack(plane, other, 0.5);
+    let least = with_slack(plane, other, light.slack);
     return textureLoad(map, other, layer, 0) > least + rounding(least);
 }
 
@@ -156,27 +184,13 @@ fn weight(texel: f32, at: f32) -> f32 {
 fn visibility(@builtin(position) position: vec4f) -> @location(0) f32 {
     let seen = textureLoad(faces, vec2u(position.xy), 0).x;
     if seen == 0u { return 0.0; }
-    let face = seen - 1u;
-    let first = triangles[3u * face];
-    let normal = face_normal(face);
-    // The visible point: where the ray meets the plane of the face.
-    let screen = normalized(position.xy);
-    let ray = screen.x * frame.ray_right + screen.y * frame.ray_up + frame.ray_forward;
-    let distance = dot(normal, vertex(first) * frame.scale - frame.eye) / dot(normal, ray);
-    let q = (frame.eye + distance * ray) * (light.scale / frame.scale) - light.origin;
-
-    let layer = layer_of(q);
-    let at = on_layer(layer, q);
-    if !(at.w > 0.0) { return 1.0; }
-    let t = to_texels(at.xy / at.w);
-    if !all(abs(t) < vec2f(1e9)) { return 1.0; }
-    let corner = from_light(first);
-    let plane = depth_plane(layer, normal, corner);
-    var depth = dot(plane, vec3f(at.xy / at.w, 1.0));
+    var receiver = receiver_of(position.xy, seen - 1u);
+    if !receiver.is_there { return 1.0; }
     if light.at_center == 0u {
-        depth += light.reach * (abs(plane.x) + abs(plane.y)) * (2.0 / light.size);
+        let slope = (abs(receiver.plane.x) + abs(receiver.plane.y)) * (2.0 / light.size);
+        receiver.depth += light.reach * slope;
     }
-    let receiver = Receiver(layer, normal, corner, plane, depth);
+    let t = receiver.at;
     if light.side == 0.0 { return select(1.0, 0.0, blocks(receiver, vec2i(floor(t)))); }
     var lit = 0.0;
     var dark = 0.0;

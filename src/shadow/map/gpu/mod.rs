@@ -1,9 +1,12 @@
 //! Shadow maps on a device: one depth texture with a layer per side of a cube, and the lookup that fills a
 //! visibility texture.
 
+mod hybrid;
 mod uniform;
 #[cfg(test)]
 mod tests;
+
+pub use hybrid::{HybridPass, Marked};
 
 use wgpu::{
     CompareFunction, StencilState, TextureAspect, TextureFormat, TextureUsages, TextureViewDimension,
@@ -112,7 +115,18 @@ impl MapPass {
     ///
     /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        let module = Shader::new("shadow map", &format!("{}{SOURCE}", raster::SOURCE)).module(gpu)?;
+        Self::of(gpu, SOURCE)
+    }
+
+    /// The passes with one text of their shader replaced, for the injected faults of tests.
+    #[cfg(test)]
+    pub(crate) fn with_fault(gpu: &Gpu, text: &str, fault: &str) -> Self {
+        assert!(SOURCE.contains(text), "{text}");
+        Self::of(gpu, &SOURCE.replace(text, fault)).expect("it compiles")
+    }
+
+    fn of(gpu: &Gpu, source: &str) -> Result<Self, GpuError> {
+        let module = Shader::new("shadow map", &format!("{}{source}", raster::SOURCE)).module(gpu)?;
         let draw = Pipeline {
             vertex: "caster",
             fragment: Some("caster_depth"),
@@ -150,7 +164,7 @@ impl MapPass {
             let frame = self
                 .gpu
                 .uniform(&raster::Frame::without_camera(receivers.largest, receivers.plane_stride))?;
-            let bind = self.bind(&self.draw, &receivers, &frame, &[(6, light.as_entire_binding())])?;
+            let bind = bind(&self.gpu, &self.draw, &receivers, &frame, &[(6, light.as_entire_binding())])?;
             Ok((bind, self.layer(&texture, layer)?))
         });
         let layers = layers.collect::<Result<Vec<_>, GpuError>>()?;
@@ -202,22 +216,11 @@ impl MapPass {
             (6, light.as_entire_binding()),
             (7, wgpu::BindingResource::TextureView(&map.view)),
         ];
-        let bind = self.bind(&self.look, &samples.receivers, &samples.uniform, &more)?;
+        let bind = bind(&self.gpu, &self.look, &samples.receivers, &samples.uniform, &more)?;
         self.gpu.submit(|encoder| {
             everywhere(visibility.0.begin(encoder, true), &self.look, Some(&bind));
         })?;
         Ok(visibility)
-    }
-
-    fn bind<'a>(
-        &self,
-        pipeline: &wgpu::RenderPipeline,
-        receivers: &'a Receivers,
-        frame: &'a wgpu::Buffer,
-        more: &[(u32, wgpu::BindingResource<'a>)],
-    ) -> Result<wgpu::BindGroup, GpuError> {
-        let layout = self.gpu.attempt(|| pipeline.get_bind_group_layout(0))?;
-        self.gpu.bind_group(&layout, receivers.bindings(frame).into_iter().chain(more.iter().cloned()))
     }
 
     fn texture(&self, space: &LightSpace) -> Result<wgpu::Texture, GpuError> {
@@ -255,4 +258,16 @@ impl MapPass {
             })
         })
     }
+}
+
+/// Group 0 of a pipeline that reads triangles.
+fn bind<'a>(
+    gpu: &Gpu,
+    pipeline: &wgpu::RenderPipeline,
+    receivers: &'a Receivers,
+    frame: &'a wgpu::Buffer,
+    more: &[(u32, wgpu::BindingResource<'a>)],
+) -> Result<wgpu::BindGroup, GpuError> {
+    let layout = gpu.attempt(|| pipeline.get_bind_group_layout(0))?;
+    gpu.bind_group(&layout, receivers.bindings(frame).into_iter().chain(more.iter().cloned()))
 }

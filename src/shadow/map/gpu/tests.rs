@@ -124,3 +124,52 @@ fn map_on_a_device_refuses_what_it_has_no_form_of() {
         assert!(matches!(pass.draw(&on_device, &space), Err(GpuError::Picture { .. })));
     }
 }
+
+/// Samples under a lamp whose value on the device is not that of the CPU form, and all that face the lamp.
+fn off(gpu: &Gpu, pass: &MapPass, lamp: &str, lookup: Lookup) -> [usize; 2] {
+    let caster = scene();
+    let casters = CasterGroup::new(vec![&caster]);
+    let size = Size::new(129, 96).unwrap();
+    let projection = Camera::fit(&casters.bounds(), Up::Z, size.aspect()).projection(size, 0.125);
+    let samples = Samples::of_view(&casters, &projection, size, 1).unwrap();
+    let lamp: Lamp = lamp.parse().unwrap();
+    let Lookup { filter, bias } = lookup;
+    let options =
+        MapOptions { size: SIZE, fit: Fit::Scene, cascades: 1, bias, depth: DepthSource::Plane, filter };
+    let cpu = MapShadow::prepare(&casters, &lamp, &options).unwrap().shade(&samples);
+    let on_device = GpuCaster::upload(gpu, &caster).unwrap();
+    let drawn = on_device.samples(&projection, size, Depth::Plane).unwrap();
+    let map = pass.draw(&on_device, &LightSpace::of_scene(&casters, &lamp, SIZE).unwrap()).unwrap();
+    let values = pass.visibility(&drawn, &map, lookup).unwrap().download(gpu).unwrap();
+    let pairs = cpu.values().iter().zip(&values).zip(cpu.asked()).filter(|(_, asked)| **asked);
+    let differ = pairs.clone().filter(|((cpu, device), _)| (*cpu - *device).abs() > 1.0 / 1024.0);
+    [differ.count(), pairs.count()]
+}
+
+/// Faults injected into the shader exceed the limit of one in a hundred, and without them it is kept.
+#[test]
+fn map_on_a_device_with_a_fault_is_found() {
+    let Some(gpu) = gpu() else { return };
+    let right = MapPass::new(&gpu).unwrap();
+    let faults = [
+        // The bias has the other sign.
+        ("+ slack * slope", "- slack * slope", Bias::Texel),
+        ("receiver.depth += light.reach * slope", "receiver.depth -= light.reach * slope", Bias::Receiver),
+        // The lookup is off by half a texel.
+        ("to_texels(at.xy / at.w)", "to_texels(at.xy / at.w) + 0.5", Bias::Texel),
+        // Rows run upwards.
+        ("vec2f(1.0 + at.x, 1.0 - at.y)", "vec2f(1.0 + at.x, 1.0 + at.y)", Bias::Receiver),
+        // What lies behind the receiver blocks.
+        (", receiver.layer, 0) > least", ", receiver.layer, 0) < least", Bias::Texel),
+    ];
+    for (text, fault, bias) in faults {
+        let lookup = Lookup { filter: Filter::Tent5, bias };
+        let faulty = MapPass::with_fault(&gpu, text, fault);
+        for lamp in [LAMPS[0], LAMPS[2]] {
+            let [wrong, all] = off(&gpu, &faulty, lamp, lookup);
+            assert!(wrong * 100 > all, "{fault} {lamp}: {wrong} of {all}");
+        }
+        let [wrong, all] = off(&gpu, &right, LAMPS[1], lookup);
+        assert!(wrong * 100 < all, "{bias}: {wrong} of {all}");
+    }
+}

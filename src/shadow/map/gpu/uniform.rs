@@ -102,6 +102,12 @@ impl LightUniform {
         };
         Some(Self { side, is_tent, at_center, reach, ..self })
     }
+
+    /// For the question whether the texels up to `reach` agree. A texel blocks if it lies above the
+    /// receiver's plane at its center by more than the plane changes over one texel.
+    pub(super) fn with_agreement(self, reach: u32) -> Self {
+        Self { at_center: 1, slack: 1.0, reach: reach as f32, ..self } // at most 16
+    }
 }
 
 #[cfg(test)]

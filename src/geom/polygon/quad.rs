@@ -7,11 +7,11 @@ use crate::geom::predicate::turn;
 
 /// How a quad is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Quad {
+pub(crate) struct Quad {
     /// The corner that the diagonal starts at: 0 (it ends at corner 2) or 1 (it ends at corner 3).
-    pub(super) from: usize,
+    pub(crate) from: usize,
     /// Whether two sides cross, so that either diagonal folds the quad over itself.
-    pub(super) crosses: bool,
+    pub(crate) crosses: bool,
 }
 
 impl Quad {
@@ -20,7 +20,7 @@ impl Quad {
     /// positions alone, so that the same quad is cut alike wherever it begins and whichever side is its
     /// front.
     #[inline]
-    pub(super) fn of([a, b, c, d]: [[f32; 3]; 4]) -> Self {
+    pub(crate) fn of([a, b, c, d]: [[f32; 3]; 4]) -> Self {
         // Both diagonals turn into each other, up to one sign, where the quad begins at its next corner:
         // every number below is then the same to the last bit.
         let normal = cross(minus(c, a), minus(d, b));

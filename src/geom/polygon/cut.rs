@@ -9,9 +9,9 @@ use crate::geom::predicate::{Sign, collinear};
 
 /// Cuts polygons one after the other; the memory is used again for the next one.
 #[derive(Default)]
-pub(super) struct Cutter {
+pub(crate) struct Cutter {
     /// The vertices of the corners, in the canonical sequence.
-    pub(super) ring: Vec<u32>,
+    pub(crate) ring: Vec<u32>,
     /// The corners that are left, and where the next ones are collected.
     corners: Vec<u32>,
     rest: Vec<u32>,
@@ -41,7 +41,7 @@ impl Cutter {
     /// The triangles of the polygon `ring`, in two fewer than it has corners: those of one rule for every
     /// first corner and both windings, listed in one order. `false` if the polygon crosses itself: then they
     /// are a fan around its least corner, as they are if it has no area.
-    pub(super) fn cut(&mut self, positions: &[[f32; 3]], triangles: &mut [[u32; 3]]) -> bool {
+    pub(crate) fn cut(&mut self, positions: &[[f32; 3]], triangles: &mut [[u32; 3]]) -> bool {
         let turned = make_canonical(positions, &mut self.ring);
         let ring = std::mem::take(&mut self.ring);
         let mut simple = axes(positions, &ring).into_iter().any(|axis| {

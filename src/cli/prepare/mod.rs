@@ -1,0 +1,257 @@
+//! `umbrage prepare`: a mesh file into one that casts better.
+
+mod back;
+mod json;
+mod text;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use umbrage::check::{Requirement, Standing};
+use umbrage::mesh::{Mesh, Weld};
+use umbrage::repair::{self, Fill, Options, Step};
+use umbrage::write::{self, Layer, Model, Target, WriteError};
+
+use super::check::{FileReport, report_on, requirements};
+use super::load::{MeshArgs, WeldedMesh};
+use super::output::{self, Output};
+use super::parsers::{distance, refuse_overwriting, require_folder, whole};
+use super::progress::Progress;
+use super::resources::ThreadArgs;
+use super::{Failure, Outcome};
+
+/// A caster mesh: what can be repaired without moving or inventing a vertex, with every change listed
+///
+/// Without options nothing is invented and nothing moves: equal vertices become one, collapsed faces and
+/// vertices without a face go, and of several faces with the same three vertices one stays, or none where
+/// opposite ones are a wall inside a closed solid. So all shadows outside solids stay. The options below add
+/// steps, taken in this order: orient, weld-within, stitch, split, fill; all but weld-within leave every
+/// position as it is.
+///
+/// Never done: removing self-intersections, deleting shells, remeshing, decimating. Manifold and MeshLib do
+/// the first.
+///
+/// What is written is geometry alone, placed as the scene places it, in its first pose: no materials, no
+/// animation. It is read again before it is written, and must be the same.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    umbrage prepare scan.ply -o caster.glb --fill\n  \
+    umbrage prepare part.stl -o part.glb --weld-within 1e-4 --stitch --orient --require watertight\n  \
+    umbrage prepare level.obj -o level.glb --split --require manifold --json\n\n\
+    Exit codes: 0 written; 1 --require is not met, or the file reads back otherwise: nothing is written; \
+    2 could not run.")]
+pub(crate) struct Args {
+    /// A mesh file, or - for standard input: obj, gltf, glb, stl, ply, off, md2, 3mf; also in gzip or ZIP;
+    /// recognized by its content, then by its extension
+    file: PathBuf,
+
+    /// The file to write (required); only .glb holds several meshes
+    #[arg(short, long, value_name = "OUT.{glb,obj,ply,stl}")]
+    output: PathBuf,
+
+    #[command(flatten)]
+    mesh: MeshArgs,
+
+    /// Turn faces so that neighbors agree and closed shells face outwards, cavities inwards
+    ///
+    /// A surface without an orientation (a Möbius strip) is left and named; all others are done. An open
+    /// shell is turned the way that changes fewer faces.
+    #[arg(long)]
+    orient: bool,
+
+    /// Make vertices one that are at most this far apart, in mesh units; the largest move is told
+    /// [default: nothing moves]
+    #[arg(long, value_name = "D", value_parser = distance, allow_negative_numbers = true)]
+    weld_within: Option<f32>,
+
+    /// Cut faces where a vertex of the boundary lies exactly on their edge
+    #[arg(long)]
+    stitch: bool,
+
+    /// Give each fan of faces at a vertex a vertex of its own, so that no edge has more than two faces
+    ///
+    /// At an edge with more, faces that bound solid between them stay together. The new vertices have the
+    /// positions of the old ones, so that a later weld undoes it: read the result with --weld none. STL
+    /// cannot keep it.
+    #[arg(long)]
+    split: bool,
+
+    /// Close holes, all or those of at most so many edges, without new vertices [default: none are closed]
+    ///
+    /// Of all ways to cut a hole into triangles that with the least area is taken. A patch that would meet
+    /// other faces is refused and named. Before a file name write --fill=EDGES, or --fill last.
+    #[arg(long, value_name = "EDGES", num_args = 0..=1, value_parser = whole)]
+    fill: Option<Option<usize>>,
+
+    /// Also close holes whose patch meets other faces
+    #[arg(long, requires = "fill")]
+    fill_anyway: bool,
+
+    /// Write only if every mesh is then like this; a list, or repeated [default: nothing is required]
+    #[arg(long, value_name = "PROPERTY,...", value_delimiter = ',', value_parser = requirements())]
+    require: Vec<Requirement>,
+
+    /// How many changes of each step are listed in text
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole, allow_negative_numbers = true)]
+    limit: usize,
+
+    /// Print one JSON document instead of text: `file`, `before`, `after`, `steps`, `written`, `verified`
+    ///
+    /// `before` and `after` are totals as `check` prints them. At most 1000 changes of each step are listed;
+    /// their indices are those of the mesh that the step before left.
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+/// What was done to a file.
+struct Report {
+    file: PathBuf,
+    before: FileReport,
+    after: FileReport,
+    /// The name of each mesh, and its steps.
+    steps: Vec<(String, Vec<Step>)>,
+    written: Option<PathBuf>,
+    /// Whether the bytes read back as the meshes that were meant; `None` if nothing was to be written.
+    verified: Option<bool>,
+}
+
+pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
+    let target = target(&args)?;
+    args.threads.apply()?;
+    let baked = args.mesh.read(&args.file)?;
+    if target != Target::Glb && baked.meshes.len() > 1 {
+        let problem = format!("{target} holds one mesh, and there are {}", baked.meshes.len());
+        return Err(
+            Failure::new(problem, "name a .glb file, or join them with --scope scene").in_file(&args.output)
+        );
+    }
+    if baked.meshes.iter().any(|mesh| !mesh.frames().is_empty()) {
+        output::say(format_args!("note: {}: the first frame is written, no other", args.file.display()));
+    }
+    let progress = Progress::spinner(format!("preparing {}", args.file.display()));
+    let (mut before, mut after, mut steps) = (Vec::new(), Vec::new(), Vec::new());
+    let options = args.options();
+    for mesh in baked.meshes {
+        before.push(args.mesh.weld(mesh.clone()));
+        let name = mesh.name.clone();
+        let prepared = repair::prepare(mesh, &options)
+            .map_err(|error| Failure::new(error, "split the file").in_file(&args.file))?;
+        after.push(as_it_is(prepared.mesh));
+        steps.push((name, prepared.steps));
+    }
+    let report = |meshes: &[WeldedMesh]| report_on(&args.file, baked.format, meshes, &args.require);
+    let mut report = Report {
+        file: args.file.clone(),
+        before: report(&before),
+        after: report(&after),
+        steps,
+        written: None,
+        verified: None,
+    };
+    drop(before);
+    let unmet: Vec<Requirement> = args
+        .require
+        .iter()
+        .copied()
+        .filter(|&asked| report.after.standing(asked) != Standing::Holds)
+        .collect();
+    if unmet.is_empty() {
+        let meshes: Vec<&Mesh> = after.iter().map(|welded| &welded.mesh).collect();
+        report.written = write_verified(&args, target, &meshes, &report.after)?;
+        report.verified = Some(report.written.is_some());
+    }
+    drop(progress);
+    let mut out = Output::new();
+    if args.json {
+        out.json(&json::document(&report))?;
+    } else {
+        out.text(text::Text { report: &report, limit: args.limit, split: args.split })?;
+    }
+    out.flush()?;
+    for asked in &unmet {
+        let reasons = report.after.total().map(|total| asked.reasons(&total)).unwrap_or_default();
+        output::say(text::not_written(*asked, &reasons));
+    }
+    match &report.written {
+        Some(path) => output::wrote(path),
+        None if unmet.is_empty() => {
+            let problem = "nothing was written: the file would read back otherwise";
+            output::say(Failure::new(problem, "write another format, such as .glb").in_file(&args.output));
+        }
+        None => {}
+    }
+    Ok(if report.written.is_some() { Outcome::Sound } else { Outcome::Unsound })
+}
+
+impl Args {
+    fn options(&self) -> Options {
+        let mut options = Options::default();
+        options.weld = self.mesh.weld_rule();
+        options.orient = self.orient;
+        options.weld_within = self.weld_within;
+        options.stitch = self.stitch;
+        options.split = self.split;
+        options.fill = self.fill.map(|most_edges| {
+            let mut fill = Fill::default();
+            (fill.most_edges, fill.anyway) = (most_edges, self.fill_anyway);
+            fill
+        });
+        options
+    }
+
+    /// How the written file is to be read: equal positions may have to stay apart.
+    fn reads_back_by(&self) -> Weld {
+        if self.split || self.mesh.weld_rule() == Weld::None { Weld::None } else { Weld::Exact }
+    }
+}
+
+/// The format to write; refuses bad arguments before any work is done.
+fn target(args: &Args) -> Result<Target, Failure> {
+    let path = &args.output;
+    let is_stl = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("stl"));
+    let target = match is_stl {
+        true => Target::Stl,
+        false => Target::from_path(path)
+            .map_err(|error| WriteError { remedy: "use .glb, .obj, .ply or .stl".to_owned(), ..error })?,
+    };
+    if target == Target::Stl && args.reads_back_by() == Weld::None {
+        let option = if args.split { "--split" } else { "--weld none" };
+        let problem = format!("{option}: STL cannot keep vertices of one position apart");
+        return Err(Failure::new(problem, "name a .glb, .obj or .ply file").in_file(path));
+    }
+    refuse_overwriting("--output", Some(path), &args.file)?;
+    require_folder(path)?;
+    Ok(target)
+}
+
+/// A mesh that nothing is to be merged in.
+fn as_it_is(mesh: Mesh) -> WeldedMesh {
+    WeldedMesh { vertices: mesh.vertex_count(), unreferenced: 0, mesh }
+}
+
+/// Writes the meshes if their bytes read back as the same; the file that was written.
+fn write_verified(
+    args: &Args,
+    target: Target,
+    meshes: &[&Mesh],
+    after: &FileReport,
+) -> Result<Option<PathBuf>, Failure> {
+    let path: &Path = &args.output;
+    let model = Model { layers: meshes.iter().map(|&mesh| Layer::from(mesh)).collect() };
+    let bytes = write::to_bytes(&model, target).map_err(|error| error.in_file(path))?;
+    drop(model);
+    if !back::is_same(&bytes, path, args.reads_back_by(), meshes, after)? {
+        return Ok(None);
+    }
+    write::write_atomic(path, |writer| writer.write_all(&bytes))?;
+    // The disk has the last word.
+    let failed =
+        |error| Failure::new(format!("cannot be read again: {error}"), "check the disk").in_file(path);
+    if fs::read(path).map_err(failed)? != bytes {
+        return Err(Failure::new("was written, but other bytes are read", "check the disk").in_file(path));
+    }
+    Ok(Some(path.to_owned()))
+}

@@ -1,0 +1,175 @@
+//! The grid of one light over the visible points.
+
+use super::bits::RankedBits;
+use super::cells::Cells;
+use super::chain::Chain;
+use super::fault::Faults;
+use super::pairs::{by_cell, pairs};
+use super::sheets::{Sheet, Uniting};
+use super::view::{Projected, View};
+use crate::geom::Aabb;
+
+/// What a light sees, conservatively, in cells: sheets of the casters in each cell that holds a point.
+#[derive(Clone, Debug)]
+pub struct LightGrid<'a> {
+    pub(super) chain: &'a Chain<'a>,
+    pub(super) views: Vec<View>,
+    /// One entry per view; `None` if no point lies in it.
+    pub(super) grids: Vec<Option<ViewGrid>>,
+    pub(super) faults: Faults,
+}
+
+/// The cells of one view.
+#[derive(Clone, Debug)]
+pub(super) struct ViewGrid {
+    pub(super) cells: Cells,
+    /// The cells that hold a point.
+    pub(super) occupied: RankedBits,
+    /// Index of the first face of each of these cells; one more than there are cells.
+    pub(super) starts: Vec<u32>,
+    /// The faces, ascending in each cell, and their sheets.
+    pub(super) faces: Vec<u32>,
+    pub(super) sheet_of: Vec<u32>,
+    /// Index of the first sheet of each of these cells; one more than there are cells.
+    pub(super) sheet_starts: Vec<u32>,
+    pub(super) sheets: Vec<Sheet>,
+}
+
+/// Where a point lies: in a cell, at a nearness.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place<'a> {
+    pub(super) view: &'a View,
+    /// Bounds of y.
+    pub(super) y: [[f64; 2]; 2],
+    /// Bounds of the nearness.
+    pub(super) nearness: [f64; 2],
+    /// The sheets of the cell.
+    pub(super) sheets: &'a [Sheet],
+    /// The faces of the cell, and their sheets, as numbers from `first_sheet`.
+    pub(super) faces: &'a [u32],
+    pub(super) sheet_of: &'a [u32],
+    pub(super) first_sheet: u32,
+}
+
+/// Most pairs of a face and a cell, for `faces` faces in a view: about 100 bytes for each face, and 100 MiB.
+fn most_pairs(faces: usize) -> usize {
+    4 * faces + (1 << 22)
+}
+
+impl<'a> LightGrid<'a> {
+    /// The grid over given points, `side` cells along each side of each view; at most 4096.
+    ///
+    /// Cost: some 100 ns per face, and some 20 ns for each pair of a face and a cell. Where there would be more
+    /// pairs than four per face and four million, the side is halved until there are not: the grid decides less
+    /// then, and nothing wrong.
+    #[must_use]
+    pub fn build(
+        chain: &'a Chain<'a>,
+        points: impl IntoIterator<Item = [f32; 3], IntoIter: Clone>,
+        side: u32,
+    ) -> Self {
+        Self::build_with(chain, points.into_iter(), side, most_pairs(chain.face_count()), Faults::default())
+    }
+
+    pub(super) fn build_with(
+        chain: &'a Chain<'a>,
+        points: impl Iterator<Item = [f32; 3]> + Clone,
+        side: u32,
+        most: usize,
+        faults: Faults,
+    ) -> Self {
+        let views = View::all(&Aabb::around(points.clone()), chain.light());
+        let grid = |number: usize| {
+            let view = &views[number];
+            let inside = points.clone().filter(|&p| View::holding(&views, p) == number);
+            let rectangles = inside.filter_map(|p| rectangle(view, &view.project(p)));
+            ViewGrid::build(chain, view, rectangles, side.clamp(1, 4096), most, faults)
+        };
+        let grids = (0..views.len()).map(grid).collect();
+        Self { chain, views, grids, faults }
+    }
+
+    /// The place of a point; `None` if its cell is not certain, or was no point's when the grid was built.
+    pub(super) fn place(&self, p: [f32; 3]) -> Option<Place<'_>> {
+        let number = View::holding(&self.views, p);
+        let (view, grid) = (self.views.get(number)?, self.grids[number].as_ref()?);
+        let projected = view.project(p);
+        let y = rectangle(view, &projected)?;
+        let slot = grid.occupied.rank(grid.cells.one_of(&y)?)? as usize;
+        let of = |starts: &[u32]| starts[slot] as usize..starts[slot + 1] as usize;
+        let (faces, sheets) = (of(&grid.starts), of(&grid.sheet_starts));
+        Some(Place {
+            view,
+            y,
+            nearness: projected.nearness(),
+            sheets: &grid.sheets[sheets.clone()],
+            faces: &grid.faces[faces.clone()],
+            sheet_of: &grid.sheet_of[faces],
+            first_sheet: sheets.start as u32,
+        })
+    }
+
+    /// Number of cells along a side of each view that holds a point.
+    #[must_use]
+    pub fn sides(&self) -> Vec<u32> {
+        self.grids.iter().flatten().map(|grid| grid.cells.side()).collect()
+    }
+
+    /// Number of pairs of a face and a cell.
+    #[must_use]
+    pub fn pair_count(&self) -> usize {
+        self.grids.iter().flatten().map(|grid| grid.faces.len()).sum()
+    }
+
+    /// Memory in bytes, without the chain.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let of = |grid: &ViewGrid| {
+            4 * (grid.starts.len() + grid.faces.len() + grid.sheet_of.len() + grid.sheet_starts.len())
+                + size_of_val(&grid.sheets[..])
+                + grid.occupied.bytes()
+        };
+        self.grids.iter().flatten().map(of).sum()
+    }
+}
+
+/// Bounds of a point's y; `None` if the view may not hold all of them.
+fn rectangle(view: &View, projected: &Projected) -> Option<[[f64; 2]; 2]> {
+    let y = projected.is_ahead().then(|| projected.y())?;
+    y.iter().all(|[low, high]| -view.window() <= *low && *high <= view.window()).then_some(y)
+}
+
+impl ViewGrid {
+    fn build(
+        chain: &Chain<'_>,
+        view: &View,
+        rectangles: impl Iterator<Item = [[f64; 2]; 2]> + Clone,
+        mut side: u32,
+        most: usize,
+        faults: Faults,
+    ) -> Option<Self> {
+        let around = |[x, y]: [[f64; 2]; 2], [u, v]: [[f64; 2]; 2]| {
+            [[x[0].min(u[0]), x[1].max(u[1])], [y[0].min(v[0]), y[1].max(v[1])]]
+        };
+        let window = rectangles.clone().reduce(around)?;
+        loop {
+            let cells = Cells::over(window, side);
+            let held = rectangles.clone().filter_map(|rectangle| cells.one_of(&rectangle));
+            let occupied = RankedBits::of(held, side * side);
+            // With a side of one cell there is at most one pair per face, which is never too many.
+            if let Some(pairs) = pairs(chain, view, &cells, &occupied, most, faults) {
+                let (pairs, starts) = by_cell(&pairs, occupied.count());
+                let (mut uniting, mut sheets) = (Uniting::default(), Vec::new());
+                let (mut sheet_of, mut sheet_starts) = (Vec::with_capacity(pairs.len()), vec![0]);
+                for range in starts.windows(2) {
+                    let pairs = &pairs[range[0] as usize..range[1] as usize];
+                    uniting.sheets(chain, pairs, faults, &mut sheets, &mut sheet_of);
+                    sheet_starts.push(sheets.len() as u32);
+                }
+                let faces = pairs.iter().map(|pair| pair.face).collect();
+                return Some(Self { cells, occupied, starts, faces, sheet_of, sheet_starts, sheets });
+            }
+            side /= 2;
+        }
+    }
+}

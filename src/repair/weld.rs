@@ -1,0 +1,101 @@
+//! The step that makes vertices one.
+
+use super::change::{ChangeKind, Step};
+use crate::mesh::{Mesh, VertexId, Weld, weld_in_place};
+
+/// Makes vertices one by the rule `how`, and drops those that no face uses.
+///
+/// Guarantee: faces keep their number and order. With [`Weld::Exact`] every corner keeps its position in
+/// every frame, bit for bit; within a distance no corner moves farther than that, and
+/// [`Step::largest_move`] is the largest move that was made.
+///
+/// ```
+/// use umbrage::mesh::Weld;
+/// use umbrage::{repair, testing::shapes};
+/// let (mesh, step) = repair::weld(shapes::soup(&shapes::cube()), Weld::Exact);
+/// assert_eq!((mesh.vertex_count(), step.count, step.largest_move), (8, 36 - 8, 0.0));
+/// ```
+#[must_use]
+pub fn weld(mesh: Mesh, how: Weld) -> (Mesh, Step) {
+    let name = if matches!(how, Weld::Within(_)) { "weld-within" } else { "weld" };
+    let mut step = Step::new(name);
+    let old = mesh.vertex_count();
+    // Only these can move, and only listed changes need the old positions.
+    let before = matches!(how, Weld::Within(_)).then(|| mesh.clone());
+    let positions: Vec<[f32; 3]> = mesh.positions().to_vec();
+    let welded = weld_in_place(mesh, how);
+    if welded.mesh.vertex_count() == old {
+        return (welded.mesh, step);
+    }
+    let mut next = 0;
+    for vertex in 0..old as u32 {
+        let at = positions[vertex as usize];
+        match welded.vertex_of(VertexId(vertex)) {
+            None => step.add(ChangeKind::VertexDropped, Some(vertex), None, at),
+            // Kept vertices stay in their order, the first of each point.
+            Some(VertexId(new)) if new == next => next += 1,
+            Some(VertexId(new)) => step.add(ChangeKind::VertexMerged, Some(vertex), Some(new), at),
+        }
+    }
+    if let Some(before) = before {
+        let moved = |vertex: u32| {
+            let new = welded.vertex_of(VertexId(vertex))?.index();
+            let frames = before.frames().iter().zip(welded.mesh.frames());
+            let pairs = frames.map(|(old, new)| (&old[..], &new[..]));
+            let pairs = pairs.chain([(before.positions(), welded.mesh.positions())]);
+            Some(pairs.map(|(old, moved)| distance(old[vertex as usize], moved[new])).fold(0.0, f64::max))
+        };
+        step.largest_move = (0..old as u32).filter_map(moved).fold(0.0, f64::max);
+    }
+    (welded.mesh, step)
+}
+
+fn distance(p: [f32; 3], q: [f32; 3]) -> f64 {
+    (0..3).map(|i| (f64::from(p[i]) - f64::from(q[i])).powi(2)).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_support::corners;
+    use super::*;
+    use crate::testing::shapes;
+
+    #[test]
+    fn weld_keeps_every_corner_bit_for_bit_and_counts_what_it_merged() {
+        let unused = |mesh: &Mesh| {
+            let (mut positions, triangles, ..) = mesh.clone().into_parts();
+            positions.insert(0, [9.0; 3]);
+            Mesh::new(positions, triangles.iter().map(|t| t.map(|vertex| vertex + 1)).collect()).unwrap()
+        };
+        for shape in [shapes::cube(), shapes::torus(7, 5, 2.0, 0.5), shapes::mobius(9)] {
+            let soup = unused(&shapes::soup(&shape));
+            let (mesh, step) = weld(soup.clone(), Weld::Exact);
+            assert_eq!(corners(&mesh), corners(&soup));
+            assert_eq!(mesh.vertex_count(), shape.vertex_count());
+            assert_eq!(step.count, 1 + 3 * shape.face_count() - shape.vertex_count());
+            assert_eq!((step.changes[0].kind, step.changes[0].old), (ChangeKind::VertexDropped, Some(0)));
+            for change in step.changes.iter().filter(|change| change.kind == ChangeKind::VertexMerged) {
+                assert_eq!(mesh.positions()[change.new.unwrap() as usize], change.at);
+            }
+            // Nothing is left to do.
+            assert_eq!(weld(mesh, Weld::Exact).1.count, 0);
+            // Fault injected: one coordinate in its last place.
+            let (mut positions, triangles, ..) = soup.clone().into_parts();
+            positions[4][1] = positions[4][1].next_up();
+            assert_ne!(corners(&Mesh::new(positions, triangles).unwrap()), corners(&soup));
+        }
+    }
+
+    #[test]
+    fn weld_within_tells_the_largest_move_that_it_made() {
+        for ulps in [1, 5, 40] {
+            let gap = f64::from(ulps) * f64::from(f32::EPSILON);
+            let (mesh, step) = weld(shapes::seam(ulps), Weld::Within(0.01));
+            assert_eq!((mesh.vertex_count(), step.count, step.name), (8, 4, "weld-within"));
+            assert_eq!(step.largest_move, gap);
+            // Fault injected: a distance below the gap moves nothing.
+            let (_, step) = weld(shapes::seam(ulps), Weld::Within(0.9 * gap as f32));
+            assert_eq!((step.count, step.largest_move), (0, 0.0));
+        }
+    }
+}

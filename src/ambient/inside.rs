@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Receiver;
+use super::Receivers;
 use super::start::Start;
 use crate::geom::bvh::Bvh;
 use crate::geom::{Aabb, Facing, Light};
@@ -63,28 +63,30 @@ impl Solids {
         self.of_face.get(face.index()).copied().filter(|&solid| solid != OPEN)
     }
 
-    /// Whether a receiver that is moved by nothing along its normal lies in a solid: the winding number of all
+    /// Whether a receiver that is moved off its faces by nothing lies in a solid: the winding number of all
     /// closed shells around it is positive. Asked only where the box of a shell that is not its own contains it.
     ///
     /// The shell of a room that is turned inwards is no solid, nor is a hollow in a wall.
-    pub(super) fn hold(&self, oracle: &Oracle, receiver: &Receiver, start: &Start) -> bool {
+    pub(super) fn hold(&self, oracle: &Oracle, receivers: &Receivers, index: usize, start: &Start) -> bool {
         let mut may_hold = false;
         self.bvh.for_each_overlapping(&Aabb::around([start.point]), |solid| {
             may_hold |= self.boxes[solid as usize].contains(start.point)
                 && start.faces.iter().all(|&face| self.of_face(face) != Some(solid));
         });
-        may_hold && self.winding(oracle, receiver, start).is_some_and(|winding| winding > 0)
+        may_hold && self.winding(oracle, receivers, index, start).is_some_and(|winding| winding > 0)
     }
 
-    /// The winding number around a receiver. Rays close to the normal are tried until one touches no edge:
-    /// faces through the receiver then lie on the same side of the ray and the normal. `None` if each of them
+    /// The winding number around a receiver. Rays close to the normal are tried until one touches no edge and
+    /// is not hidden by the faces through the receiver. `None` if each of them
     /// touches one.
-    fn winding(&self, oracle: &Oracle, receiver: &Receiver, start: &Start) -> Option<i32> {
-        let normal = DVec3::from(receiver.normal.unwrap_or([0.0, 0.0, 1.0]).map(f64::from));
+    fn winding(&self, oracle: &Oracle, receivers: &Receivers, index: usize, start: &Start) -> Option<i32> {
+        let normal = DVec3::from(receivers.list[index].normal.unwrap_or([0.0, 0.0, 1.0]).map(f64::from));
+        let inward = receivers.inward.get(index).map_or(DVec3::ZERO, |into| DVec3::from(into.map(f64::from)));
         let mut random = SplitMix64(0);
         for attempt in 0..TRIES {
-            let tilt = DVec3::from([(); 3].map(|()| random.unit() - 0.5)) * f64::from(attempt) / 64.0;
-            let direction = (normal + tilt).to_array().map(|x| x as f32);
+            let tilt = inward / 4.0 + DVec3::from([(); 3].map(|()| random.unit() - 0.5)) / 4.0;
+            let direction =
+                (normal + f64::from(attempt) / f64::from(TRIES) * tilt).to_array().map(|x| x as f32);
             let Ok(end) = Light::directional(direction.map(|x| -x)) else { continue };
             if start.fan_hides(direction) {
                 continue;

@@ -176,12 +176,12 @@ fn samples(
     let mut found = vec![Sample::default(); order.len()];
     crate::parallel::rows(&mut found, RUN, |run, found| {
         for ((_, index), found) in order[run * RUN..].iter().zip(&mut *found) {
-            let receiver = &list[*index as usize];
-            let start = Start::at(oracle, receiver);
-            *found = if receivers.solids.hold(oracle, receiver, &start) {
+            let index = *index as usize;
+            let start = Start::at(oracle, receivers, index);
+            *found = if receivers.solids.hold(oracle, receivers, index, &start) {
                 Sample { buried: true, ..Sample::default() }
             } else {
-                sample(oracle, receiver, &start, &lattice, options.seed, options.reach)
+                sample(oracle, &list[index], &start, &lattice, options.seed, options.reach)
             };
         }
         progress(found.len() as u64);
@@ -216,7 +216,7 @@ pub(super) fn sample(
 /// The number of rays, and the standard error that they have. For a wanted error, the constant is measured
 /// once and corrected.
 fn settle(oracle: &Oracle, receivers: &Receivers, options: &RayOptions) -> (u32, Option<f64>) {
-    let measured = |rays| standard_error(oracle, &receivers.list, rays, options);
+    let measured = |rays| standard_error(oracle, receivers, rays, options);
     match options.effort {
         Effort::Rays(rays) => {
             let rays = rays.clamp(1, MOST_RAYS);
@@ -243,17 +243,18 @@ fn rays_for(ratio: f64) -> u32 {
 
 /// The root mean square of the standard error of one value, from shifts at some receivers. `None` without
 /// receivers.
-fn standard_error(oracle: &Oracle, list: &[Receiver], rays: u32, options: &RayOptions) -> Option<f64> {
+fn standard_error(oracle: &Oracle, receivers: &Receivers, rays: u32, options: &RayOptions) -> Option<f64> {
     const SHIFTS: u64 = 4;
-    let count = (list.len() / 32).clamp(8, 256).min(list.len());
+    let list = &receivers.list;
+    let count = (list.len() / 8).clamp(1, 256).min(list.len());
     if count == 0 {
         return None;
     }
     let lattice = Lattice::new(rays);
     let mut variances = vec![0.0; count];
     crate::parallel::rows(&mut variances, 1, |index, variance| {
-        let receiver = &list[index * list.len() / count];
-        let start = Start::at(oracle, receiver);
+        let index = index * list.len() / count;
+        let (receiver, start) = (&list[index], Start::at(oracle, receivers, index));
         let value = |shift| {
             let seed = options.seed.wrapping_add(shift << 32);
             f64::from(sample(oracle, receiver, &start, &lattice, seed, options.reach).openness)

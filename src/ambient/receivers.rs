@@ -1,7 +1,9 @@
 //! The points that ambient occlusion is worked out for.
 
+use glam::DVec3;
+
 use super::inside::Solids;
-use super::smooth::{CornerNormal, FaceNormal, corner_normals, normalized};
+use super::smooth::{CornerNormal, FaceNormal, corner_normals, normalized, towards_middle};
 use crate::mesh::{FaceId, Mesh, Weld, weld_in_place};
 use crate::topology::Topology;
 
@@ -33,6 +35,8 @@ pub enum Per {
 pub struct Receivers {
     pub(super) list: Vec<Receiver>,
     pub(super) corners: Vec<[u32; 3]>,
+    /// For receivers whose faces do not surround them: a direction into these faces, else 0.
+    pub(super) inward: Vec<[f32; 3]>,
     pub(super) solids: Solids,
 }
 
@@ -161,21 +165,41 @@ impl Joined {
         order.sort_unstable();
         let mut corners = vec![[0; 3]; self.mesh.face_count()];
         let mut list: Vec<Receiver> = Vec::with_capacity(self.mesh.vertex_count());
-        let (mut last, mut first) = (None, 0);
-        for (vertex, bits, corner) in order {
-            let is_new_vertex = last.is_none_or(|(other, _)| other != vertex);
+        let (mut inward, mut last_vertex, mut first) = (Vec::with_capacity(list.capacity()), None, 0);
+        for same in order.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let (vertex, bits, _) = same[0];
+            let is_new_vertex = last_vertex.replace(vertex) != Some(vertex);
             if is_new_vertex {
                 first = list.len();
             }
-            if is_new_vertex || (bits != FLAT && last != Some((vertex, bits))) {
+            if is_new_vertex || bits != FLAT {
                 let normal = (bits < CANCELLED).then(|| bits.map(f32::from_bits));
                 list.push(Receiver { point: self.mesh.positions()[vertex as usize], normal, face: None });
+                inward.push(self.inward(same.iter().map(|&(_, _, corner)| corner as usize)));
             }
             let receiver = if bits == FLAT { first } else { list.len() - 1 };
-            corners.as_flattened_mut()[corner as usize] = receiver as u32; // at most one per corner
-            last = Some((vertex, bits));
+            for &(_, _, corner) in same {
+                corners.as_flattened_mut()[corner as usize] = receiver as u32; // at most one per corner
+            }
         }
-        Receivers { list, corners, solids: self.solids() }
+        Receivers { list, corners, inward, solids: self.solids() }
+    }
+
+    /// A direction into the faces of these corners, which share a vertex; 0 if the faces surround it, that is,
+    /// if their edges leave it as often as they arrive.
+    fn inward(&self, corners: impl Iterator<Item = usize> + Clone) -> [f32; 3] {
+        let neighbors = |step: usize| {
+            let of = |corner: usize| self.mesh.triangles()[corner / 3][(corner % 3 + step) % 3];
+            let mut vertices: Vec<u32> = corners.clone().map(of).collect();
+            vertices.sort_unstable();
+            vertices
+        };
+        if neighbors(1) == neighbors(2) {
+            return [0.0; 3];
+        }
+        let into =
+            corners.map(|corner| towards_middle(self.mesh.corners(FaceId::new(corner / 3)), corner % 3));
+        into.sum::<DVec3>().normalize_or_zero().to_array().map(|x| x as f32)
     }
 
     fn per_face(&self) -> Receivers {
@@ -192,6 +216,7 @@ impl Joined {
         Receivers {
             list: self.topology.faces().zip(&self.faces).map(receiver).collect(),
             corners: self.topology.faces().map(|face| [face.0; 3]).collect(),
+            inward: Vec::new(),
             solids: self.solids(),
         }
     }

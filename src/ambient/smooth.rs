@@ -133,6 +133,12 @@ fn angle(corners: [[f32; 3]; 3], at: usize) -> f64 {
     u.cross(v).length().atan2(u.dot(v))
 }
 
+/// The direction that halves the angle of a triangle at a corner.
+pub(super) fn towards_middle(corners: [[f32; 3]; 3], at: usize) -> DVec3 {
+    let [p, q, r] = [0, 1, 2].map(|i| corners[(at + i) % 3]);
+    minus(q, p).normalize_or_zero() + minus(r, p).normalize_or_zero()
+}
+
 /// A given normal with length 1; `None` if it is zero or not finite.
 pub(super) fn normalized(normal: [f32; 3]) -> Option<[f32; 3]> {
     let normal = minus(normal, [0.0; 3]);

@@ -1,7 +1,7 @@
 //! A receiver with the faces around it: where rays start.
 
 use super::fan::Fan;
-use super::{Reach, Receiver};
+use super::{Reach, Receiver, Receivers};
 use crate::geom::Light;
 use crate::geom::predicate::{on_triangle, side_of_point};
 use crate::mesh::FaceId;
@@ -17,25 +17,48 @@ pub(super) struct Start {
     fan: Fan,
 }
 
+/// How steeply a receiver at a hard edge is moved off its own faces, as it is moved into them: by less than a
+/// sixteenth of a degree, and by far more than normals are rounded.
+const RISE: f64 = 1.0 / 1024.0;
+
 impl Start {
-    pub(super) fn at(oracle: &Oracle, receiver: &Receiver) -> Self {
-        let point = receiver.point;
-        let (mut faces, mut own, mut around) = (Vec::new(), None, Vec::new());
+    pub(super) fn at(oracle: &Oracle, receivers: &Receivers, index: usize) -> Self {
+        let Receiver { point, normal, face: own_face } = receivers.list[index];
+        let (mut faces, mut own) = (Vec::new(), None);
+        // Faces through the point: those that the receiver stands for, and others.
+        let (mut ours, mut others) = (Vec::new(), Vec::new());
         oracle.for_each_face_near(point, |face, corners| {
-            if receiver.face == Some(face) {
+            if own_face == Some(face) {
+                faces.push(face);
                 own = Some(corners);
             } else if corners.contains(&point) {
-                around.push(corners);
-            } else {
-                if side_of_point(corners, point).is_zero() && on_triangle(corners, point) {
-                    around.push(corners);
-                }
-                return;
+                faces.push(face);
+                let receivers = receivers.corners.get(face.index());
+                let is_ours = receivers.is_some_and(|of_face| of_face.contains(&(index as u32)));
+                if is_ours { &mut ours } else { &mut others }.push(corners);
+            } else if side_of_point(corners, point).is_zero() && on_triangle(corners, point) {
+                others.push(corners);
             }
-            faces.push(face);
         });
-        let fan = receiver.normal.map(|normal| Fan::new(point, normal, &around)).unwrap_or_default();
+        let mut fan = Fan::default();
+        if let Some(normal) = normal {
+            let off = receivers.off(index, normal);
+            let mut copies: Vec<_> = ours.iter().copied().map(sorted).collect();
+            copies.sort_unstable();
+            ours.iter().for_each(|&corners| fan.add(point, normal, normal, corners));
+            for &corners in &others {
+                // The other side of the same sheet is as near as this one.
+                let is_copy = copies.binary_search(&sorted(corners)).is_ok();
+                fan.add(point, normal, if is_copy { normal } else { off }, corners);
+            }
+        }
         Self { point, faces, own, fan }
+    }
+
+    /// The fault that a test injects: faces through the receiver hide nothing.
+    #[cfg(test)]
+    pub(super) fn without_fan(self) -> Self {
+        Self { fan: Fan::default(), ..self }
     }
 
     /// Whether the faces through the receiver hide a direction.
@@ -56,6 +79,27 @@ impl Start {
         let first = oracle.first_crossing(self.point, direction, self.own);
         first.map_or(0.0, |t| (1.0 - t / f64::from(distance)).clamp(0.0, 1.0))
     }
+}
+
+impl Receivers {
+    /// Where a receiver is moved, by nothing, to see which side of a face that is not its own it is on: along
+    /// its normal. At a hard edge, where the other side of the edge may contain the normal, into its own
+    /// faces.
+    fn off(&self, index: usize, normal: [f32; 3]) -> [f32; 3] {
+        match self.inward.get(index) {
+            Some(&inward) if inward != [0.0; 3] => {
+                [0, 1, 2].map(|i| (f64::from(inward[i]) + RISE * f64::from(normal[i])) as f32)
+            }
+            _ => normal,
+        }
+    }
+}
+
+/// The corners of a triangle in an order of their own.
+fn sorted(corners: [[f32; 3]; 3]) -> [[u32; 3]; 3] {
+    let mut bits = corners.map(|corner| corner.map(f32::to_bits));
+    bits.sort_unstable();
+    bits
 }
 
 impl Reach {

@@ -132,3 +132,35 @@ fn candidates_of_a_point_that_is_rounded_are_all_found_and_without_slack_some_ar
     assert_eq!(missed_candidates(|largest| largest * (2.0 * f32::EPSILON)), 0);
     assert!(missed_candidates(|_| 0.0) > 0);
 }
+
+/// Segments that start at a corner of a triangle, for which a short cut differs from the whole test.
+fn wrong_from_corners(short: impl Fn([f32; 3], &Light, &[[f32; 3]; 3]) -> Intersection) -> [usize; 2] {
+    let mut random = SplitMix64(11);
+    let (mut wrong, mut all) = (0, 0);
+    for mesh in meshes() {
+        for _ in 0..200 {
+            let triangle = mesh.corners(FaceId::new(random.below(mesh.face_count())));
+            let other = mesh.corners(FaceId::new(random.below(mesh.face_count())));
+            let p = triangle[random.below(3)];
+            let halved = |a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|i| 0.5 * a[i] - 0.5 * b[i]);
+            let along = halved(triangle[1], triangle[2]);
+            let mut lights = vec![Light::point(other[0]), Light::point(triangle[random.below(3)])];
+            for direction in [along, halved(other[0], p), [0.0, 0.0, -1.0]] {
+                lights.extend((direction != [0.0; 3]).then(|| Light::directional(direction)));
+            }
+            for light in lights.into_iter().map(Result::unwrap) {
+                wrong += usize::from(short(p, &light, &triangle) != intersect(p, &light, triangle));
+                all += 1;
+            }
+        }
+    }
+    [wrong, all]
+}
+
+#[test]
+fn oracle_short_cut_from_corners_is_right_and_without_the_sign_of_the_light_it_is_not() {
+    let [wrong, all] = wrong_from_corners(intersect_exactly);
+    assert!(wrong == 0 && all > 10_000, "{wrong} of {all}");
+    let [unsigned, _] = wrong_from_corners(|_, _, _| Intersection::None);
+    assert!(unsigned > 100, "{unsigned}");
+}

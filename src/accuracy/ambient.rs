@@ -191,7 +191,7 @@ impl AmbientAccuracy {
         }
         let (oracle, oracle_ms) = timed(|| Oracle::over(meshes));
         let (soft, weld_ms) = timed(|| SoftOracle::new(&oracle));
-        let (truth, truth_ms) = timed(|| exact(&soft, only.list()));
+        let (truth, truth_ms) = timed(|| exact(&soft, &only, &|_| {}));
         progress(1);
         let of = Measuring { meshes, all: &all, chosen: &chosen, only: &only, oracle: &oracle, options };
         let mut rows = Vec::with_capacity(methods.len());

@@ -3,7 +3,7 @@
 use super::lattice::Lattice;
 use super::rays::sample;
 use super::start::Start;
-use super::{MOST_RAYS, Reach, Receiver};
+use super::{MOST_RAYS, Reach, Receiver, Receivers};
 use crate::oracle::Oracle;
 
 /// Rays from points that are not known before they are asked about: those that a picture shows.
@@ -37,7 +37,7 @@ impl PointRays {
     #[must_use]
     pub fn openness(&self, oracle: &Oracle, point: [f32; 3], normal: [f32; 3]) -> f32 {
         let receiver = Receiver { point, normal: Some(normal), face: None };
-        let start = Start::at(oracle, &receiver);
+        let start = Start::at(oracle, &Receivers { list: vec![receiver], ..Receivers::default() }, 0);
         sample(oracle, &receiver, &start, &self.lattice, SEED, Reach::Unlimited).openness
     }
 }

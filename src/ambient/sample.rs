@@ -1,6 +1,7 @@
 //! Some receivers out of many.
 
 use super::Receivers;
+use crate::mesh::FaceId;
 
 impl Receivers {
     /// `count` of the receivers, evenly spaced in their order; all if there are fewer.
@@ -9,33 +10,76 @@ impl Receivers {
         (0..count).map(|i| (i as u64 * all as u64 / count as u64) as u32).collect()
     }
 
-    /// The chosen receivers, ascending, without faces.
+    /// The chosen receivers, ascending. Faces keep their numbers; a corner of another receiver takes one of
+    /// the same face.
     pub(crate) fn only(&self, chosen: &[u32]) -> Self {
-        let list = chosen.iter().map(|&index| self.list[index as usize]).collect();
-        Self { list, corners: Vec::new(), solids: self.solids.clone() }
+        let mut number = vec![UNUSED; self.list.len()];
+        for (new, &old) in (0..).zip(chosen) {
+            number[old as usize] = new;
+        }
+        let renamed = |face: &[u32; 3]| {
+            let new = face.map(|corner| number[corner as usize]);
+            let some = new.into_iter().find(|&corner| corner != UNUSED).unwrap_or(UNUSED);
+            new.map(|corner| if corner == UNUSED { some } else { corner })
+        };
+        let at = |&index: &u32| index as usize;
+        Self {
+            list: chosen.iter().map(|index| self.list[at(index)]).collect(),
+            corners: self.corners.iter().map(renamed).collect(),
+            inward: chosen.iter().filter_map(|index| self.inward.get(at(index)).copied()).collect(),
+            solids: self.solids.clone(),
+        }
     }
 
-    /// The chosen receivers, ascending, with all faces at them and the receivers of these; and the numbers
-    /// that the chosen ones have among those.
+    /// The chosen receivers, ascending, with all that share a face with one of them; and the numbers that the
+    /// chosen ones have among those.
     pub(crate) fn around(&self, chosen: &[u32]) -> (Self, Vec<u32>) {
-        const UNUSED: u32 = u32::MAX;
         let mut wanted = vec![false; self.list.len()];
         for &index in chosen {
             wanted[index as usize] = true;
         }
         let touches = |face: &&[u32; 3]| face.iter().any(|&corner| wanted[corner as usize]);
-        let faces: Vec<[u32; 3]> = self.corners.iter().filter(touches).copied().collect();
-        let mut used: Vec<u32> = faces.as_flattened().iter().chain(chosen).copied().collect();
+        let mut used: Vec<u32> =
+            self.corners.iter().filter(touches).flatten().chain(chosen).copied().collect();
         used.sort_unstable();
         used.dedup();
-        let mut number = vec![UNUSED; self.list.len()];
-        for (new, &old) in (0..).zip(&used) {
-            number[old as usize] = new;
+        let places = chosen.iter().filter_map(|index| used.binary_search(index).ok());
+        let places = places.map(|place| place as u32).collect(); // no more than receivers
+        (self.only(&used), places)
+    }
+
+    /// For each receiver the faces that have it at a corner.
+    pub(super) fn faces(&self) -> FacesAt {
+        let mut pairs: Vec<(u32, FaceId)> = Vec::with_capacity(3 * self.corners.len());
+        for (face, corners) in self.corners.iter().enumerate() {
+            pairs.extend(corners.iter().filter(|&&at| at != UNUSED).map(|&at| (at, FaceId::new(face))));
         }
-        let renamed = |index: u32| number[index as usize];
-        let part =
-            Self { corners: faces.into_iter().map(|face| face.map(renamed)).collect(), ..self.only(&used) };
-        (part, chosen.iter().map(|&index| renamed(index)).collect())
+        pairs.sort_unstable();
+        pairs.dedup();
+        let mut first = vec![0; self.list.len() + 1];
+        for &(at, _) in &pairs {
+            first[at as usize + 1] += 1;
+        }
+        for at in 0..self.list.len() {
+            first[at + 1] += first[at];
+        }
+        FacesAt { first, faces: pairs.into_iter().map(|(_, face)| face).collect() }
+    }
+}
+
+/// Marks a corner without a receiver.
+const UNUSED: u32 = u32::MAX;
+
+/// Lists of faces.
+pub(super) struct FacesAt {
+    first: Vec<usize>,
+    faces: Vec<FaceId>,
+}
+
+impl FacesAt {
+    /// Those of a receiver, ascending.
+    pub(super) fn of(&self, receiver: usize) -> &[FaceId] {
+        &self.faces[self.first[receiver]..self.first[receiver + 1]]
     }
 }
 

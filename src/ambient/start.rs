@@ -85,7 +85,7 @@ impl Receivers {
     /// Where a receiver is moved, by nothing, to see which side of a face that is not its own it is on: along
     /// its normal. At a hard edge, where the other side of the edge may contain the normal, into its own
     /// faces.
-    fn off(&self, index: usize, normal: [f32; 3]) -> [f32; 3] {
+    pub(super) fn off(&self, index: usize, normal: [f32; 3]) -> [f32; 3] {
         match self.inward.get(index) {
             Some(&inward) if inward != [0.0; 3] => {
                 [0, 1, 2].map(|i| (f64::from(inward[i]) + RISE * f64::from(normal[i])) as f32)

@@ -35,15 +35,7 @@ pub(super) fn values(args: &Args, input: &Input) -> Result<Values, Failure> {
             (rays, ring) = (Some(cast.rays), cast.ring);
             ambient
         }
-        Method::Exact => {
-            let soft = SoftOracle::over(&casting);
-            let mut openness = Vec::with_capacity(list.len());
-            for some in list.chunks(RUN) {
-                openness.extend(exact(&soft, some).openness.into_iter().map(|open| open as f32));
-                progress.done(some.len() as u64);
-            }
-            Ambient { openness, ..Ambient::default() }
-        }
+        Method::Exact => exact(&SoftOracle::over(&casting), &receivers, &|count| progress.done(count)).into(),
         Method::Disks => {
             let mut disks = Disks::of(&casting, Emitters::Vertices);
             disks.run(&Passes::default());
@@ -62,9 +54,6 @@ pub(super) fn values(args: &Args, input: &Input) -> Result<Values, Failure> {
     }
     Ok(Values { corners, ambient, rays, ring, asks_inside })
 }
-
-/// Receivers between two steps of progress.
-const RUN: usize = 1024;
 
 fn receivers(args: &Args, input: &Input) -> Receivers {
     let all = input.all();

@@ -52,8 +52,8 @@ struct Side {
     times: i32,
 }
 
-/// The vertex straight below a receiver, at infinity. No mesh has as many.
-const NADIR: u32 = u32::MAX;
+/// A vertex below a receiver, at infinity, the first of several. No mesh has as many.
+const NADIR: u32 = u32::MAX - 1;
 
 const OUT_OF_RANGE: [u32; 6] = [1, 2, 4, 8, FAR, NEAR];
 /// Not before the plane of the light.
@@ -89,13 +89,14 @@ impl Chain {
 
     /// Adds the boundary of a face with the receiver as its third corner, as seen from just off that corner
     /// in the direction opposite to `down`: of the triangle of directions to both other corners and `down`.
-    /// A face that the receiver is on is three of these.
+    /// A face that the receiver is on is three of these. Each direction down has a `number`, 0 or 1.
     pub(super) fn add_below(
         &mut self,
         pyramid: &Pyramid,
         [a, b]: [[f32; 3]; 2],
         ids: [u32; 2],
         down: [f32; 3],
+        number: u32,
     ) {
         let ends = [End::Corner(a), End::Corner(b), End::Direction(down)];
         let codes = ends.map(|end| self.code(pyramid, pyramid.place(end).coordinates()));
@@ -104,7 +105,7 @@ impl Chain {
         // Counter-clockwise seen from the receiver is a left-handed triple.
         let side = -directions_turn([to_a, to_b, Homogeneous::point(down)]);
         if codes[0] & codes[1] & codes[2] == 0 && !side.is_zero() {
-            self.add_seen(pyramid, ends, [ids[0], ids[1], NADIR], codes, side);
+            self.add_seen(pyramid, ends, [ids[0], ids[1], NADIR + number], codes, side);
         }
     }
 

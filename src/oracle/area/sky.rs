@@ -21,12 +21,17 @@ use crate::mesh::FaceId;
 
 /// A surface point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct UnderSky {
+pub(crate) struct UnderSky<'a> {
     pub(crate) point: [f32; 3],
     /// Of any length but 0. `None`: every direction counts alike.
     pub(crate) normal: Option<[f32; 3]>,
-    /// The face whose middle this is. It hides nothing from the point, nor does a face of the same corners.
-    pub(crate) face: Option<FaceId>,
+    /// The faces that the point stands for: those at a vertex, from which it lies off along the normal, by
+    /// nothing; or the face whose middle it is. A face with the same corners as one of them is like it.
+    pub(crate) own: &'a [FaceId],
+    /// Whether the point is the middle of its own face, which then hides nothing.
+    pub(crate) is_middle: bool,
+    /// Where the point lies off the other faces through it.
+    pub(crate) off: [f32; 3],
 }
 
 /// The open share of the sky.
@@ -45,19 +50,20 @@ impl SoftOracle<'_> {
     ///
     /// A receiver with a normal lies off its point by nothing at all, in the direction of the normal: a face
     /// with the point as a corner hides what is beyond its opposite side, and one that the point is on what is
-    /// beyond any of its sides. Other faces whose plane goes through the point hide nothing.
-    pub(crate) fn open_sky(&self, receivers: &[UnderSky]) -> Vec<Open> {
-        let slots = receivers.iter().any(|receiver| receiver.face.is_some()).then(|| self.slots());
-        let own = |receiver: &UnderSky| {
-            let slot = *slots.as_ref()?.get(receiver.face?.index())?;
-            Some(ordered(self.corners[slot as usize]))
-        };
+    /// beyond any of its sides. Other faces whose plane goes through the point hide nothing. `progress` is
+    /// called with the number of further receivers that are done.
+    pub(crate) fn open_sky(&self, receivers: &[UnderSky<'_>], progress: &(dyn Fn(u64) + Sync)) -> Vec<Open> {
+        let slots = self.slots();
         let mut found = vec![Open::default(); receivers.len()];
         crate::parallel::rows(&mut found, RUN, |run, found| {
-            let mut scratch = Scratch::default();
-            for (receiver, found) in receivers[run * RUN..].iter().zip(found) {
-                *found = self.sky_above(receiver, own(receiver), &mut scratch);
+            let (mut scratch, mut own) = (Scratch::default(), Vec::new());
+            for (receiver, found) in receivers[run * RUN..].iter().zip(&mut *found) {
+                own.clear();
+                let of_slots = receiver.own.iter().filter_map(|face| slots.get(face.index()));
+                own.extend(of_slots.map(|&slot| ordered(self.corners[slot as usize])));
+                *found = self.sky_above(receiver, &own, &mut scratch);
             }
+            progress(found.len() as u64);
         });
         found
     }
@@ -71,7 +77,7 @@ impl SoftOracle<'_> {
         slots
     }
 
-    fn sky_above(&self, receiver: &UnderSky, own: Option<[u32; 3]>, scratch: &mut Scratch) -> Open {
+    fn sky_above(&self, receiver: &UnderSky<'_>, own: &[[u32; 3]], scratch: &mut Scratch) -> Open {
         if receiver.point.iter().any(|x| !x.is_finite()) {
             return Open { share: 1.0, bound: 1.0 };
         }
@@ -90,9 +96,9 @@ impl SoftOracle<'_> {
 
     fn side_above(
         &self,
-        receiver: &UnderSky,
+        receiver: &UnderSky<'_>,
         normal: Option<DVec3>,
-        own: Option<[u32; 3]>,
+        own: &[[u32; 3]],
         frame: Frame,
         scratch: &mut Scratch,
     ) -> Open {
@@ -232,25 +238,30 @@ fn gather(
     soft: &SoftOracle<'_>,
     pyramid: &Pyramid,
     reach: [f64; 3],
-    receiver: &UnderSky,
-    own: Option<[u32; 3]>,
+    receiver: &UnderSky<'_>,
+    own: &[[u32; 3]],
     chain: &mut Chain,
 ) {
     let (sides, count) = pyramid.sides(reach);
-    let down = receiver.normal.map(|normal| normal.map(|x| -x));
+    // Directions down, each with a number of its own.
+    let under = |off: [f32; 3]| off.map(|x| -x);
+    let downs = receiver.normal.map(|normal| [under(normal), under(receiver.off)]);
     let p = receiver.point;
     soft.oracle.tree.walk_within(p, reach, &sides[..count], |slot| {
         let (corners, ids) = (soft.oracle.triangles[slot], soft.corners[slot]);
-        if own.is_some_and(|own| own == ordered(ids)) {
+        let is_own = || own.contains(&ordered(ids));
+        if receiver.is_middle && is_own() {
             return;
         }
-        match down {
+        match downs {
             _ if !goes_through(corners, p) => chain.add(pyramid, corners, ids),
-            Some(down) if !chain.faults.has(Fault::NoFan) => {
+            Some(downs) if !chain.faults.has(Fault::NoFan) => {
+                let which = usize::from(downs[0] != downs[1] && !is_own());
                 // A side through the point subtends nothing with the direction down.
                 for i in 0..3 {
                     let side = [i, (i + 1) % 3];
-                    chain.add_below(pyramid, side.map(|i| corners[i]), side.map(|i| ids[i]), down);
+                    let (ends, ids) = (side.map(|i| corners[i]), side.map(|i| ids[i]));
+                    chain.add_below(pyramid, ends, ids, downs[which], which as u32);
                 }
             }
             _ => {}

@@ -11,18 +11,23 @@ use crate::testing::shapes;
 
 const UP: [f32; 3] = [0.0, 0.0, 1.0];
 
-fn at(point: [f32; 3], normal: [f32; 3]) -> UnderSky {
-    UnderSky { point, normal: Some(normal), face: None }
+/// On the side of its normal of all faces.
+fn at(point: [f32; 3], normal: [f32; 3]) -> UnderSky<'static> {
+    UnderSky { point, normal: Some(normal), own: &[], is_middle: false, off: normal }
 }
 
-fn open(mesh: &Mesh, receiver: UnderSky, fault: Option<Fault>) -> Open {
+fn everywhere(point: [f32; 3]) -> UnderSky<'static> {
+    UnderSky { normal: None, ..at(point, UP) }
+}
+
+fn open(mesh: &Mesh, receiver: UnderSky<'_>, fault: Option<Fault>) -> Open {
     let mut soft = SoftOracle::build(mesh);
     soft.faults = Faults(fault);
-    soft.open_sky(&[receiver])[0]
+    soft.open_sky(&[receiver], &|_| {})[0]
 }
 
 /// The share is right to `within` and within its bound; returns it.
-fn holds(mesh: &Mesh, receiver: UnderSky, share: f64, within: f64) -> f64 {
+fn holds(mesh: &Mesh, receiver: UnderSky<'_>, share: f64, within: f64) -> f64 {
     let found = open(mesh, receiver, None);
     let off = (found.share - share).abs();
     assert!(off <= within && off <= found.bound + within, "{found:?} is not {share}");
@@ -30,7 +35,7 @@ fn holds(mesh: &Mesh, receiver: UnderSky, share: f64, within: f64) -> f64 {
 }
 
 /// With the fault the share is wrong by far.
-fn catches(mesh: &Mesh, receiver: UnderSky, share: f64, fault: Fault) {
+fn catches(mesh: &Mesh, receiver: UnderSky<'_>, share: f64, fault: Fault) {
     let wrong = open(mesh, receiver, Some(fault));
     assert!((wrong.share - share).abs() > 0.03, "{fault:?} is not caught: {wrong:?}");
 }
@@ -60,7 +65,7 @@ fn normal_at(mesh: &Mesh, vertex: u32) -> [f32; 3] {
     sum.normalize().to_array().map(|x| x as f32)
 }
 
-fn vertices(mesh: &Mesh) -> impl Iterator<Item = UnderSky> + '_ {
+fn vertices(mesh: &Mesh) -> impl Iterator<Item = UnderSky<'static>> + '_ {
     let ids = 0..mesh.vertex_count() as u32;
     ids.map(|vertex| at(mesh.positions()[vertex as usize], normal_at(mesh, vertex)))
 }
@@ -98,7 +103,7 @@ fn middle_of_a_pit_sees_its_opening() {
     }
     // The sabotage: all directions alike.
     let mesh = pit([-1.0, -1.0, 0.0], [1.0, 1.0, 2.0]);
-    let alike = open(&mesh, UnderSky { point: [0.0; 3], normal: None, face: None }, None).share;
+    let alike = open(&mesh, everywhere([0.0; 3]), None).share;
     assert!((alike - 0.239_456_470_461).abs() > 0.01, "{alike}");
 }
 
@@ -106,7 +111,7 @@ fn middle_of_a_pit_sees_its_opening() {
 fn without_a_normal_every_direction_counts_alike() {
     // The sixth side of a cube, from its middle and from the middle of another side.
     let mesh = pit([-1.0; 3], [1.0; 3]);
-    let middle = UnderSky { point: [0.0; 3], normal: None, face: None };
+    let middle = everywhere([0.0; 3]);
     holds(&mesh, middle, 1.0 / 6.0, 1e-14);
     catches(&mesh, middle, 1.0 / 6.0, Fault::NoClosing);
     // A square at height h, side 2a, takes up 4·asin(a²/(a² + h²)).
@@ -144,7 +149,7 @@ fn middle_of_a_face_is_not_hidden_by_it_nor_by_its_copy() {
         let [a, b, c] = mesh.corners(face).map(wide);
         let middle = [(a + b + c) / 3.0, (b - a).cross(c - a).normalize()];
         let [point, normal] = middle.map(|x| x.to_array().map(|x| x as f32));
-        holds(&mesh, UnderSky { point, normal: Some(normal), face: Some(face) }, 1.0, 1e-12);
+        holds(&mesh, UnderSky { own: &[face], is_middle: true, ..at(point, normal) }, 1.0, 1e-12);
         // The sabotage: many rounded middles lie behind their own face.
         let without = open(&mesh, at(point, normal), None).share;
         assert!(without.min(1.0 - without) < 1e-6);
@@ -207,6 +212,21 @@ fn point_on_an_edge_or_within_a_face_is_hidden_by_what_is_below() {
 }
 
 #[test]
+fn point_on_a_hard_edge_is_hidden_by_a_wall_on_its_own_side_alone() {
+    // A floor on both sides of the line x = 0, and a wall over its right half.
+    let long = 2f32.powi(21);
+    let side = |x: f32| [[0.0; 3], [0.0, -x * long, 0.0], [x * long, 0.0, 0.0], [0.0, x * long, 0.0]];
+    let wall = [[0.0; 3], [0.0, long, 0.0], [0.0, 0.0, long], [0.0, -long, 0.0]];
+    let mesh = quads(&[side(1.0), side(-1.0), wall]);
+    let floor = |x: f32, own| UnderSky { own, off: [x, 0.0, 0.001], ..at([0.0; 3], UP) };
+    let (right, left) = ([FaceId(0), FaceId(1)], [FaceId(2), FaceId(3)]);
+    holds(&mesh, floor(1.0, &right), 0.5, 1e-13);
+    holds(&mesh, floor(-1.0, &left), 0.5, 1e-13);
+    // The sabotage: along the normal alone it is on neither side.
+    holds(&mesh, at([0.0; 3], UP), 1.0, 1e-13);
+}
+
+#[test]
 fn sphere_over_a_plane_lies_between_those_around_and_inside_it() {
     let sphere = shapes::icosphere(3);
     let least = (0..sphere.face_count()).map(|face| {
@@ -230,20 +250,20 @@ fn another_caster_never_opens_the_sky_and_scale_changes_no_bit() {
     let base = shapes::torus(12, 8, 2.0, 0.7);
     let ball = shapes::translated(&shapes::icosphere(1), [0.5, 0.25, 1.75]);
     let both = Mesh::concat(&[base.clone(), ball]).unwrap();
-    let receivers: Vec<UnderSky> = vertices(&base).step_by(5).collect();
-    let shares = |mesh: &Mesh, receivers: &[UnderSky]| SoftOracle::build(mesh).open_sky(receivers);
+    let receivers: Vec<UnderSky<'_>> = vertices(&base).step_by(5).collect();
+    let shares =
+        |mesh: &Mesh, receivers: &[UnderSky<'_>]| SoftOracle::build(mesh).open_sky(receivers, &|_| {});
     let (alone, under) = (shares(&base, &receivers), shares(&both, &receivers));
     assert!(alone.iter().zip(&under).all(|(alone, under)| under.share <= alone.share + 1e-12));
     assert!(alone.iter().zip(&under).any(|(alone, under)| under.share < alone.share - 0.1));
     for power in [-40, -1, 3, 60] {
         let factor = 2f32.powi(power);
-        let scaled =
-            |receiver: &UnderSky| UnderSky { point: receiver.point.map(|x| x * factor), ..*receiver };
-        let receivers: Vec<UnderSky> = receivers.iter().map(scaled).collect();
+        let receivers: Vec<UnderSky<'_>> =
+            receivers.iter().map(|r| UnderSky { point: r.point.map(|x| x * factor), ..*r }).collect();
         assert_eq!(shares(&shapes::scaled(&both, factor), &receivers), under);
     }
     // The sabotage: a factor that is no power of two rounds.
-    let receivers: Vec<UnderSky> =
+    let receivers: Vec<UnderSky<'_>> =
         receivers.iter().map(|r| UnderSky { point: r.point.map(|x| x * 1.1), ..*r }).collect();
     assert_ne!(shares(&shapes::scaled(&both, 1.1), &receivers), under);
 }

@@ -72,6 +72,7 @@ fn visibility(bench: &mut Bench<'_>, mesh: &Mesh, triangles: &[Triangle]) {
     let behind = |vertex: &[f32; 3]| std::array::from_fn(|i| 2.0 * vertex[i] - near.xyz()[i]);
     let step = mesh.vertex_count().div_ceil(count);
     let aimed: Vec<[f32; 3]> = mesh.positions().iter().step_by(step).map(behind).collect();
+    let corners: Vec<[f32; 3]> = mesh.positions().iter().copied().step_by(step).collect();
     let seen =
         visible(&oracle, place(0.4, 0.6, 1.4), oracle.bounds().center(), if bench.quick { 24 } else { 512 });
     for (kind, light, points) in [
@@ -80,6 +81,7 @@ fn visibility(bench: &mut Bench<'_>, mesh: &Mesh, triangles: &[Triangle]) {
         ("view, light near", near, &seen),
         ("view, directional", far, &seen),
         ("aimed at vertices", near, &aimed),
+        ("from vertices, directional", far, &corners),
     ] {
         let name = format!("{} · {kind}", mesh.name);
         verdicts(bench, name, &oracle, (&tree, &leaves), &light, points);

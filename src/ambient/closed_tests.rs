@@ -244,8 +244,8 @@ fn at_hard_edges_a_receiver_is_on_its_own_side_of_walls_that_contain_its_normal(
         let convex = solid.face_count() == 12;
         assert!(outside.openness.iter().all(|&open| open == 1.0 || (!convex && open > 0.2)), "{outside:?}");
     }
-    // Both sides of a sheet that is folded by a right angle, where each face has a reversed copy: at the fold
-    // half of the half that the other side hides is missing.
+    // Both sides of a sheet that is folded by a right angle, where each face has a reversed copy. At the end of
+    // the fold, halfway between the edges of its face, a receiver sees five eighths of the circle.
     let fold = quads(&[
         [[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0]],
         [[0.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 9.0, 9.0], [0.0, 0.0, 9.0]],
@@ -260,7 +260,7 @@ fn at_hard_edges_a_receiver_is_on_its_own_side_of_walls_that_contain_its_normal(
                 let (is_at_fold, open) = (x == 0.0 && z == 0.0, found.openness[receiver as usize]);
                 let fits = match face {
                     4.. => open == 1.0,
-                    _ if is_at_fold => (open - 0.75).abs() < 0.02, // at the end of the fold
+                    _ if is_at_fold => (open - 0.625).abs() < 0.02,
                     _ => open > 0.9 && open < 0.99,
                 };
                 assert!(fits, "{open} at corner {corner} of face {face}");
@@ -332,7 +332,7 @@ fn another_caster_never_opens_anything() {
 
 #[test]
 fn scaling_by_a_power_of_two_changes_no_bit() {
-    let mesh = shapes::torus_knot(2, 3, 40, 6, 0.4);
+    let mesh = shapes::torus_knot(2, 3, 16, 5, 0.4);
     let found = |scale: f32| {
         let mesh = shapes::scaled(&mesh, scale);
         let receivers = Receivers::of(&[&mesh], Per::Corner);
@@ -349,7 +349,7 @@ fn scaling_by_a_power_of_two_changes_no_bit() {
 #[test]
 #[cfg(feature = "parallel")]
 fn any_number_of_threads_gives_the_same_bits() {
-    let mesh = shapes::torus_knot(2, 3, 40, 6, 0.4);
+    let mesh = shapes::torus_knot(2, 3, 24, 5, 0.4);
     let receivers = Receivers::of(&[&mesh], Per::Corner);
     let options = RayOptions { bent: true, ring: Ring::On, ..exactly(16) };
     let [few, many] = [1, 5].map(|threads| {
@@ -395,7 +395,7 @@ fn overlapping_solids_bury_what_lies_in_the_other_and_rooms_bury_nothing() {
 
 #[test]
 fn a_wanted_error_is_met_and_more_rays_are_asked_for_where_it_is_smaller() {
-    let mesh = shapes::torus_knot(2, 3, 32, 6, 0.5);
+    let mesh = shapes::torus_knot(2, 3, 20, 5, 0.5);
     let receivers = Receivers::of(&[&mesh], Per::Corner);
     let oracle = Oracle::build(&mesh);
     let truth = cast(&[&mesh], &receivers, &RayOptions { seed: 9, ..exactly(256) });
@@ -420,7 +420,7 @@ fn a_wanted_error_is_met_and_more_rays_are_asked_for_where_it_is_smaller() {
 fn the_mean_over_a_ring_helps_on_a_fine_mesh_and_is_left_out_elsewhere() {
     // A fine floor under a sphere, whose openness is known.
     let floor = shapes::scaled(&shapes::sheet(48), 1.0 / 6.0);
-    let sphere = shapes::translated(&shapes::icosphere(3), [4.0, 4.0, 1.5]);
+    let sphere = shapes::translated(&shapes::icosphere(2), [4.0, 4.0, 1.5]);
     let meshes = [&floor, &sphere];
     let receivers = Receivers::of(&[&floor], Per::Corner);
     let error = |ring: Ring, rays: u32| {
@@ -433,7 +433,7 @@ fn the_mean_over_a_ring_helps_on_a_fine_mesh_and_is_left_out_elsewhere() {
         });
         ((squares.sum::<f64>() / receivers.list.len() as f64).sqrt(), cast.ring)
     };
-    let [(plain, _), (shared, is_shared)] = [error(Ring::Off, 8), error(Ring::Auto, 8)];
+    let [(plain, _), (shared, is_shared)] = [error(Ring::Off, 6), error(Ring::Auto, 6)];
     assert!(is_shared && shared < 0.6 * plain, "{shared} {plain}");
     let pairs = ring::Pairs::of(&receivers);
     assert!(pairs.help(&receivers, 64) && !pairs.help(&receivers, 65));

@@ -197,9 +197,13 @@ impl Joined {
         if neighbors(1) == neighbors(2) {
             return [0.0; 3];
         }
-        let into =
+        let mut into =
             corners.map(|corner| towards_middle(self.mesh.corners(FaceId::new(corner / 3)), corner % 3));
-        into.sum::<DVec3>().normalize_or_zero().to_array().map(|x| x as f32)
+        let first = into.next().unwrap_or_default();
+        let sum = first + into.sum::<DVec3>();
+        // Faces of one plane on opposite sides of the vertex cancel out: then into the first.
+        let into = if sum.length() < 1.0 { first } else { sum };
+        into.normalize_or_zero().to_array().map(|x| x as f32)
     }
 
     fn per_face(&self) -> Receivers {

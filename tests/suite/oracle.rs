@@ -32,6 +32,24 @@ proptest! {
         prop_assert_eq!(crossings, reference(&mesh, p, &light).crossings);
         prop_assert_eq!(oracle.verdict(p, &light), crossings.verdict());
     }
+
+    #[test]
+    fn oracle_from_a_vertex_equals_a_loop_over_all_faces_and_whole_numbers(
+        mesh in soup(40),
+        vertex in any::<prop::sample::Index>(),
+        end in any::<prop::sample::Index>(),
+        light in light(),
+    ) {
+        let positions = mesh.positions();
+        prop_assume!(!positions.is_empty());
+        let oracle = Oracle::build(&mesh);
+        let p = positions[vertex.index(positions.len())];
+        for light in [light, Light::point(positions[end.index(positions.len())]).unwrap()] {
+            let crossings = oracle.crossings(p, &light);
+            prop_assert_eq!(crossings, loop_over_all(&mesh, p, &light));
+            prop_assert_eq!(crossings, reference(&mesh, p, &light).crossings);
+        }
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::Receivers;
 use crate::mesh::FaceId;
 
+#[cfg(any(test, feature = "verify"))]
 impl Receivers {
     /// `count` of the receivers, evenly spaced in their order; all if there are fewer.
     pub(crate) fn spread(&self, count: usize) -> Vec<u32> {
@@ -47,7 +48,9 @@ impl Receivers {
         let places = places.map(|place| place as u32).collect(); // no more than receivers
         (self.only(&used), places)
     }
+}
 
+impl Receivers {
     /// For each receiver the faces that have it at a corner.
     pub(super) fn faces(&self) -> FacesAt {
         let mut pairs: Vec<(u32, FaceId)> = Vec::with_capacity(3 * self.corners.len());

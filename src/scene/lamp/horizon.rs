@@ -23,8 +23,8 @@ impl Patch {
 
 /// The share of a disk beyond a chord at a distance of its center, in radii, from 0 on.
 fn disk_below(distance: f64) -> f64 {
-    // A surface parallel to the plane has no chord, and none within it: infinite, or 0/0.
-    if !(distance < 1.0) {
+    // A surface parallel to the plane has no chord, and one within it neither: infinite, or 0/0.
+    if distance.is_nan() || distance >= 1.0 {
         return 0.0;
     }
     (distance.acos() - distance * (1.0 - distance * distance).sqrt()) / PI
@@ -35,7 +35,7 @@ fn square_below(h: f64, a: f64, b: f64) -> f64 {
     let (long, short) = (a.max(b), a.min(b));
     // How deep the lowest corner lies.
     let depth = long + short - h;
-    if !(depth > 0.0) {
+    if depth.is_nan() || depth <= 0.0 {
         return 0.0;
     }
     match depth < 2.0 * short {

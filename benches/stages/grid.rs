@@ -45,11 +45,12 @@ fn on_slab(mesh: Option<Mesh>, otherwise: impl Fn() -> Mesh) -> Mesh {
     let [low, high] = mesh.bounds().expect("it has faces");
     let wide = (0..3).map(|i| high[i] - low[i]).fold(0.0, f32::max);
     let name = mesh.name.clone();
-    let slab = shapes::cube().positions().iter().map(|&[x, y, z]| {
+    let cube = shapes::cube();
+    let slab = cube.positions().iter().map(|&[x, y, z]| {
         let [mid_x, mid_z] = [0, 2].map(|i| 0.5 * (low[i] + high[i]));
         [mid_x + 2.5 * wide * x, low[1] + 0.05 * wide * (y - 1.0), mid_z + 2.5 * wide * z]
     });
-    let slab = Mesh::new(slab.collect(), shapes::cube().triangles().to_vec()).expect("finite");
+    let slab = Mesh::new(slab.collect(), cube.triangles().to_vec()).expect("finite");
     Mesh::concat(&[mesh, slab]).expect("they fit").with_name(name)
 }
 

@@ -12,8 +12,9 @@ use crate::topology::has_collapsed;
 
 /// All faces of a group of casters with the side that the light is on, for one light and any camera.
 ///
-/// The chain is `Σ s·face` over all faces, s = ±1 for the side that the light is on; its boundary is `Σ m·edge`
-/// (see [`silhouette`](crate::silhouette)). Edge-on faces have s = 0, are no part of it, and shadow nothing.
+/// The chain is `Σ s·face` over all faces, s = ±1 for the side that the light is on. Its boundary is the sum
+/// of the edges, each times its multiplicity (see [`silhouette`](crate::silhouette)). Edge-on faces have
+/// s = 0, are no part of it, and shadow nothing.
 #[derive(Clone, Debug)]
 pub struct Chain<'a> {
     light: Light,

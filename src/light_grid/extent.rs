@@ -4,12 +4,13 @@
 //!
 //! A light of radius ρ around L is the set of the points L + ρe, |e| ≤ 1. Let d be the depth z of a point p,
 //! and s its slopes `(pᵢ − Lᵢ)/d`. A ray from p to L + ρe is at depth z at the parameter
-//! `t = (d − z)/(d − ρeₖ) ≤ (d − z)/(d − ρ)`, and there `yᵢ − yᵢ(p) = tρ(eᵢ − sᵢeₖ)/z`. So |y − y(p)| is at most
+//! `t = (d − z)/(d − ρeₖ)`, at most `(d − z)/(d − ρ)`, and there `yᵢ − yᵢ(p) = tρ(eᵢ − sᵢeₖ)/z`. So
+//! |y − y(p)| is at most
 //!
 //! `ρ·√(1 + sᵢ²)·(d − z)/(z·(d − ρ))`, which falls with z.
 //!
-//! A sun with the tangent ρ is the set of the directions l + ρu, l of length 1, u ⟂ l, |u| ≤ 1. After a climb h
-//! along the axis, `|y − y(p)| ≤ ρ·√(1 + sᵢ²)·h/(|lₖ| − ρ)`, with the slopes s of l.
+//! A sun with the tangent ρ is the set of the directions l + ρu, l of length 1, u ⟂ l, |u| ≤ 1. After a climb
+//! h along the axis, `|y − y(p)| ≤ ρ·√(1 + sᵢ²)·h/(|lₖ| − ρ)`, with the slopes s of l.
 //!
 //! # How near to the light a face may be
 //!

@@ -10,10 +10,10 @@
 //!
 //! Let ε = 2⁻⁵³, and let the *size* of a term be the product of its factors' sizes. By the bounds of
 //! [`Projected`], a product of two coordinates errs by at most (6 + 6 + 1)ε of its size, a component of a
-//! cross product by 14ε, and `n·d` by 17ε of `Σ size·|dᵢ|`: a rounding for each product, two for the sums. Its
-//! range over a square is added up with four more, and the sizes have as many roundings of their own: 25ε, to
-//! first order. The numerator of the plane has one more product and two more sums, and H errs by ε: 29ε. The
-//! determinant `q·n`: 14 + 6 + 3 = 23ε. [`ERROR`] is 32ε.
+//! cross product by 14ε, and `n·d` by 17ε of `Σ size·|dᵢ|`: a rounding for each product, two for the sums.
+//! Its range over a square is added up with four more, and the sizes have as many roundings of their own:
+//! 25ε, to first order. The numerator of the plane has one more product and two more sums, and H errs by ε:
+//! 29ε. The determinant `q·n`: 14 + 6 + 3 = 23ε. [`ERROR`] is 32ε.
 
 use super::view::{ERROR, Projected, View};
 
@@ -120,10 +120,9 @@ impl Facet {
             if high < 0.0 {
                 return Meeting::None;
             }
-            if !(low > 0.0) {
-                all = false;
-                met |= 1 << k;
-            }
+            let is_inside = low > 0.0;
+            all &= is_inside;
+            met |= u8::from(!is_inside) << k;
         }
         if all { Meeting::All } else { Meeting::Some(met) }
     }
@@ -132,7 +131,8 @@ impl Facet {
     #[inline]
     pub(super) fn nearness(&self, square: &Square) -> [f64; 2] {
         let [least, most] = self.det;
-        if !(least > 0.0) {
+        let is_certain = least > 0.0;
+        if !is_certain {
             return self.range;
         }
         let [low, high] = self.plane.over(square);

@@ -64,9 +64,9 @@ pub(super) fn most_pairs(faces: usize) -> usize {
 impl<'a> LightGrid<'a> {
     /// The grid over given points, `side` cells along each side of each view; at most 4096.
     ///
-    /// Cost: some 100 ns per face, and some 20 ns for each pair of a face and a cell. Where there would be more
-    /// pairs than four per face and four million, the side is halved until there are not: the grid decides less
-    /// then, and nothing wrong.
+    /// Cost: some 100 ns per face, and some 20 ns for each pair of a face and a cell. Where there would be
+    /// more pairs than four per face and four million, the side is halved until there are not: the grid
+    /// decides less then, and nothing wrong.
     #[must_use]
     pub fn build(
         chain: &'a Chain<'a>,

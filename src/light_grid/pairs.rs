@@ -32,7 +32,8 @@ pub(super) enum GenericRay {
     Unsure,
 }
 
-/// Cells looked at for each pair that may be made. Most cells that a face's rectangle holds may hold no point.
+/// Cells looked at for each pair that may be made. Most cells that a face's rectangle holds may hold no
+/// point.
 const LOOKS: usize = 16;
 
 /// The pairs of the faces with the cells that hold a point, face by face; `None` if there would be more than

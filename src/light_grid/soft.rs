@@ -56,8 +56,8 @@ pub struct SoftGrid<'a> {
 }
 
 impl<'a> SoftGrid<'a> {
-    /// The grid over given points, `side` cells along each side of each view; at most 4096. A rectangle is taken
-    /// as the ball around it.
+    /// The grid over given points, `side` cells along each side of each view; at most 4096. A rectangle is
+    /// taken as the ball around it.
     ///
     /// # Panics
     ///
@@ -133,9 +133,10 @@ impl<'a> SoftGrid<'a> {
 
     /// `None` where nothing is proven.
     ///
-    /// *Lit*: no face in the cells that the rays pass through is nearer to the light than the point. *Dark*: in
-    /// these cells all of some shell is nearer than the point, no boundary of it meets them, and its sheets are
-    /// crossed. Then a path from below all of it to above all of it crosses it, whatever its slope.
+    /// *Lit*: no face in the cells that the rays pass through is nearer to the light than the point. *Dark*:
+    /// in these cells all of some shell is nearer than the point, no boundary of it meets them, and its
+    /// sheets are crossed. Then a path from below all of it to above all of it crosses it, whatever its
+    /// slope.
     fn decide(&self, p: [f32; 3], own: Option<&PrimaryHit>) -> Option<SoftVerdict> {
         let (chain, faults) = (self.grid.chain, self.grid.faults);
         let number = View::holding(&self.grid.views, p);
@@ -199,8 +200,8 @@ fn sheets(grid: &ViewGrid, [columns, rows]: [[u32; 2]; 2]) -> impl Iterator<Item
     })
 }
 
-/// Whether some shell hides the light from all points below a nearness, along rays that stay in these cells up
-/// to another nearness.
+/// Whether some shell hides the light from all points below a nearness, along rays that stay in these cells
+/// up to another nearness.
 fn hides_all(chain: &Chain<'_>, grid: &ViewGrid, cells: [[u32; 2]; 2], [below, above]: [f64; 2]) -> bool {
     let mut shells: Vec<([u32; 2], bool, bool)> = sheets(grid, cells)
         .map(|(sheet, _)| {

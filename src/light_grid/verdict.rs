@@ -31,9 +31,9 @@ impl LightGrid<'_> {
     /// What is proven about a visible point.
     ///
     /// As [`LightGrid::verdict_at`], but its own sheet, which holds the visible face, is at no other depth. A
-    /// ray that touches no edge crosses this sheet once, if it has no boundary in the cell and its generic ray
-    /// crosses it once. If the point's ray properly crosses the visible face, and point and light lie on one
-    /// side of this face, the one crossing is behind the point, and so the sheet does not shadow it.
+    /// ray that touches no edge crosses this sheet once, if it has no boundary in the cell and its generic
+    /// ray crosses it once. If the point's ray properly crosses the visible face, and point and light lie on
+    /// one side of this face, the one crossing is behind the point, and so the sheet does not shadow it.
     #[must_use]
     pub fn verdict(&self, hit: &PrimaryHit) -> GridVerdict {
         let Some(place) = self.place(hit.point) else { return GridVerdict::Undecided };

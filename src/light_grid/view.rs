@@ -1,7 +1,7 @@
 //! Coordinates of the rays of a light.
 //!
-//! A [`View`] gives directions two coordinates. One view holds all rays if the light is far away. A light near
-//! or inside what it is asked about takes the six sides of a cube around the light.
+//! A [`View`] gives directions two coordinates. One view holds all rays if the light is far away. A light
+//! near or inside what it is asked about takes the six sides of a cube around the light.
 
 use crate::geom::{Aabb, Light};
 
@@ -197,8 +197,8 @@ pub(crate) struct Seen {
     pub(crate) off: [f64; 2],
 }
 
-/// A point in a view's homogeneous coordinates, all of them affine in the point: `y = Y/W`, and its *nearness*
-/// `H/W`, which grows towards the light along each ray and is affine in y on each plane.
+/// A point in a view's homogeneous coordinates, all of them affine in the point: `y = Y/W`, and its
+/// *nearness* `H/W`, which grows towards the light along each ray and is affine in y on each plane.
 ///
 /// W is z. H is `±(pₖ − cₖ)`, which cancels nothing where the light is far away, and 1 for a side of a cube,
 /// where the nearness is 1/z.

@@ -48,8 +48,8 @@ const LAMPS: [&str; 5] = [
     "spot:2,2,5:-1,-1,-3:40",
 ];
 
-/// Runs a technique over all scenes: what it says at each judged sample is true. Numbers of front-lit samples,
-/// and of those that asked for an exact ray.
+/// Runs a technique over all scenes: what it says at each judged sample is true. Numbers of front-lit
+/// samples, and of those that asked for an exact ray.
 fn over_scenes(technique: &str) -> [u64; 2] {
     let technique: Technique = technique.parse().unwrap();
     let counts = std::cell::Cell::new([0; 2]);

@@ -26,7 +26,7 @@ fn receivers(count: usize) -> Vec<(DVec3, Option<DVec3>)> {
     let mut random = SplitMix64(5);
     let receiver = |i: usize| {
         let Disk { center, normal, .. } = random_disk(&mut random);
-        (3.0 * center, (i % 5 > 0).then_some(normal))
+        (3.0 * center, (!i.is_multiple_of(5)).then_some(normal))
     };
     (0..count).map(receiver).collect()
 }

@@ -76,7 +76,7 @@ impl Back {
         };
         let stride =
             self.doc["bufferViews"][view]["byteStride"].as_u64().map_or(width * size, |s| s as usize);
-        assert!(self.doc["bufferViews"][view]["byteStride"].is_null() || stride % 4 == 0);
+        assert!(self.doc["bufferViews"][view]["byteStride"].is_null() || stride.is_multiple_of(4));
         let first = accessor["byteOffset"].as_u64().unwrap_or(0) as usize;
         let count = accessor["count"].as_u64().unwrap() as usize;
         let element =

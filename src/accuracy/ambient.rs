@@ -49,7 +49,8 @@ pub struct AmbientRow {
     /// Nanoseconds per receiver. Passes over the disks are shared by all receivers of the meshes, and rays
     /// include the estimate of their own error.
     pub ns_per_receiver: Spread,
-    /// A method that is at least as fast and has at most the same mean error, and is better in one of the two.
+    /// A method that is at least as fast and has at most the same mean error, and is better in one of the
+    /// two.
     pub dominated_by: Option<AmbientMethod>,
 }
 

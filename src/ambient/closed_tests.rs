@@ -252,8 +252,8 @@ fn at_hard_edges_a_receiver_is_on_its_own_side_of_walls_that_contain_its_normal(
         let convex = solid.face_count() == 12;
         assert!(outside.openness.iter().all(|&open| open == 1.0 || (!convex && open > 0.2)), "{outside:?}");
     }
-    // Both sides of a sheet that is folded by a right angle, where each face has a reversed copy. At the end of
-    // the fold, halfway between the edges of its face, a receiver sees five eighths of the circle.
+    // Both sides of a sheet that is folded by a right angle, where each face has a reversed copy. At the end
+    // of the fold, halfway between the edges of its face, a receiver sees five eighths of the circle.
     let fold = quads(&[
         [[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0]],
         [[0.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 9.0, 9.0], [0.0, 0.0, 9.0]],

@@ -50,7 +50,8 @@ pub fn exact(soft: &SoftOracle<'_>, receivers: &[Receiver]) -> Exact {
 /// use umbrage::testing::shapes;
 /// let room = shapes::inside_out(&shapes::cube());
 /// let receivers = Receivers::of(&[&room], Per::Corner);
-/// assert!(exact_part(&SoftOracle::build(&room), &receivers, 3..9).openness.iter().all(|&open| open < 1e-12));
+/// let found = exact_part(&SoftOracle::build(&room), &receivers, 3..9);
+/// assert!(found.openness.iter().all(|&open| open < 1e-12));
 /// ```
 #[must_use]
 pub fn exact_part(soft: &SoftOracle<'_>, receivers: &Receivers, part: Range<usize>) -> Exact {

@@ -64,7 +64,8 @@ impl Solids {
     }
 
     /// Whether a receiver that is moved off its faces by nothing lies in a solid: the winding number of all
-    /// closed shells around it is positive. Asked only where the box of a shell that is not its own contains it.
+    /// closed shells around it is positive. Asked only where the box of a shell that is not its own contains
+    /// it.
     ///
     /// The shell of a room that is turned inwards is no solid, nor is a hollow in a wall.
     pub(super) fn hold(&self, oracle: &Oracle, receivers: &Receivers, index: usize, start: &Start) -> bool {

@@ -22,8 +22,8 @@ impl Lattice {
         Self { turns: (0..rays).map(|i| [turn(i).cos(), turn(i).sin()]).collect() }
     }
 
-    /// The directions around `normal`, each with the density of its cosine, of length 1 but for rounding; over
-    /// the whole sphere, evenly, without one.
+    /// The directions around `normal`, each with the density of its cosine, of length 1 but for rounding;
+    /// over the whole sphere, evenly, without one.
     pub(super) fn directions(
         &self,
         normal: Option<[f32; 3]>,

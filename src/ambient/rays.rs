@@ -1,8 +1,8 @@
 //! Openness by exact rays from exactly the receiver: no offset, no tolerance.
 //!
 //! Directions have the density of the cosine, so that openness is the share of rays that cross nothing. They
-//! are a lattice with a shift of its own for each position; its error falls with the number N of rays about as
-//! 0.4·N^(−¾).
+//! are a lattice with a shift of its own for each position; its error falls with the number N of rays about
+//! as 0.4·N^(−¾).
 
 use glam::DVec3;
 

@@ -13,7 +13,8 @@ use crate::topology::Topology;
 pub struct Receiver {
     /// The point.
     pub point: [f32; 3],
-    /// The normal, of length 1. `None` where two sides of a sheet meet: the mean over the whole sphere counts.
+    /// The normal, of length 1. `None` where two sides of a sheet meet: the mean over the whole sphere
+    /// counts.
     pub normal: Option<[f32; 3]>,
     /// The face whose middle this is, among those of all meshes in sequence. It hides nothing from itself.
     pub face: Option<FaceId>,
@@ -185,8 +186,8 @@ impl Joined {
         Receivers { list, sides: Sides::new(inward, &corners), corners, solids: self.solids() }
     }
 
-    /// A direction into the faces of these corners, which share a vertex; 0 if the faces surround it, that is,
-    /// if their edges leave it as often as they arrive.
+    /// A direction into the faces of these corners, which share a vertex; 0 if the faces surround it, that
+    /// is, if their edges leave it as often as they arrive.
     fn inward(&self, corners: impl Iterator<Item = usize> + Clone) -> [f32; 3] {
         let neighbors = |step: usize| {
             let of = |corner: usize| self.mesh.triangles()[corner / 3][(corner % 3 + step) % 3];

@@ -146,8 +146,8 @@ fn soft_grid_without_edge_on_faces_is_caught() {
     );
 }
 
-/// A floor, a steep wall and a roof, without a silhouette edge for the center of the sun: from the edge of the
-/// sun the wall hides the foot of the floor, which is the same sheet.
+/// A floor, a steep wall and a roof, without a silhouette edge for the center of the sun: from the edge of
+/// the sun the wall hides the foot of the floor, which is the same sheet.
 #[test]
 fn soft_grid_that_leaves_its_own_sheet_out_is_caught() {
     let line = [[-3.5, 0.0], [0.0, 0.0], [1.0, 2.0], [4.0, 2.0]];

@@ -8,8 +8,8 @@ use crate::shadow::{Request, Samples, Technique};
 use crate::testing::shapes;
 use crate::view::{Camera, Projection, Size, Up};
 
-/// Levels of a channel: each of four pictures is rounded by half a level, and the transfer function is steepest
-/// where light is least, so that errors of the parts are no greater in the sum.
+/// Levels of a channel: each of four pictures is rounded by half a level, and the transfer function is
+/// steepest where light is least, so that errors of the parts are no greater in the sum.
 const MOST: f64 = 2.0;
 
 fn scene() -> Caster {

@@ -2,9 +2,9 @@
 //! sums over all vertices.
 //!
 //! The area of a disk is the mean of those of the faces around its vertex, and cancels in the form factor
-//! A·cosE·cosR / (πr²·A): the result changes with the unit of length, and with how finely a surface is divided.
-//! A disk is dropped if its distance is more than 100 times its area, a length against an area. The sum x
-//! becomes exp(−x), which leaves 0.37 in a closed room. A receiver's own disk is left out: 0/0.
+//! A·cosE·cosR / (πr²·A): the result changes with the unit of length, and with how finely a surface is
+//! divided. A disk is dropped if its distance is more than 100 times its area, a length against an area. The
+//! sum x becomes exp(−x), which leaves 0.37 in a closed room. A receiver's own disk is left out: 0/0.
 
 use std::f64::consts::PI;
 

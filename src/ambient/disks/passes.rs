@@ -9,7 +9,7 @@ pub struct Passes {
     /// the tree.
     ///
     /// To move the disks of a node to its center, at a share θ, changes its part of the sum by at most
-    /// 4θ/(1 − θ)² of Σ a/πr²: both cosines and 1/r² move. That their normals are known by two sums only comes
+    /// 4θ/(1−θ)² of Σ a/πr²: both cosines and 1/r² move. That their normals are known by two sums only comes
     /// on top; it is without a bound, and smaller.
     pub theta: f64,
     /// How often everything is summed up, 1 or more. One pass is the rule on nearly convex scans, four where
@@ -27,8 +27,8 @@ impl Default for Passes {
 }
 
 impl Disks {
-    /// Sets the weights of the disks: 1 for the first pass; for the second one the openness of each disk; then
-    /// means of the weight before and the openness. [`Disks::openness`] is the last pass.
+    /// Sets the weights of the disks: 1 for the first pass; for the second one the openness of each disk;
+    /// then means of the weight before and the openness. [`Disks::openness`] is the last pass.
     pub fn run(&mut self, passes: &Passes) {
         self.theta = passes.theta.max(0.0); // 0 for what is not a number
         let mut weights = vec![1.0; self.emitters.len()];

@@ -1,8 +1,8 @@
 //! A tree of disks with eight children per node.
 //!
 //! Disks are sorted along a Morton curve (G. M. Morton, *A Computer Oriented Geodetic Data Base*, 1966), and
-//! eight neighbors make a node, level by level. There are no pointers: the children of a node are the block of
-//! its own number one level below. The eight of a block lie side by side, number by number.
+//! eight neighbors make a node, level by level. There are no pointers: the children of a node are the block
+//! of its own number one level below. The eight of a block lie side by side, number by number.
 
 use std::f64::consts::PI;
 
@@ -226,7 +226,8 @@ impl Block {
     /// A·cosE·cosR / (πr² + A), exact for a disk that faces the receiver straight on, and never above 1.
     ///
     /// A·cosE of many disks is the area of their fronts as the receiver sees it: half of Σ a·|cos| + Σ a·cos.
-    /// The first sum is not known. By Cauchy and Schwarz it is at most √(Σ a · Σ a·cos²), which stands for it.
+    /// The first sum is not known. By Cauchy and Schwarz it is at most √(Σ a · Σ a·cos²), which stands for
+    /// it.
     fn hidden(&self, lane: usize, view: &View, is_node: bool) -> f64 {
         let distance = view.distance[lane];
         let d = view.towards(lane);

@@ -40,8 +40,8 @@ const THREADS: &str =
 /// scattered ones to those where rounding decides; where two answers are right (a tie), plain methods may
 /// give either, and exact ones must say so. A wrong answer of an exact method is a bug in umbrage.
 ///
-/// For shadow, every technique draws the same view; for ambient, rays and disks are compared with the analytic
-/// openness. For example: umbrage accuracy ambient model.glb --svg ambient.svg
+/// For shadow, every technique draws the same view; for ambient, rays and disks are compared with the
+/// analytic openness. For example: umbrage accuracy ambient model.glb --svg ambient.svg
 #[derive(Clone, Debug, clap::Args)]
 #[command(mut_arg("threads", |threads| threads.help(THREADS)))]
 pub(crate) struct Args {
@@ -67,8 +67,8 @@ pub(crate) struct Args {
     /// [default: 1000000 for facing, 10000 for visibility, 1000 for ambient]
     ///
     /// 10000, 10_000 and 1e4 are the same. For facing a query is a face and a light, and every light is asked
-    /// about all faces; for visibility it is a point and a light; for ambient it is a vertex with a normal, and
-    /// they are evenly spaced among all.
+    /// about all faces; for visibility it is a point and a light; for ambient it is a vertex with a normal,
+    /// and they are evenly spaced among all.
     #[arg(long, value_name = "N", value_parser = large, allow_negative_numbers = true)]
     queries: Option<u64>,
 

@@ -23,13 +23,13 @@ use input::Input;
 /// Ambient occlusion: how much of an even sky each corner of each face sees, written into the model
 ///
 /// Rays start at exactly the vertex, without an offset: no acne, and no light through thin walls. A glTF gets
-/// the values and is otherwise the same: materials, animations and extras stay; its buffers, and images beside
-/// it, become part of the GLB. A vertex with several values is split, and a mesh that several nodes show
-/// becomes one a node. What --only leaves out stays as it is. Models in other formats are written anew, without
-/// materials; a PLY gets `quality` and colors.
+/// the values and is otherwise the same: materials, animations and extras stay; its buffers, and images
+/// beside it, become part of the GLB. A vertex with several values is split, and a mesh that several nodes
+/// show becomes one a node. What --only leaves out stays as it is. Models in other formats are written anew,
+/// without materials; a PLY gets `quality` and colors.
 ///
-/// Meshes hide each other, and a point in another solid has the value 0. Where a file has normals (glTF), they
-/// are used; else faces meet smoothly below 60 degrees.
+/// Meshes hide each other, and a point in another solid has the value 0. Where a file has normals (glTF),
+/// they are used; else faces meet smoothly below 60 degrees.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_long_help = "Examples:\n  \
     umbrage ambient model.glb -o baked.glb\n  \

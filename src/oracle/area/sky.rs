@@ -1,8 +1,8 @@
 //! How much of an even sky a surface point sees: the six sides of a cube around it, each a light at infinity.
 //!
 //! The cube's edges run along the axes, so that its sides meet without a gap in numbers that were never
-//! rounded. The measure of a part is Lambert's (`form.rs`), over all of the hemisphere above the receiver; or,
-//! without a normal, the solid angle over that of the whole sphere.
+//! rounded. The measure of a part is Lambert's (`form.rs`), over all of the hemisphere above the receiver;
+//! or, without a normal, the solid angle over that of the whole sphere.
 
 use std::f64::consts::{PI, TAU};
 
@@ -64,8 +64,9 @@ impl SoftOracle<'_> {
     /// The open share of the sky above each receiver, on several threads if the feature `parallel` is on.
     ///
     /// A receiver with a normal lies off its point by nothing at all, in the direction of the normal: a face
-    /// with the point as a corner hides what is beyond its opposite side, and one that the point is on what is
-    /// beyond any of its sides; `edges` may name another direction. Other faces whose plane goes through the point hide nothing.
+    /// with the point as a corner hides what is beyond its opposite side, and one that the point is on what
+    /// is beyond any of its sides; `edges` may name another direction. Other faces whose plane goes through
+    /// the point hide nothing.
     pub(crate) fn open_sky(&self, receivers: &[UnderSky], edges: HardEdges<'_>) -> Vec<Open> {
         let slots = receivers.iter().any(|receiver| receiver.face.is_some()).then(|| self.slots());
         let own = |receiver: &UnderSky| {
@@ -240,8 +241,8 @@ impl Sink for Measure<'_> {
     }
 }
 
-/// The solid angle of a triangle with unit vectors to its corners (van Oosterom and Strackee, *The Solid Angle
-/// of a Plane Triangle*, 1983).
+/// The solid angle of a triangle with unit vectors to its corners (van Oosterom and Strackee, *The Solid
+/// Angle of a Plane Triangle*, 1983).
 fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     let height = a.dot(b.cross(c)).abs();
     2.0 * height.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))

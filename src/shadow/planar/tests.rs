@@ -41,8 +41,8 @@ fn covers_plainly(mesh: &Mesh, plane: &Plane, light: &Light, p: [f32; 3], clips:
     })
 }
 
-/// Whether the image of a convex polygon contains a point. After the second clip no divisor is below zero; one
-/// of zero is a direction.
+/// Whether the image of a convex polygon contains a point. After the second clip no divisor is below zero;
+/// one of zero is a direction.
 fn holds(polygon: &[Corner<f64>], [u, v]: [f64; 2], is_clipped: bool) -> bool {
     let beside = |&[x, y, w, _]: &Corner<f64>| {
         let side = if w < 0.0 && !is_clipped { -1.0 } else { 1.0 };

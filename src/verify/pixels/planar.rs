@@ -1,8 +1,8 @@
 //! Which pixels of a device's planar shadow may differ from the exact verdict.
 //!
 //! A rasterizer snaps corners to 1/256 of a pixel. A pixel that differs is excused only if the exact verdict,
-//! or the plane's outline, changes within one step sideways, as for the stencil pass. There is no tolerance of
-//! depth: no depth is compared.
+//! or the plane's outline, changes within one step sideways, as for the stencil pass. There is no tolerance
+//! of depth: no depth is compared.
 
 use super::footprint::step;
 use crate::caster::CasterGroup;

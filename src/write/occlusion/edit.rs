@@ -222,7 +222,8 @@ fn own_meshes(document: &mut Document<'_, '_>, planned: &[Planned]) -> Vec<usize
     meshes
 }
 
-/// The normals of the corners of all planned faces in the world, of any length; `None` where the file has none.
+/// The normals of the corners of all planned faces in the world, of any length; `None` where the file has
+/// none.
 pub(super) fn normals(
     stored: &Stored<'_>,
     kept: Option<&[bool]>,

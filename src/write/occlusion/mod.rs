@@ -2,7 +2,7 @@
 //!
 //! | form | what is written | shown by viewers as |
 //! |---|---|---|
-//! | [`Form::Texture`] | an occlusion texture that is a ramp of 256 texels, and a coordinate in it a vertex | less indirect light |
+//! | [`Form::Texture`] | a ramp of 256 texels as occlusion texture, a coordinate a vertex | less indirect light |
 //! | [`Form::Color`] | `COLOR_0`, times what is there | less light of any kind |
 //! | [`Form::Attribute`] | `_OCCLUSION`, openness as `f32` | nothing |
 //!
@@ -132,9 +132,10 @@ impl GltfFile {
 
     /// The file with occlusion, as GLB.
     ///
-    /// `corners` has the faces of [`Scene::bake`](crate::scene::Scene::bake), in their order, of the parts that
-    /// `kept` is true for: one flag for each of [`Scene::placed_parts`](crate::scene::Scene::placed_parts), or
-    /// `None` for all of them. Other parts stay as they are.
+    /// `corners` has the faces of [`Scene::bake`](crate::scene::Scene::bake), in their order, of the parts
+    /// that `kept` is true for: one flag for each of
+    /// [`Scene::placed_parts`](crate::scene::Scene::placed_parts), or `None` for all of them. Other parts
+    /// stay as they are.
     ///
     /// # Errors
     ///

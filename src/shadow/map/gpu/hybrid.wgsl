@@ -18,7 +18,8 @@ fn seen_by(receiver: Receiver) -> u32 {
     if !receiver.is_there || all(receiver.plane == vec3f(0.0)) { return MIXED; }
     let reach = i32(light.reach);
     let own = vec2i(floor(receiver.at));
-    // Beside a directional light's map of the scene nothing casts a shadow; a spot's does not show all casters.
+    // Beside a directional light's map of the scene nothing casts a shadow; a spot's does not show all
+    // casters.
     let shows_all = light.is_central == 0u || light.layers > 1u;
     var blocked = 0;
     var open = 0;

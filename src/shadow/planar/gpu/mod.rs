@@ -1,9 +1,9 @@
 //! Planar shadows on a graphics device.
 //!
 //! (Mark Kilgard, *Improving Shadows and Reflections via the Stencil Buffer*, 1999.) The samples of the plane
-//! are marked in the stencil; the flattened casters are drawn where they are marked, without a depth test, and
-//! take the mark away: each sample once, however many casters overlap. Nothing is drawn outside the plane's
-//! visible samples, and no depth is compared, so that there is no offset of any kind.
+//! are marked in the stencil; the flattened casters are drawn where they are marked, without a depth test,
+//! and take the mark away: each sample once, however many casters overlap. Nothing is drawn outside the
+//! plane's visible samples, and no depth is compared, so that there is no offset of any kind.
 
 #[cfg(test)]
 mod tests;

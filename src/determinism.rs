@@ -186,7 +186,7 @@ const GEOMETRY: [(&str, u64); 7] = [
     ("sphere", 0x47a9_5121_7619_65d4),
     ("open cube", 0xd47e_3239_fe52_7639),
     ("t-junction", 0xe8f3_566e_b01b_34f2),
-    ("nested", 0xfe57_9b9e_a7a9_e003),
+    ("nested", 0xe392_ce73_db3b_7efc),
     ("figure eight", 0xd7c2_a117_c840_1a73),
     ("double sheet", 0x373f_e3b2_c73d_d3ab),
     ("two parts", 0xe76c_fbf0_d784_8696),

@@ -19,7 +19,7 @@ use crate::caster::CasterGroup;
 use crate::mesh::FaceId;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
-use crate::shadow::soft::Sums;
+use crate::shadow::soft::{Sums, above_horizon};
 use crate::shadow::{Answer, Claim, Samples, Visibility, is_front_lit};
 
 /// Rays to the lamp for a sample that is not on the plane.
@@ -177,10 +177,13 @@ impl Blur<'_> {
 impl PlanarShadow for Blur<'_> {
     fn shade(&self, samples: &Samples) -> Visibility {
         let drawn = self.draw(self.options.plane, samples);
-        Visibility::of(samples, self.lamp.light(), Claim::Approximate, |hit| match &drawn {
-            Some(drawn) if drawn.plane.holds(hit.corners) => self.answer(hit, drawn),
-            _ => self.rays.answer(hit),
-        })
+        let mut visibility =
+            Visibility::of(samples, self.lamp.light(), Claim::Approximate, |hit| match &drawn {
+                Some(drawn) if drawn.plane.holds(hit.corners) => self.answer(hit, drawn),
+                _ => self.rays.answer(hit),
+            });
+        above_horizon(&mut visibility, samples, &self.lamp);
+        visibility
     }
 
     fn bytes(&self) -> usize {

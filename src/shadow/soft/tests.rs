@@ -263,9 +263,13 @@ fn soft_values_are_cut_at_the_horizon_of_their_face() {
         let found = technique.shade(&request).unwrap();
         assert!(found.asked().iter().all(|asked| *asked));
         let off = found.values().iter().map(|&value| (f64::from(value) - expected).abs()).fold(0.0, f64::max);
-        // 64 points of the lamp show its parts to a tenth; the others know the plane.
-        let is_by_points = matches!(technique, Technique::Samples(_) | Technique::SoftHybrid(_));
-        assert!(off < if is_by_points { 0.1 } else { rim + f64::from(f32::EPSILON) }, "{technique} {off}");
+        // 64 points of the lamp show its parts to a tenth, and 16 to a fifth; the others know the plane.
+        let most = match technique {
+            Technique::Samples(_) | Technique::SoftHybrid(_) => 0.1,
+            Technique::PlanarLayers(_) => 0.2,
+            _ => rim + f64::from(f32::EPSILON),
+        };
+        assert!(off < most, "{technique} {off}");
     }
     assert!(expected < 0.85, "without the cut the maps answer 1");
 }

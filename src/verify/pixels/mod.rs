@@ -8,12 +8,12 @@
 
 mod counts;
 mod footprint;
-#[cfg(feature = "gpu")]
+#[cfg(all(feature = "gpu", any(test, feature = "verify")))]
 mod planar;
 mod ray_point;
 
 pub use counts::PixelCounts;
-#[cfg(feature = "gpu")]
+#[cfg(all(feature = "gpu", any(test, feature = "verify")))]
 pub(crate) use planar::Footprint as PlanarFootprint;
 
 use crate::caster::Caster;

@@ -4,7 +4,7 @@
 //! guarantee stands at its function. No step moves a vertex, but for [`weld`](fn@weld) within a distance. No
 //! step invents a vertex, deletes a shell, or removes a self-intersection.
 //!
-//! [`prepare`] runs the steps in their order.
+//! [`prepare()`] runs the steps in their order.
 
 mod change;
 mod collapsed;

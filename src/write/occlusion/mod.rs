@@ -2,7 +2,7 @@
 //!
 //! | form | what is written | shown by viewers as |
 //! |---|---|---|
-//! | [`Form::Texture`] | a ramp of 256 texels as occlusion texture, a coordinate a vertex | less indirect light |
+//! | [`Form::Texture`] | a ramp as occlusion texture, a coordinate a vertex | less indirect light |
 //! | [`Form::Color`] | `COLOR_0`, times what is there | less light of any kind |
 //! | [`Form::Attribute`] | `_OCCLUSION`, openness as `f32` | nothing |
 //!

@@ -286,7 +286,14 @@ fn cli_prints_the_same_on_any_number_of_threads() {
 #[test]
 fn cli_errors_are_one_line_that_names_the_file() {
     let folder = Folder::with_cubes();
-    for command in ["check", "prepare", "silhouette", "volume", "render --method rays -o a.png"] {
+    for command in [
+        "check",
+        "prepare -o a.glb",
+        "ambient -o a.glb",
+        "silhouette",
+        "volume",
+        "render --method rays -o a.png",
+    ] {
         for (file, problem) in
             [("missing.obj", "cannot be opened"), ("garbled.stl", ""), ("folder", "is a directory")]
         {

@@ -171,6 +171,7 @@ fn single_sample_on_a_device_has_the_values_of_its_search() {
             // Half precision below 1 rounds by 2⁻¹², and an arc sine on a device errs by some 2⁻¹¹.
             let off = (value - f64::from(values[index])).abs();
             assert!(off < 1.0 / 512.0, "{lamp} {index} {value} {}", values[index]);
+            assert!((0.0..=1.0).contains(&values[index]), "{lamp} {index} {}", values[index]);
         }
         // On the same samples: other points where a pixel's face differs, other maps at edges.
         let request = Request { casters: &casters, lamp: &twins.lamp, samples: &twins.samples };

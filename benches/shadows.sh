@@ -9,11 +9,14 @@ meshes=$(realpath "${1:-../shared/meshes}") record=$(realpath "${2:-.}")
 cd "$(dirname "$0")/.."
 
 hard=directional:0.7,-1,0.2
-files=()
-for name in teapot.obj menger_sponge3.glb igea.glb; do
+files=(teapot.obj menger_sponge3.glb igea.glb)
+for name in "${files[@]}"; do
     [ -f "$meshes/$name" ] || { echo "no such mesh: $meshes/$name; name the folder of the three meshes" >&2; exit 2; }
-    files+=("$meshes/$name")
 done
-cargo run --locked --release --quiet -- accuracy shadow "${files[@]}" --ground --size 320x240 --rounds 1 \
+cargo build --locked --release --quiet
+umbrage=$(realpath target/release/umbrage)
+# From the folder of the meshes, so that the record names no other.
+cd "$meshes"
+"$umbrage" accuracy shadow "${files[@]}" --ground --size 320x240 --rounds 1 \
     --light "$hard" --light "$hard,angle=3" --csv "$record/shadows.csv" --svg "$record/shadows.svg" |
     tee "$record/shadows.txt"

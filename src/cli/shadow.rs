@@ -30,9 +30,9 @@ pub(crate) struct ShadowArgs {
     /// `pcss`, `single-sample`, `vsm`, `msm`; from silhouettes `penumbra-map` and `smoothies`; blurred in the
     /// picture `contact-blur`.
     ///
-    /// On one plane, that of most samples or `plane=A/B/C/D`, with exact rays for all else: `planar` (exact),
-    /// soft `planar-layers`, `planar-blur` and `planar-contact`, and without regard to shapes `blob`;
-    /// `projective`: what the casters cover, on what does not cast, or on the plane.
+    /// On one plane, the one with most samples or `plane=A/B/C/D`: exact `planar`; soft `planar-layers`,
+    /// `planar-blur` and `planar-contact`; `blob`, a spot by bounding spheres. All other surfaces take exact
+    /// rays. `projective`: what the casters cover, on surfaces that do not cast, or on the plane.
     #[arg(long, visible_alias = "method", value_name = "[LAMP=]TECHNIQUE", default_value = "auto")]
     shadow: Vec<Asked>,
 }

@@ -26,7 +26,7 @@ impl Shader {
         Self { label, source }
     }
 
-    /// Enables an extension of WGSL, which comes before all else.
+    /// Enables an extension of WGSL. The line goes to the top of the shader.
     pub(crate) fn enabling(self, extension: &str) -> Self {
         Self { source: format!("enable {extension};\n{}", self.source), ..self }
     }

@@ -1,8 +1,8 @@
 //! Repair: a mesh into one that casts better, one step a file, every change listed.
 //!
-//! Each step takes a mesh and gives a mesh and a [`Step`]: what it changed, and what it left and why. Its
-//! guarantee stands at its function. No step moves a vertex, but for [`weld`](fn@weld) within a distance. No
-//! step invents a vertex, deletes a shell, or removes a self-intersection.
+//! Each step takes a mesh and gives a mesh and a [`Step`]: what it changed, and what it left and why. The
+//! documentation of its function states its guarantee. Only [`weld`](fn@weld) within a distance moves a
+//! vertex. No step invents a vertex, deletes a shell, or removes a self-intersection.
 //!
 //! [`prepare()`] runs the steps in their order.
 

@@ -182,8 +182,7 @@ fn entry(row: &AmbientRow) -> Entry {
         cost,
         error: mean.max(FLOOR),
         is_hollow: mean <= FLOOR,
-        // Another one that is drawn.
-        dominated: row.dominated_by.is_some_and(|by| by != AmbientMethod::Constant),
+        dominated: row.dominated_by.is_some(),
     }
 }
 

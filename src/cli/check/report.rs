@@ -217,7 +217,7 @@ fn defects(report: &CrackReport, mesh: &Mesh, topology: &Topology, limit: usize)
 }
 
 impl MeshReport {
-    /// Of a mesh that had so many vertices before the weld, of which no face used so many.
+    /// `vertices`: of the mesh before its weld; `unreferenced_vertices`: those among them that no face uses.
     fn of(
         report: CrackReport,
         mesh: &Mesh,

@@ -60,7 +60,7 @@ pub(crate) struct Args {
     #[arg(long)]
     orient: bool,
 
-    /// Make vertices one that are at most this far apart, in mesh units; the largest move is told
+    /// Merge vertices at most this far apart, in mesh units; the report gives the largest move
     /// [default: nothing moves]
     #[arg(long, value_name = "D", value_parser = distance, allow_negative_numbers = true)]
     weld_within: Option<f32>,
@@ -77,7 +77,7 @@ pub(crate) struct Args {
     #[arg(long)]
     split: bool,
 
-    /// Close holes, all or those of at most so many edges, without new vertices [default: none are closed]
+    /// Close holes of at most EDGES edges, or all of them; no new vertices [default: none are closed]
     ///
     /// Of all ways to cut a hole into triangles that with the least area is taken. A patch that would meet
     /// other faces is refused and named. Before a file name write --fill=EDGES, or --fill last.

@@ -60,7 +60,7 @@ impl Text<'_> {
             write!(f, ", moved by {} at most", significant(step.largest_move))?;
         }
         writeln!(f)?;
-        // What was left comes first: that is what is still to do.
+        // First what the step left: that remains to be done.
         let mut changes: Vec<&Change> = step.changes.iter().collect();
         changes.sort_by_key(|change| change.kind.is_change());
         for change in changes.iter().take(self.limit) {

@@ -32,7 +32,7 @@ pub(super) fn loops(topology: &Topology) -> Loops {
         Some(to)
     };
     let mut found = Loops { loops: Vec::new(), chains: Vec::new() };
-    // Where each vertex stands on the walk, by its first edge; vertices without an edge out end it.
+    // The index of each vertex on the walk, by its first edge. One without an outgoing edge ends the walk.
     let mut on_walk = vec![usize::MAX; edges.len()];
     for start in edges.iter().map(|edge| edge[0]) {
         let mut walk = vec![start];

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use umbrage::accuracy::{AmbientAccuracy, AmbientMethod, AmbientOptions, AmbientRow};
+use umbrage::accuracy::{AmbientAccuracy, AmbientMethod, AmbientOptions, AmbientRow, Spread};
+use umbrage::ambient::disks::LiteralForm;
 
 use super::chart::{self, Entry, Panel};
 use super::csv::cell;
@@ -166,19 +167,33 @@ impl Measured {
         Panel {
             heading: "Error against time: ambient occlusion".to_owned(),
             second_line: format!("{}, {faces} faces, {receivers} receivers", chart::shortened(&name)),
-            titles: ["nanoseconds a receiver, median of the rounds", "mean error"],
+            titles: ["microseconds a receiver, median of the rounds", "mean error"],
             notes: NOTES,
             entries: rows.map(entry).collect(),
         }
     }
 }
 
+/// A short name for the chart: of all rows of a kind, only what tells one from another.
+fn label(method: AmbientMethod) -> String {
+    match method {
+        AmbientMethod::Rays { rays, ring } => format!("{rays} rays{}", if ring { ", ring" } else { "" }),
+        AmbientMethod::Disks(passes, _) => {
+            format!("disks, {}", counted(passes.passes as usize, "pass", "passes"))
+        }
+        AmbientMethod::Literal(LiteralForm::AsPrinted) => "literal".to_owned(),
+        AmbientMethod::Literal(LiteralForm::AreaRestored) => "literal, area restored".to_owned(),
+        _ => method.to_string(),
+    }
+}
+
 fn entry(row: &AmbientRow) -> Entry {
-    let (cost, mean) = (row.ns_per_receiver, row.mean_error);
+    let (Spread { median, min, max }, mean) = (row.ns_per_receiver, row.mean_error);
+    let cost = Spread { median: median / 1e3, min: min / 1e3, max: max / 1e3 };
     let error = if mean <= FLOOR { "below 0.00001".to_owned() } else { significant(mean) };
     Entry {
-        name: row.method.to_string(),
-        said: format!("{} ns, mean error {error}", number(cost.median)),
+        name: label(row.method),
+        said: format!("{} us, mean error {error}", nanoseconds(cost.median)),
         cost,
         error: mean.max(FLOOR),
         is_hollow: mean <= FLOOR,

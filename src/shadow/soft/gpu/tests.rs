@@ -171,7 +171,6 @@ fn single_sample_on_a_device_has_the_values_of_its_search() {
             // Half precision below 1 rounds by 2⁻¹², and an arc sine on a device errs by some 2⁻¹¹.
             let off = (value - f64::from(values[index])).abs();
             assert!(off < 1.0 / 512.0, "{lamp} {index} {value} {}", values[index]);
-            assert!((0.0..=1.0).contains(&values[index]), "{lamp} {index} {}", values[index]);
         }
         // On the same samples: other points where a pixel's face differs, other maps at edges.
         let request = Request { casters: &casters, lamp: &twins.lamp, samples: &twins.samples };
@@ -190,6 +189,22 @@ fn single_sample_on_a_device_has_the_values_of_its_search() {
         {
             assert!(matches!(pass.shade(&request, &refused), Err(GpuError::NotBuilt(_))));
         }
+    }
+}
+
+/// The arc sine of Mesa's software driver leaves the range of shares in the penumbra of this lamp, unless the
+/// value is cut.
+#[test]
+fn single_sample_on_a_device_is_a_share_whatever_the_arc_sine() {
+    let Some(gpu) = gpu() else { return };
+    let pass = SearchPass::new(&gpu).unwrap();
+    for caster in &scenes() {
+        let casters = CasterGroup::new(vec![caster]);
+        let twins = Twins::new(&gpu, &casters, "point:2,1,9,radius=2", 128);
+        let soft = pass.prepare(&twins.map, &twins.lamp).unwrap();
+        let values = pass.visibility(&twins.drawn, &twins.map, &soft).unwrap().download(&gpu).unwrap();
+        assert!(values.iter().all(|value| (0.0..=1.0).contains(value)), "{values:?}");
+        assert!(values.iter().any(|&value| value > 0.0 && value < 1.0));
     }
 }
 

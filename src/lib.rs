@@ -34,6 +34,7 @@
 //! | [`light_grid`] | what a light sees, conservatively, in cells: most points are proven lit or dark |
 //! | [`shadow`] | the contract of every technique; stencil shadow volumes, rays |
 //! | [`ambient`] | ambient occlusion: exact rays, the analytic form, disks |
+//! | [`plan`] | the planner: which shadows a scene calls for, by which technique, and why |
 //! | [`verify`] | every method against every other, at points and at pixels; errors by kind |
 //! | [`testing`] | generated shapes, strategies, torture; promises nothing between versions |
 //! | `accuracy` | error against time |
@@ -130,6 +131,7 @@ pub mod silhouette;
 pub mod light_grid;
 pub mod shadow;
 pub mod ambient;
+pub mod plan;
 pub mod verify;
 pub mod testing;
 #[cfg(feature = "verify")]

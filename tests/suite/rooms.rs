@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the library, lowest first. `gpu` wraps wgpu and knows no mesh. `built`, `choice`,
 /// `parallel` and `random` are single files that every module may use.
-const ORDER: [&str; 27] = [
+const ORDER: [&str; 28] = [
     "random",
     "parallel",
     "choice",
@@ -28,6 +28,7 @@ const ORDER: [&str; 27] = [
     "light_grid",
     "shadow",
     "ambient",
+    "plan",
     "verify",
     "testing",
     "accuracy",

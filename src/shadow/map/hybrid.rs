@@ -14,7 +14,7 @@ use crate::geom::Light;
 use crate::oracle::{Oracle, Verdict};
 use crate::scene::Lamp;
 use crate::shadow::visibility::Answer;
-use crate::shadow::{Claim, Samples, Visibility};
+use crate::shadow::{Claim, LampShadow, Samples, Visibility};
 
 /// A map of one lamp, and the exact ray cast.
 #[derive(Debug)]
@@ -81,5 +81,19 @@ impl<'a> HybridShadow<'a> {
     #[must_use]
     pub fn texel_world(&self) -> f64 {
         self.map.space().texel_world(wide(self.casters.bounds().center()))
+    }
+}
+
+impl LampShadow for HybridShadow<'_> {
+    fn shade(&self, samples: &Samples) -> Visibility {
+        self.shade(samples)
+    }
+
+    fn bytes(&self) -> usize {
+        self.bytes()
+    }
+
+    fn texel_world(&self) -> Option<f64> {
+        Some(self.texel_world())
     }
 }

@@ -15,7 +15,7 @@ use crate::mesh::FaceId;
 use crate::oracle::{Intersection, PrimaryHit, intersect};
 use crate::scene::Lamp;
 use crate::shadow::visibility::Answer;
-use crate::shadow::{Claim, Samples, Visibility};
+use crate::shadow::{Claim, LampShadow, Samples, Visibility};
 
 /// A map of face numbers of one lamp.
 #[derive(Debug)]
@@ -112,5 +112,19 @@ impl<'a> IdShadow<'a> {
     #[must_use]
     pub fn texel_world(&self) -> f64 {
         self.map.space().texel_world(wide(self.casters.bounds().center()))
+    }
+}
+
+impl LampShadow for IdShadow<'_> {
+    fn shade(&self, samples: &Samples) -> Visibility {
+        self.shade(samples)
+    }
+
+    fn bytes(&self) -> usize {
+        self.bytes()
+    }
+
+    fn texel_world(&self) -> Option<f64> {
+        Some(self.texel_world())
     }
 }

@@ -10,7 +10,7 @@ use crate::caster::{Caster, CasterGroup};
 use crate::geom::{Aabb, Light};
 use crate::oracle::{PrimaryHit, Verdict};
 use crate::shadow::volume::{Caps, ShadowVolume, WindingIndex};
-use crate::shadow::{Answer, Claim, Samples, Visibility};
+use crate::shadow::{Answer, Claim, LampShadow, Samples, Visibility};
 use crate::view::Projection;
 
 /// The casting faces of each caster, and the parts of their volumes that do not depend on the camera.
@@ -45,16 +45,27 @@ impl<'a> StencilCounting<'a> {
         Self { casters, light: *light, asked, cast: casters.casters().iter().map(cast).collect() }
     }
 
-    pub(in crate::shadow) fn bytes(&self) -> usize {
-        let bytes = |(signs, volume): &(Vec<i8>, Option<ShadowVolume>)| {
-            signs.len() + volume.as_ref().map_or(0, ShadowVolume::bytes)
-        };
-        self.cast.iter().map(bytes).sum()
+    /// The closed volumes of the shells, one per counting method.
+    fn by_method(
+        &self,
+        caster: &Caster,
+        signs: &[i8],
+        projection: &Projection,
+    ) -> Vec<(StencilMethod, ShadowVolume)> {
+        let methods: ShellMethods = caster.shell_boxes().choose(caster.mesh(), projection, &self.light);
+        let used = StencilMethod::ALL.into_iter().filter(|&method| methods.count(method) > 0);
+        used.map(|method| {
+            let signs = methods.signs_of(method, caster.shells(), signs);
+            (method, caster.volume_of_signs(&self.light, &signs, Caps::Both))
+        })
+        .collect()
     }
+}
 
+impl LampShadow for StencilCounting<'_> {
     /// Shades samples: a sample is in shadow if any volume's count is not 0. If a point lies on a volume, the
     /// exact ray cast decides.
-    pub(in crate::shadow) fn shade(&self, samples: &Samples) -> Visibility {
+    fn shade(&self, samples: &Samples) -> Visibility {
         let projection = samples.projection();
         // 1. The volumes that depend on the camera: each shell is counted by the method chosen for it.
         let chosen: Vec<(StencilMethod, ShadowVolume)> = match self.asked {
@@ -85,20 +96,11 @@ impl<'a> StencilCounting<'a> {
         })
     }
 
-    /// The closed volumes of the shells, one per counting method.
-    fn by_method(
-        &self,
-        caster: &Caster,
-        signs: &[i8],
-        projection: &Projection,
-    ) -> Vec<(StencilMethod, ShadowVolume)> {
-        let methods: ShellMethods = caster.shell_boxes().choose(caster.mesh(), projection, &self.light);
-        let used = StencilMethod::ALL.into_iter().filter(|&method| methods.count(method) > 0);
-        used.map(|method| {
-            let signs = methods.signs_of(method, caster.shells(), signs);
-            (method, caster.volume_of_signs(&self.light, &signs, Caps::Both))
-        })
-        .collect()
+    fn bytes(&self) -> usize {
+        let bytes = |(signs, volume): &(Vec<i8>, Option<ShadowVolume>)| {
+            signs.len() + volume.as_ref().map_or(0, ShadowVolume::bytes)
+        };
+        self.cast.iter().map(bytes).sum()
     }
 }
 

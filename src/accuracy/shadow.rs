@@ -95,6 +95,7 @@ impl PartTimes {
             | Technique::Samples(_)
             | Technique::Area
             | Technique::Hybrid3x3(_)
+            | Technique::Hybrid2x2(_)
             | Technique::Hybrid(_)
             | Technique::SoftHybrid(_)
             | Technique::PenumbraMap(_)
@@ -107,6 +108,8 @@ impl PartTimes {
             | Technique::Blob(_)
             | Technique::Projective(_) => self.oracle,
             Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
+            Technique::ZPassReversed | Technique::Counter(_) => self.counting,
+            Technique::ZPassPlus => self.counting + self.oracle,
             Technique::Map(_)
             | Technique::Pcf(_)
             | Technique::MapIds(_)
@@ -234,7 +237,11 @@ fn asks_exactly(technique: Technique) -> bool {
         Technique::Stencil
             | Technique::ZFail
             | Technique::ZPass
+            | Technique::ZPassPlus
+            | Technique::ZPassReversed
+            | Technique::Counter(_)
             | Technique::Hybrid3x3(_)
+            | Technique::Hybrid2x2(_)
             | Technique::Hybrid(_)
             | Technique::SoftHybrid(_)
             | Technique::PenumbraMap(_)

@@ -48,6 +48,7 @@ pub use name::TechniqueError;
 use prepared::LampShadow;
 pub use prepared::{PrepareError, Prepared, Request};
 pub use samples::{Samples, TooManySamples};
+pub use stencil::CounterOptions;
 pub use technique::Technique;
-pub use visibility::Visibility;
 pub(crate) use visibility::{Answer, is_front_lit};
+pub use visibility::{Updates, Visibility};

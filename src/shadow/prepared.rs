@@ -10,7 +10,7 @@ use super::rays::Rays;
 use super::soft;
 use super::soft::area::LampArea;
 use super::soft::samples::LampSamples;
-use super::stencil::{StencilCounting, StencilMethod};
+use super::stencil::{StencilCounting, StencilMethod, TiledCounting, ZPassPlus};
 use super::{Samples, Technique, Visibility};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
@@ -100,6 +100,9 @@ impl Technique {
             Self::Stencil => counting(None),
             Self::ZFail => counting(Some(StencilMethod::ZFail)),
             Self::ZPass => counting(Some(StencilMethod::ZPass)),
+            Self::ZPassPlus => Box::new(ZPassPlus::prepare(casters, light)),
+            Self::ZPassReversed => Box::new(TiledCounting::prepare_reversed(casters, light)),
+            Self::Counter(options) => Box::new(TiledCounting::prepare(casters, light, options)),
             Self::Samples(options) => Box::new(LampSamples::prepare(casters, lamp, options)),
             Self::Area => Box::new(LampArea::prepare(casters, lamp)),
             Self::Map(options) | Self::Pcf(PcfOptions(options)) => {
@@ -107,6 +110,7 @@ impl Technique {
             }
             Self::MapIds(options) => Box::new(IdShadow::prepare(casters, lamp, &options)?),
             Self::Hybrid3x3(options) => Box::new(HybridShadow::prepare(casters, lamp, &options)?),
+            Self::Hybrid2x2(options) => Box::new(HybridShadow::prepare_nearest(casters, lamp, &options)?),
             Self::Pcss(options) => soft::pcss(casters, lamp, options)?,
             Self::SingleSample(options) => soft::single_sample(casters, lamp, options)?,
             Self::SoftHybrid(options) => soft::soft_hybrid(casters, lamp, options)?,

@@ -1,11 +1,12 @@
 //! The closed list of techniques: one table with the name and the options of each.
 
 use super::grid::GridOptions;
-use super::map::{ExactOptions, MapOptions, PcfOptions};
+use super::map::{ExactOptions, MapOptions, NearestOptions, PcfOptions};
 use super::options::{self, Refusal};
 use super::planar::{LayersOptions, PlanarOptions, TextureOptions};
 use super::soft::samples::SamplesOptions;
 use super::soft::{PcssOptions, SilhouetteOptions, SingleSampleOptions, SoftHybridOptions, SoftMapOptions};
+use super::stencil::CounterOptions;
 
 /// Declares [`Technique`] by its table: `Variant(Options) = "name", hard|soft;`. A soft technique takes the
 /// lamp's extent into account.
@@ -93,6 +94,13 @@ techniques! {
     /// Shadow volumes, counted by z-pass for every shell: wrong if the near rectangle of the camera is in a
     /// shadow.
     ZPass = "zpass", hard;
+    /// Shadow volumes, counted by z-pass from the number of casting faces between the near rectangle and the
+    /// lamp.
+    ZPassPlus = "zpass-plus", hard;
+    /// Shadow volumes, counted by the complement of z-fail's depth test: Bilodeau and Songy.
+    ZPassReversed = "zpass-reversed", hard;
+    /// Shadow volumes, rasterized on the CPU in tiles, each counted by the method with fewer triangles.
+    Counter(CounterOptions) = "counter", hard;
     /// The mean of several exact shadow rays per sample, to points spread over the lamp.
     Samples(SamplesOptions) = "samples", soft;
     /// The analytic fraction of the lamp that each sample sees.
@@ -105,6 +113,8 @@ techniques! {
     MapIds(ExactOptions) = "map-ids", hard;
     /// A shadow map where the texels around a sample agree, an exact shadow ray elsewhere.
     Hybrid3x3(ExactOptions) = "hybrid-3x3", hard;
+    /// The same with the four texels around a sample, as published by Chan and Durand in 2004.
+    Hybrid2x2(NearestOptions) = "hybrid-2x2", hard;
     /// A shadow map, filtered as wide as the penumbra of the mean blocker: percentage-closer soft shadows.
     Pcss(PcssOptions) = "pcss", soft;
     /// A shadow map; the distance to the nearest edge in it gives the penumbra: Brabec and Seidel.

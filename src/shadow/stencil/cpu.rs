@@ -60,12 +60,21 @@ impl<'a> StencilCounting<'a> {
         })
         .collect()
     }
-}
 
-impl LampShadow for StencilCounting<'_> {
-    /// Shades samples: a sample is in shadow if any volume's count is not 0. If a point lies on a volume, the
-    /// exact ray cast decides.
-    fn shade(&self, samples: &Samples) -> Visibility {
+    /// The casting sign of each face of each caster.
+    pub(super) fn signs(&self) -> impl Iterator<Item = &[i8]> {
+        self.cast.iter().map(|(signs, _)| &signs[..])
+    }
+
+    /// Shades samples: a sample is in shadow if the sum of all counts is not 0. The sum starts with `start`
+    /// of the sample's point on the near plane. If a point lies on a volume, or has no start, the exact ray
+    /// cast decides.
+    pub(super) fn shade_from(
+        &self,
+        samples: &Samples,
+        claim: Claim,
+        start: impl Fn([f32; 3]) -> Option<i32> + Sync,
+    ) -> Visibility {
         let projection = samples.projection();
         // 1. The volumes that depend on the camera: each shell is counted by the method chosen for it.
         let chosen: Vec<(StencilMethod, ShadowVolume)> = match self.asked {
@@ -83,17 +92,24 @@ impl LampShadow for StencilCounting<'_> {
             .map(|(method, volume)| Counted { index: WindingIndex::build(volume, within), method })
             .collect();
         // 3. The counts.
-        let claim = if self.asked == Some(StencilMethod::ZPass) { Claim::Approximate } else { Claim::Exact };
         Visibility::of(samples, &self.light, claim, |hit| {
+            let start = start(near_end(projection, hit));
             let counts = counted.iter().map(|volume| volume.count(projection, hit));
-            match counts.collect::<Option<Vec<i32>>>() {
-                Some(counts) => Answer::of(f32::from(u8::from(counts.iter().all(|&count| count == 0)))),
+            match counts.chain([start]).sum::<Option<i32>>() {
+                Some(count) => Answer::of(f32::from(u8::from(count == 0))),
                 None => {
                     let dark = self.casters.oracle().verdict(hit.point, &self.light) == Verdict::Shadowed;
                     Answer { is_exact: true, ..Answer::of(f32::from(u8::from(!dark))) }
                 }
             }
         })
+    }
+}
+
+impl LampShadow for StencilCounting<'_> {
+    fn shade(&self, samples: &Samples) -> Visibility {
+        let claim = if self.asked == Some(StencilMethod::ZPass) { Claim::Approximate } else { Claim::Exact };
+        self.shade_from(samples, claim, |_| Some(0))
     }
 
     fn bytes(&self) -> usize {

@@ -12,6 +12,13 @@ pub(super) fn what(technique: Technique) -> &'static str {
         }
         "zfail" => "Shadow volumes, counted from behind the visible surface for every shell.",
         "zpass" => "Shadow volumes, counted from the near plane for every shell.",
+        "zpass-plus" => {
+            "Shadow volumes, counted from the near plane on, and the casting faces between it and the lamp."
+        }
+        "zpass-reversed" => "Shadow volumes, counted behind the sample by the complement of z-fail's test.",
+        "counter" => {
+            "Shadow volumes, drawn on the CPU in tiles, each counted from the side with less to count."
+        }
         "samples" => "The mean of exact shadow rays to points spread over the lamp.",
         "area" => "The visible fraction of the lamp, computed analytically.",
         "map" => "The depth nearest to the lamp per texel, compared with that of the sample.",
@@ -21,6 +28,9 @@ pub(super) fn what(technique: Technique) -> &'static str {
         }
         "hybrid-3x3" => {
             "A shadow map where nine texels agree, and an exact shadow ray for every other sample."
+        }
+        "hybrid-2x2" => {
+            "A shadow map where four texels agree, and an exact shadow ray for every other sample."
         }
         "pcss" => "A shadow map: the mean depth of the blockers decides how wide the filter is.",
         "single-sample" => {
@@ -61,12 +71,16 @@ pub(super) fn when(technique: Technique) -> &'static str {
         "stencil" => "Take it where exact hard shadows are wanted and there is a graphics adapter.",
         "zfail" => "Take it where one count has to be right for every position of the camera.",
         "zpass" => "Take it only where the camera is proven to be outside every shadow.",
+        "zpass-plus" => "Take it to see what z-pass lacks, and what mending it costs.",
+        "zpass-reversed" => "Take it to check a renderer's stencil state against z-fail.",
+        "counter" => "Take it where a volume has to be counted without a graphics adapter.",
         "samples" => "Take it as the reference of soft shadows, or where its noise is below what matters.",
         "area" => "Take it as the truth about soft shadows.",
         "map" => "Take it where an edge that is off by a texel does not matter.",
         "pcf" => "Take it where edges may be blurred by a fixed number of texels.",
         "map-ids" => "Take it where a false shadow is worse than a missing one.",
         "hybrid-3x3" => "Take it where hard shadows should be right almost everywhere for a few rays.",
+        "hybrid-2x2" => "Take it to see what the published rule of four texels misses.",
         "pcss" => "Take it for soft shadows that run at the rate of a display.",
         "single-sample" => "Take it where one lookup table has to do, and shadows do not overlap.",
         "soft-hybrid" => "Take it where soft shadows should be near to exact for a few rays per sample.",

@@ -41,16 +41,23 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod apart;
 mod casting;
+mod copies;
 mod dropped;
 mod fault;
+mod grid;
 mod lamp;
 mod parting;
 mod pieces;
 mod question;
 mod reach;
 mod receivers;
+mod shadowed;
+mod solids;
 mod test_set;
+#[cfg(test)]
+mod tests;
 mod tiles;
 
 pub use casting::casting;

@@ -5,14 +5,16 @@ use super::*;
 use crate::caster::{Caster, CasterGroup, GpuCaster};
 use crate::gpu::tests::gpu;
 use crate::mesh::Mesh;
+use crate::oracle::PrimaryHit;
 use crate::shadow::map::gpu::MapPass;
 use crate::shadow::map::{LightSpace, ShadowMap};
 use crate::shadow::soft::around::{Around, Found};
 use crate::shadow::soft::light_map::{LightMap, profile};
 use crate::shadow::soft::pyramid::Pyramid;
 use crate::shadow::soft::{PcssOptions, Search, SingleSampleOptions, Taps, above_horizon};
-use crate::oracle::PrimaryHit;
-use crate::shadow::{Answer, Claim, Depth, GpuSamples, Request, Samples, Technique, Visibility, is_front_lit};
+use crate::shadow::{
+    Answer, Claim, Depth, GpuSamples, Request, Samples, Technique, Visibility, is_front_lit,
+};
 use crate::testing::shapes;
 use crate::view::{Camera, Size, Up};
 

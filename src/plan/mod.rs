@@ -9,13 +9,18 @@
 //! samples than the budget allows. Each effect that is dropped is charged its bound, and the bounds are added
 //! up, so that many small ones cannot add up unseen.
 
+mod binomial;
 mod budget;
+mod check;
 mod evidence;
 pub mod relevance;
+mod run;
 mod shadow_plan;
 
 pub use budget::{Budget, BudgetError};
+pub use check::{Check, Checked, FIRST_LOOK, Judgment, check, count_wrong, exact_technique};
 pub use evidence::Evidence;
+pub use run::{Run, Task, run};
 pub use shadow_plan::{
     Effect, GridFigures, GroupPlan, LampPlan, Prediction, Receivers, Rejected, ShadowPlan,
 };

@@ -281,7 +281,6 @@ mod tests {
     use super::*;
     use crate::caster::Caster;
     use crate::mesh::Mesh;
-    use crate::plan::run;
     use crate::shadow::Claim;
     use crate::testing::shapes;
     use crate::view::{Camera, Size, Up};
@@ -377,7 +376,7 @@ mod tests {
         let budget = |text: &str| text.parse::<Budget>().unwrap();
         let judge = |text: &str, technique: Technique| {
             let work = [Task { bound: budget(text).error, ..Task::new(technique) }];
-            let mut runs = run(&casters, &lamps, &samples, &work).unwrap();
+            let mut runs = crate::plan::run(&casters, &lamps, &samples, &work).unwrap();
             let options = Check { first: 300, ..Check::default() };
             check(&casters, &lamps, &samples, &work, &mut runs, &budget(text), &options).unwrap()[0].judgment
         };

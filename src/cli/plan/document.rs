@@ -136,9 +136,9 @@ fn grid(grid: &GridFigures) -> Value {
 
 fn dropped(dropped: &Dropped) -> Value {
     let (caster, receiver, count) = match dropped.what {
-        Triple::Lamp => (Value::Null, Value::Null, 1),
         Triple::Piece(piece) => (piece.into(), Value::Null, 1),
         Triple::Samples(count) => (Value::Null, "samples".into(), count),
+        _ => (Value::Null, Value::Null, 1),
     };
     json!({
         "light": dropped.lamp + 1,

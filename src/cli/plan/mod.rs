@@ -1,8 +1,8 @@
 //! `umbrage plan`: which shadows a scene calls for, by which techniques, and why.
 
-mod every;
 mod document;
 mod drawn;
+mod every;
 mod options;
 mod picture;
 mod saved;
@@ -21,6 +21,7 @@ use umbrage::view::Size;
 use umbrage::write::write_atomic;
 
 pub(crate) use drawn::{FalloffArg, as_drawn, shaded};
+pub(crate) use every::words as check_words;
 pub(crate) use options::{measured_costs, read_costs};
 pub(crate) use saved::{Identity, Saved};
 
@@ -257,13 +258,12 @@ fn require_seen(samples: &Samples, file: &Path) -> Result<(), Failure> {
 }
 
 fn save(path: &Path, text: &str) -> Result<(), Failure> {
-    use std::io::Write;
     write_atomic(path, |out| out.write_all(text.as_bytes()))?;
     output::wrote(path);
     Ok(())
 }
 
-/// A list, or the only entry.
+/// A value, or null.
 fn or_null(value: Option<impl Into<Value>>) -> Value {
     value.map_or(Value::Null, Into::into)
 }

@@ -22,7 +22,7 @@ impl Planned<'_> {
             budget(&plan.budget),
         );
         for lamp in &plan.lamps {
-            text += &self.lamp(lamp);
+            text += &self.reasons(lamp);
         }
         if !plan.not_computed.is_empty() {
             text += "not computed:\n";
@@ -47,7 +47,7 @@ impl Planned<'_> {
     }
 
     /// One line, and one for each reason.
-    fn lamp(&self, lamp: &LampPlan) -> String {
+    fn reasons(&self, lamp: &LampPlan) -> String {
         let label = lights::lamp_label(&self.lamps[lamp.lamp]);
         let techniques: Vec<String> = lamp.groups.iter().map(group).collect();
         let casters = match lamp.kept.len() {

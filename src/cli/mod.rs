@@ -28,6 +28,7 @@ mod prepare;
 mod silhouette;
 mod volume;
 mod verify;
+mod plan;
 mod render;
 mod ambient;
 mod torture;
@@ -65,6 +66,7 @@ enum Command {
     Silhouette(silhouette::Args),
     Volume(volume::Args),
     Verify(verify::Args),
+    Plan(plan::Args),
     Render(render::Args),
     Ambient(ambient::Args),
     Torture(torture::Args),
@@ -82,6 +84,7 @@ impl Command {
             Self::Silhouette(args) => silhouette::run(args),
             Self::Volume(args) => volume::run(args),
             Self::Verify(args) => verify::run(args),
+            Self::Plan(args) => plan::run(args),
             Self::Render(args) => render::run(args),
             Self::Ambient(args) => ambient::run(args),
             Self::Torture(args) => torture::run(args),

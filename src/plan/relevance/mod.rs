@@ -64,4 +64,5 @@ pub use casting::casting;
 pub use dropped::{Dropped, Equality, RelevanceTest, Triple};
 pub use pieces::{Piece, Pieces};
 pub use question::{Outcome, Question, Relevance, relevant};
+pub(super) use reach::may_light;
 pub use test_set::TestSet;

@@ -22,6 +22,8 @@ mod stencil_render;
 mod view;
 
 mod check;
+mod completions;
+mod man;
 mod prepare;
 mod silhouette;
 mod volume;
@@ -68,6 +70,8 @@ enum Command {
     Torture(torture::Args),
     Accuracy(accuracy::Args),
     Demo(demo::Args),
+    Completions(completions::Args),
+    Man(man::Args),
 }
 
 impl Command {
@@ -83,6 +87,8 @@ impl Command {
             Self::Torture(args) => torture::run(args),
             Self::Accuracy(args) => accuracy::run(args),
             Self::Demo(args) => demo::run(args),
+            Self::Completions(args) => completions::run(&args),
+            Self::Man(args) => man::run(&args),
         }
     }
 }

@@ -19,11 +19,19 @@ pub(crate) struct ShadowArgs {
     /// there is an adapter, else `rays`; also `rays` if another light asks for it. For example: --shadow
     /// zfail --shadow 2=none.
     ///
+    /// Exact shadow volumes on the CPU: `counter` (drawn in tiles, each counted from the side with less to
+    /// count), `zpass-plus` (z-pass, right also where the eye is in a shadow), `zpass-reversed` (z-fail by the
+    /// complement of its depth test).
+    ///
     /// Hard shadows on the CPU from a shadow map: `map`, `pcf` (filtered), `map-ids` (with an exact test of
-    /// the faces), `hybrid-3x3` (an exact ray where its texels differ).
+    /// the faces), `hybrid-3x3` and `hybrid-2x2` (an exact ray where nine or four texels differ),
+    /// `reconstruct` (the shadow volume of the surface that the map shows).
     ///
     /// Exact hard shadows on the CPU from a light grid: `hybrid` (it proves most points lit or dark; an exact
     /// ray elsewhere), `alias-free` (points sorted into its cells, no tree over the faces).
+    ///
+    /// Bounded: `lod` (casters of which no lit side is seen are simplified within `move`, a fraction of their
+    /// diagonal).
     ///
     /// Soft shadows of a light with an extent: `area` (the visible fraction, analytic), `samples` (exact rays
     /// to many points of it), `soft-hybrid` (the same where a shadow map is not sure), and from maps alone
@@ -133,7 +141,6 @@ mod tests {
     #[test]
     fn shadow_that_is_not_built_or_unknown_is_refused_by_name() {
         let error = |text: &str| text.parse::<Asked>().unwrap_err();
-        assert_eq!(error("counter:tile=16"), "not built yet: counter");
         assert_eq!(error("plan.json"), "not built yet: a saved plan");
         assert!(error("key=ray").starts_with("`ray` is not a technique"));
         assert!(error("zfail:size=3").contains("no option `size`"));

@@ -10,12 +10,27 @@
 //! up, so that many small ones cannot add up unseen.
 
 mod budget;
+mod candidates;
+mod choose;
+mod confidence;
+mod costs;
+mod effects;
 mod evidence;
+mod planner;
+mod probe;
+mod reason;
 pub mod relevance;
+mod scenery;
 mod shadow_plan;
+mod trial;
 
 pub use budget::{Budget, BudgetError};
+#[cfg(feature = "files")]
+pub use costs::CostsError;
+pub use costs::{CostKey, Costs, Step, Work};
 pub use evidence::Evidence;
+pub use planner::plan;
+pub use scenery::Scenery;
 pub use shadow_plan::{
     Effect, GridFigures, GroupPlan, LampPlan, Prediction, Receivers, Rejected, ShadowPlan,
 };

@@ -28,11 +28,13 @@ struct Placed {
 }
 
 impl<'a> Occluders<'a> {
-    /// The grid over given points; `None` if a point is not surely in a view, as next to the light.
+    /// The grid over given points, of the shells whose faces `casts` holds for: all of a shell or none of it.
+    /// `None` if a point is not surely in a view, as next to the light.
     pub(crate) fn build(
         chain: &'a Chain<'a>,
         points: impl Iterator<Item = [f32; 3]> + Clone,
         side: u32,
+        casts: impl Fn(u32) -> bool,
     ) -> Option<Self> {
         let views = View::all(&Aabb::around(points.clone()), chain.light());
         let place = |p: [f32; 3]| {
@@ -52,7 +54,8 @@ impl<'a> Occluders<'a> {
                 RankedBits::of(numbers, cells.count())
             };
             let limits = Limits { side, most, faults };
-            Some(ViewGrid::build(chain, || chain.faces(), &views[number], window, occupied, limits))
+            let faces = || chain.faces().filter(|face| casts(face.face));
+            Some(ViewGrid::build(chain, faces, &views[number], window, occupied, limits))
         };
         let grids: Vec<Option<ViewGrid>> = (0..views.len()).map(grid).collect();
         let covers = grids.iter().map(|grid| grid.as_ref().map_or(Vec::new(), covers)).collect();

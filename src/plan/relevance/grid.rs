@@ -20,24 +20,28 @@ pub(super) struct Grid<'a> {
 }
 
 impl<'a> Grid<'a> {
-    /// `None` if a sample has no certain place in the grid.
+    /// The grid of the pieces that are still `kept`: of all faces that a ray crosses the nearest to the lamp is
+    /// among theirs. `None` if a sample has no certain place in the grid.
     pub(super) fn build(
         question: &'a Question<'a>,
         chain: &'a Chain<'a>,
         receivers: &'a Receivers<'a>,
+        kept: impl Fn(u32) -> bool,
     ) -> Option<Self> {
         let points = receivers.hits().map(|hit| hit.point);
-        Some(Self { question, chain, receivers, occluders: Occluders::build(chain, points, SIDE)? })
+        let casts = |face: u32| question.pieces.of_face(FaceId(face)).is_some_and(&kept);
+        let occluders = Occluders::build(chain, points, SIDE, casts)?;
+        Some(Self { question, chain, receivers, occluders })
     }
 
-    /// Whether each piece, of those that are `asked` for, may make a sample dark that is lit without it.
-    pub(super) fn shadows(&self, asked: impl Fn(u32) -> bool) -> Vec<bool> {
+    /// Whether each piece of the grid may make a sample dark that is lit without it.
+    pub(super) fn shadows(&self) -> Vec<bool> {
         let pieces = self.question.pieces;
         let shadows = vec![Cell::new(false); pieces.len()];
         let piece_of = |face: u32| pieces.of_face(FaceId(face));
         for (index, hit) in self.receivers.hits().enumerate() {
             let own = self.convex_own(hit);
-            let waits = |piece: u32| Some(piece) != own && !shadows[piece as usize].get() && asked(piece);
+            let waits = |piece: u32| Some(piece) != own && !shadows[piece as usize].get();
             let is_asked = |face: u32| piece_of(face).is_some_and(waits);
             self.occluders.for_each_before(index, hit, is_asked, |face| {
                 if let Some(piece) = piece_of(face) {

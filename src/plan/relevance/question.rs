@@ -60,6 +60,9 @@ pub struct Relevance {
 }
 
 /// Finds what matters for one lamp. Linear in the pieces, and in the samples.
+///
+/// A lamp with an extent is tested by boxes, which hold for its penumbra too, and by what its shells enclose;
+/// the tests that know one light alone drop nothing of it.
 #[must_use]
 pub fn relevant(question: &Question<'_>) -> Relevance {
     relevant_over(question, question.samples, Faults::default())
@@ -188,9 +191,10 @@ impl Answer {
         if !finds && !knows {
             return false;
         }
-        let Some(grid) = Grid::build(question, chain, receivers) else { return false };
+        let kept = |piece: u32| self.fate[piece as usize].is_none();
+        let Some(grid) = Grid::build(question, chain, receivers, kept) else { return false };
         if finds {
-            let shadows = grid.shadows(|piece| self.fate[piece as usize].is_none());
+            let shadows = grid.shadows();
             self.test(RelevanceTest::NothingBehind, |piece| !shadows[piece]);
         }
         if !knows {

@@ -34,6 +34,11 @@ impl<'a> Receivers<'a> {
         Self { samples, count, turned_away: samples.len() - sky - count, sky, tiles, asked }
     }
 
+    /// A sample, if the lamp may light it.
+    pub(super) fn hit(&self, sample: usize) -> Option<&'a PrimaryHit> {
+        self.samples.hits()[sample].as_ref().filter(|_| self.asked[sample])
+    }
+
     /// The samples that the lamp may light, in sample order.
     pub(super) fn hits(&self) -> impl Iterator<Item = &'a PrimaryHit> + Clone + '_ {
         let hits = self.samples.hits().iter().zip(&self.asked);

@@ -67,12 +67,11 @@ impl<'a> Solids<'a> {
 
     /// Whether a box lies in a piece that winds around neither the lamp nor a sample.
     fn holds_box(&mut self, solid: usize, corners: &Corners, center: [f32; 3]) -> bool {
-        if !self.take(self.question.pieces.piece(solid).faces) || !self.is_hollow(solid) {
-            return false;
-        }
-        let mut faces = self.question.pieces.corners(self.question.casters, solid);
-        faces.all(|face| corners.is_off_face(face))
+        let Question { pieces, casters, .. } = *self.question;
+        self.take(pieces.piece(solid).faces)
+            && pieces.corners(casters, solid).all(|face| corners.is_off_face(face))
             && self.winding(solid, center).is_some_and(|winding| winding != 0)
+            && self.is_hollow(solid)
     }
 
     fn is_hollow(&mut self, piece: usize) -> bool {
@@ -94,15 +93,15 @@ impl<'a> Solids<'a> {
 
     fn holds_no_sample(&mut self, piece: usize) -> bool {
         let bounds = self.question.pieces.piece(piece).bounds;
-        if !self.receivers.tiles.boxes().any(|tile| tile.overlaps(&bounds)) {
-            return true;
-        }
         let receivers = self.receivers;
-        self.take(receivers.count / 16)
-            && receivers
-                .hits()
-                .filter(|hit| bounds.contains(hit.point))
-                .all(|hit| self.winding(piece, hit.point) == Some(0))
+        let mut tiles = receivers.tiles.overlapping(&bounds);
+        tiles.all(|tile| {
+            self.take(tile.len() / 16)
+                && tile
+                    .filter_map(|sample| receivers.hit(sample))
+                    .filter(|hit| bounds.contains(hit.point))
+                    .all(|hit| self.winding(piece, hit.point) == Some(0))
+        })
     }
 
     /// The winding number of a piece around a point; `None` also if there were too many tests.

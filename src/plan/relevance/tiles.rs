@@ -1,5 +1,7 @@
 //! Tiles: boxes of neighboring samples, in a quadtree.
 
+use std::ops::Range;
+
 use crate::geom::Aabb;
 
 /// Samples along each side of a tile.
@@ -13,6 +15,8 @@ const MOST: usize = 64;
 pub(super) struct Tiles {
     /// From the tiles up.
     levels: Vec<Level>,
+    row_len: usize,
+    count: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -48,7 +52,7 @@ impl Tiles {
             }
             levels.push(level);
         }
-        Self { levels }
+        Self { levels, row_len, count }
     }
 
     /// A box around all samples that count.
@@ -60,6 +64,17 @@ impl Tiles {
     /// The boxes of the tiles that hold a sample.
     pub(super) fn boxes(&self) -> impl Iterator<Item = &Aabb> {
         self.levels[0].boxes.iter().filter(|aabb| !aabb.is_empty())
+    }
+
+    /// The samples of the tiles whose boxes overlap a box, as ranges within rows.
+    pub(super) fn overlapping(&self, bounds: &Aabb) -> impl Iterator<Item = Range<usize>> {
+        let (columns, bounds) = (self.levels[0].columns, *bounds);
+        let tiles = self.levels[0].boxes.iter().enumerate().filter(move |(_, tile)| tile.overlaps(&bounds));
+        tiles.flat_map(move |(tile, _)| {
+            let [from, to] = [0, 1].map(|next| ((tile % columns + next) * SIDE).min(self.row_len));
+            let rows = (tile / columns * SIDE..).take(SIDE).map(move |row| row * self.row_len);
+            rows.map(move |row| (row + from).min(self.count)..(row + to).min(self.count))
+        })
     }
 
     /// Whether `is_apart` holds for boxes that together hold all samples. False after too many boxes.
@@ -109,6 +124,12 @@ mod tests {
             let points =
                 (0..row_len * rows).filter_map(counts).filter(|&p| tiles.all_apart(|b| !b.contains(p)));
             assert_eq!(points.count(), 0);
+            let mut found: Vec<usize> = tiles.overlapping(&all).flatten().collect();
+            found.sort_unstable();
+            assert!(found.into_iter().eq(0..row_len * rows));
+            let corner = Aabb { low: at(0), high: at(0) };
+            assert!(tiles.overlapping(&corner).flatten().any(|sample| sample == 0));
+            assert!(tiles.overlapping(&corner).flatten().all(|sample| sample % row_len < SIDE));
         }
         assert!(Tiles::of(0, 0, |_| None).bounds().is_empty());
     }

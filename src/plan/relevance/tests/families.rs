@@ -15,7 +15,7 @@ pub(super) struct Family {
     pub(super) cameras: Vec<Camera>,
 }
 
-pub(super) const SIZE: [u32; 2] = [40, 30];
+pub(super) const SIZE: [u32; 2] = [32, 24];
 
 impl Family {
     pub(super) fn projections(&self) -> Vec<(Projection, Size)> {

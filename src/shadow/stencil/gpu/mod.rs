@@ -250,8 +250,8 @@ struct Counter<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use super::pipelines::Behind;
+    use super::*;
     use crate::caster::Caster;
     use crate::gpu::tests::limited_gpu;
     use crate::mesh::Mesh;
@@ -273,7 +273,8 @@ mod tests {
             let projection = camera.projection(size, 0.1);
             for light in ["point:1,6,2", "directional:0.3,-1,0.2"] {
                 let light = light.parse().unwrap();
-                let volume = GpuVolume::upload(&gpu, &caster.volume(&light, crate::shadow::volume::Caps::Both));
+                let volume =
+                    GpuVolume::upload(&gpu, &caster.volume(&light, crate::shadow::volume::Caps::Both));
                 let volume = volume.unwrap();
                 let draw = [Draw { volume: &volume, method: StencilMethod::ZFail }];
                 let counts = |behind| {

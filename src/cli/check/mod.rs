@@ -100,6 +100,7 @@ pub(crate) struct Args {
     quiet: bool,
 
     /// Fail only on what is worse than in an earlier report, as --json printed it
+    /// [default: on what --require asks]
     ///
     /// Files are matched by name, or where there is only one each, whatever its name; meshes by name and
     /// order. A kind of defect that a mesh has more of is new. For example, before and after an optimizer:
@@ -108,11 +109,12 @@ pub(crate) struct Args {
     baseline: Option<PathBuf>,
 
     /// Write the report as JUnit XML, which build servers show: a suite a file, a case a mesh
+    /// [default: nothing is written]
     #[arg(long, value_name = "OUT.xml")]
     junit: Option<PathBuf>,
 
     /// Write the report as SARIF 2.1.0, which code hosts and editors show: a result a defect, --limit of each
-    /// kind
+    /// kind [default: nothing is written]
     #[arg(long, value_name = "OUT.sarif")]
     sarif: Option<PathBuf>,
 

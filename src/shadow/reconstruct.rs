@@ -27,8 +27,8 @@ pub struct ReconstructOptions {
 }
 
 impl ReconstructOptions {
-    /// 256².
-    pub const DEFAULT: Self = Self { size: 256 };
+    /// 128².
+    pub const DEFAULT: Self = Self { size: 128 };
 }
 
 impl Default for ReconstructOptions {

@@ -46,7 +46,8 @@ impl Counter {
 
     /// The count of each sample that is asked; `None` where a point lies on a volume.
     ///
-    /// Memory: some 220 bytes per triangle of the largest part, and 8 per triangle and tile of a row.
+    /// Memory: some 220 bytes per triangle that is in the picture, part by part, and 8 per triangle and tile of a
+    /// row.
     pub(in crate::shadow) fn counts<'v>(
         &self,
         samples: &Samples,
@@ -59,7 +60,8 @@ impl Counter {
         };
         let tiles = Tiles::of(samples, asked, &view, self.tile, self.faults);
         for (volume, part) in volumes.into_iter().flat_map(ClosedVolume::parts) {
-            let part = SeenPart::of(volume, part, &view, self.faults);
+            let seen = tiles.all.and_then(|all| SeenPart::of(volume, part, &view, &all, self.faults));
+            let Some(part) = seen else { continue };
             let picture = Picture { counter: self, samples, asked, view: &view, part: &part, work: &work };
             crate::parallel::rows(&mut counts, samples.row_len() * self.tile, |index, counts| {
                 if let Some(row) = &tiles.rows[index] {

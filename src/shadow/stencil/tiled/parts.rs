@@ -62,10 +62,11 @@ impl ClosedVolume {
     }
 }
 
-/// A part, prepared for one eye.
+/// A part, prepared for one picture.
 #[derive(Debug)]
 pub(super) struct SeenPart<'a> {
     pub(super) volume: &'a ShadowVolume,
+    /// Those that a ray of the picture may meet.
     pub(super) triangles: Vec<SeenTriangle>,
     /// The winding number at the eye; `None` if the eye lies on the part, or at infinity.
     pub(super) at_eye: Option<i32>,
@@ -74,14 +75,26 @@ pub(super) struct SeenPart<'a> {
 }
 
 impl<'a> SeenPart<'a> {
-    pub(super) fn of(volume: &'a ShadowVolume, part: &Part, view: &View, faults: Faults) -> Self {
-        let winding = || winding_of(volume, part, view.point()?);
-        Self {
-            volume,
-            triangles: part.iter().filter_map(|&one| SeenTriangle::of(volume, view, one)).collect(),
-            at_eye: if faults.has(Fault::StartsAtZero) { Some(0) } else { winding() },
-            depth: depths(volume, part, view),
+    /// `None` if no ray of the picture, whose samples are `all`, meets the part between their depths: then
+    /// its counts are 0.
+    pub(super) fn of(
+        volume: &'a ShadowVolume,
+        part: &Part,
+        view: &View,
+        all: &Cell,
+        faults: Faults,
+    ) -> Option<Self> {
+        let (depth, triangles) = (depths(volume, part, view), Vec::new());
+        let mut own = Self { volume, triangles, at_eye: Some(0), depth };
+        if own.is_apart(all) {
+            return None;
         }
+        let seen = part.iter().filter_map(|&one| SeenTriangle::of(volume, view, one));
+        own.triangles = seen.filter(|triangle| triangle.may_meet(all)).collect();
+        if !faults.has(Fault::StartsAtZero) {
+            own.at_eye = view.point().and_then(|eye| winding_of(volume, part, eye));
+        }
+        (!own.triangles.is_empty()).then_some(own)
     }
 
     /// Whether the part lies before or behind all depths of a cell: its counts are 0 there.

@@ -126,6 +126,8 @@ pub(super) struct TileRow {
 pub(super) struct Tiles {
     /// `None` for a row in which no sample is asked.
     pub(super) rows: Vec<Option<TileRow>>,
+    /// All samples that are asked; `None` without any.
+    pub(super) all: Option<Cell>,
     /// Samples whose point is not in front of the eye, by rounding: they are in no tile.
     pub(super) outside: Vec<usize>,
 }
@@ -152,7 +154,8 @@ impl Tiles {
             let all = tiles.iter().copied().flatten().reduce(|a, b| a.join(&b))?;
             Some(TileRow { all, tiles })
         };
-        let rows = samples.hits().chunks(width * side).enumerate().map(row_of).collect();
-        Self { rows, outside }
+        let rows: Vec<_> = samples.hits().chunks(width * side).enumerate().map(row_of).collect();
+        let all = rows.iter().flatten().map(|row: &TileRow| row.all).reduce(|a, b| a.join(&b));
+        Self { rows, all, outside }
     }
 }

@@ -6,8 +6,7 @@
 
 use super::neighborhood::{Neighborhood, Seen};
 use super::options::ExactOptions;
-use super::raster::{DepthSource, PolygonOffset};
-use super::space::{LightSpace, wide};
+use super::space::wide;
 use super::{MapError, ShadowMap};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
@@ -37,11 +36,8 @@ impl<'a> HybridShadow<'a> {
         lamp: &Lamp,
         options: &ExactOptions,
     ) -> Result<Self, MapError> {
-        let reach = options.checked_reach()?;
-        let space = LightSpace::of_scene(casters, lamp, options.size)?;
-        let (light, offset) = (*lamp.light(), PolygonOffset::default());
-        let map = ShadowMap::draw(casters, &light, space, DepthSource::Plane, offset)?;
-        Ok(Self { casters, oracle: casters.oracle(), light, reach, map })
+        let (reach, map) = options.draw(casters, lamp)?;
+        Ok(Self { casters, oracle: casters.oracle(), light: *lamp.light(), reach, map })
     }
 
     /// 0 or 1 at each front-lit sample: what all texels agree on, otherwise the exact verdict. Outside the

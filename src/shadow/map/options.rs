@@ -1,6 +1,8 @@
 //! Options of the map techniques.
 
-use super::{Bias, DepthSource, Filter, MAX_SIZE, MapError};
+use super::{Bias, DepthSource, Filter, LightSpace, MAX_SIZE, MapError, PolygonOffset, ShadowMap, Texel};
+use crate::caster::CasterGroup;
+use crate::scene::Lamp;
 use crate::shadow::options::{Key, Options, set_number};
 
 /// What a map covers.
@@ -85,7 +87,19 @@ impl ExactOptions {
     /// 1024², 3 × 3 texels.
     pub const DEFAULT: Self = Self { size: SIZE, reach: 1 };
 
-    pub(super) fn checked_reach(&self) -> Result<i64, MapError> {
+    /// The map of the scene, drawn for a lookup of all texels within reach.
+    pub(super) fn draw<T: Texel>(
+        &self,
+        casters: &CasterGroup<'_>,
+        lamp: &Lamp,
+    ) -> Result<(i64, ShadowMap<T>), MapError> {
+        let reach = self.checked_reach()?;
+        let space = LightSpace::of_scene(casters, lamp, self.size)?;
+        let offset = PolygonOffset::default();
+        Ok((reach, ShadowMap::draw(casters, lamp.light(), space, DepthSource::Plane, offset)?))
+    }
+
+    fn checked_reach(&self) -> Result<i64, MapError> {
         let Self { reach, .. } = *self;
         (1..=MAX_REACH).contains(&reach).then_some(i64::from(reach)).ok_or(MapError::Reach { reach })
     }

@@ -8,9 +8,9 @@ use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
 use crate::shadow::map::gpu::{GpuMap, MapPass, ROUNDING};
 use crate::shadow::map::{LightSpace, Spread};
-use crate::shadow::soft::{SingleSampleOptions, above_horizon};
 use crate::shadow::soft::around::{Around, Found};
 use crate::shadow::soft::light_map::{Place, profile};
+use crate::shadow::soft::{SingleSampleOptions, above_horizon};
 use crate::shadow::{Answer, Claim, Request, Visibility};
 
 const SEARCH: &str = include_str!("search.wgsl");

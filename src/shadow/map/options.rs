@@ -1,8 +1,6 @@
 //! Options of the map techniques.
 
-use super::{Bias, DepthSource, Filter, LightSpace, MAX_SIZE, MapError, PolygonOffset, ShadowMap, Texel};
-use crate::caster::CasterGroup;
-use crate::scene::Lamp;
+use super::{Bias, DepthSource, Filter, MAX_SIZE, MapError};
 use crate::shadow::options::{Key, Options, set_number};
 
 /// What a map covers.
@@ -61,6 +59,13 @@ pub struct ExactOptions {
     pub reach: u32,
 }
 
+/// Options of the technique `hybrid-2x2`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct NearestOptions {
+    /// Side of the map in texels, 1 to [`MAX_SIZE`].
+    pub size: u32,
+}
+
 /// Side of a map by default.
 const SIZE: u32 = 1024;
 /// Largest reach in texels.
@@ -87,21 +92,32 @@ impl ExactOptions {
     /// 1024², 3 × 3 texels.
     pub const DEFAULT: Self = Self { size: SIZE, reach: 1 };
 
-    /// The map of the scene, drawn for a lookup of all texels within reach.
-    pub(super) fn draw<T: Texel>(
-        &self,
-        casters: &CasterGroup<'_>,
-        lamp: &Lamp,
-    ) -> Result<(i64, ShadowMap<T>), MapError> {
-        let reach = self.checked_reach()?;
-        let space = LightSpace::of_scene(casters, lamp, self.size)?;
-        let offset = PolygonOffset::default();
-        Ok((reach, ShadowMap::draw(casters, lamp.light(), space, DepthSource::Plane, offset)?))
-    }
-
-    fn checked_reach(&self) -> Result<i64, MapError> {
+    pub(super) fn checked_reach(&self) -> Result<i64, MapError> {
         let Self { reach, .. } = *self;
         (1..=MAX_REACH).contains(&reach).then_some(i64::from(reach)).ok_or(MapError::Reach { reach })
+    }
+}
+
+impl NearestOptions {
+    /// 1024².
+    pub const DEFAULT: Self = Self { size: SIZE };
+}
+
+impl Default for NearestOptions {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Options for NearestOptions {
+    const KEYS: &'static [Key] = &[SIZE_KEY];
+
+    fn get(&self, _: &str) -> String {
+        self.size.to_string()
+    }
+
+    fn set(&mut self, _: &str, value: &str) -> bool {
+        set_number(&mut self.size, value, 1..=MAX_SIZE)
     }
 }
 

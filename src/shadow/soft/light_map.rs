@@ -6,9 +6,7 @@ use super::pyramid::Pyramid;
 use crate::caster::CasterGroup;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
-use crate::shadow::map::{
-    DepthSource, LightSpace, Lookup, MapError, PolygonOffset, ShadowMap, Spread, unit_normal, wide,
-};
+use crate::shadow::map::{LightSpace, Lookup, MapError, ShadowMap, Spread, unit_normal, wide};
 
 /// Texels of slack of each comparison: a face smaller than a texel may end at its center.
 pub(super) const SLACK: f64 = 0.5;
@@ -67,9 +65,7 @@ impl std::ops::Deref for Receiver<'_> {
 
 impl<'a> LightMap<'a> {
     pub(super) fn prepare(casters: &'a CasterGroup<'a>, lamp: &Lamp, size: u32) -> Result<Self, MapError> {
-        let space = LightSpace::of_scene(casters, lamp, size)?;
-        let offset = PolygonOffset::default();
-        let map = ShadowMap::draw(casters, lamp.light(), space, DepthSource::Plane, offset)?;
+        let map = ShadowMap::of_scene(casters, lamp, size)?;
         let pyramid = Pyramid::of(&map);
         Ok(Self { casters, lamp: lamp.clone(), map, pyramid })
     }
@@ -85,6 +81,11 @@ impl<'a> LightMap<'a> {
     /// Side of a texel in mesh units, in the middle of what is seen.
     pub(super) fn texel_world(&self) -> f64 {
         self.space().texel_world(wide(self.casters.bounds().center()))
+    }
+
+    /// The bias of a plane that meets the light at 45° in the worst direction, in mesh units along the light.
+    pub(super) fn bias_world(&self) -> f64 {
+        self.texel_world() * SLACK * std::f64::consts::SQRT_2
     }
 
     /// The receiver at a visible point; `None` outside the map.

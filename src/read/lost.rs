@@ -19,14 +19,17 @@ impl Lost {
     /// The position of vertex `index`, rounded; for now the origin, if a coordinate is not finite.
     #[inline]
     pub(super) fn position(&mut self, index: u64, position: [f64; 3], line: Option<u64>) -> [f32; 3] {
-        let rounded = position.map(|value| value as f32);
-        match rounded.iter().position(|value| !value.is_finite()) {
-            None => rounded,
-            Some(axis) => {
-                self.0.push(Vertex { index, line, value: position[axis] });
-                [0.0; 3]
-            }
+        self.rounded(index, position.map(|value| (value, value as f32)), line)
+    }
+
+    /// The same of coordinates that are rounded already.
+    #[inline]
+    pub(super) fn rounded(&mut self, index: u64, position: [(f64, f32); 3], line: Option<u64>) -> [f32; 3] {
+        if let Some(&(value, _)) = position.iter().find(|(_, near)| !near.is_finite()) {
+            self.0.push(Vertex { index, line, value });
+            return [0.0; 3];
         }
+        position.map(|(_, near)| near)
     }
 
     /// Puts the lost vertices where the first other one lies, so that the extent of the mesh stays, and gives
@@ -42,13 +45,16 @@ impl Lost {
         triangles: &[[u32; 3]],
     ) -> Result<Option<String>, ReadError> {
         let Some(first) = self.0.first() else { return Ok(None) };
+        // As the file counts.
+        let from = u64::from(format == Format::Obj);
         let mut used = vec![false; positions.len()];
         triangles.as_flattened().iter().for_each(|&vertex| used[vertex as usize] = true);
         if let Some(vertex) = self.0.iter().find(|vertex| used[vertex.index as usize]) {
             let Vertex { index, line, value } = vertex;
             let place = line.map_or_else(|| Place::Item(format!("vertex {index}")), Place::Line);
+            let number = index + from;
             let problem = format!(
-                "a face has vertex {index}, whose coordinate {value:e} is not a finite number of 32 bits"
+                "a face has vertex {number}, whose coordinate {value:e} is not a finite number of 32 bits"
             );
             return Err(ReadError::new(format, place, problem));
         }
@@ -60,7 +66,7 @@ impl Lost {
         let on = first.line.map_or_else(String::new, |line| format!(" on line {line}"));
         let vertices = counted(self.0.len() as u64, "vertex");
         let put = "of no face without a finite position put where another one lies";
-        Ok(Some(format!("{vertices} {put}, the first is vertex {}{on}", first.index)))
+        Ok(Some(format!("{vertices} {put}, the first is vertex {}{on}", first.index + from)))
     }
 }
 
@@ -79,6 +85,8 @@ mod tests {
         assert!(error.problem.contains("vertex 2, whose coordinate 1e39 is not"), "{}", error.problem);
         let note = lost.settle(Format::Ply, &mut positions, &[[1, 3, 4]]).unwrap().unwrap();
         assert_eq!(positions, [[1.0, 2.0, 3.0], [1.0, 2.0, 3.0], [1.0, 2.0, 3.0], [4.0; 3], [5.0; 3]]);
+        let of_obj = lost.settle(Format::Obj, &mut positions, &[[1, 3, 4]]).unwrap().unwrap();
+        assert!(of_obj.ends_with("vertex 1 on line 10"), "{of_obj}");
         assert!(note.starts_with("2 vertices of no face") && note.ends_with("vertex 0 on line 10"), "{note}");
     }
 

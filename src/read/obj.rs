@@ -14,6 +14,7 @@ use std::io::{BufRead, Seek};
 use std::path::Path;
 
 use self::library::Libraries;
+use super::lost::Lost;
 use super::polygon::{Cut, Faces};
 use super::slips::Slips;
 use super::text::{Line, Lines, counted, name, quote};
@@ -49,6 +50,7 @@ pub(super) fn read<R: BufRead + Seek>(source: Source<R>, folder: Option<&Path>) 
 #[derive(Default)]
 struct Obj {
     positions: Vec<[f32; 3]>,
+    lost: Lost,
     faces: Faces,
     parts: Vec<Part>,
     /// Object, group, material: what the next faces belong to.
@@ -69,7 +71,8 @@ struct Obj {
 
 impl Obj {
     fn vertex(&mut self, mut line: Line<'_>) -> Result<(), ReadError> {
-        self.positions.push(line.point()?);
+        let (index, position) = (self.positions.len() as u64, line.point()?);
+        self.positions.push(self.lost.rounded(index, position, Some(line.number)));
         // A weight or a color may follow. Neither is read, so it need not be sound; but no statement may.
         while let Some(word) = line.word() {
             match word {
@@ -194,11 +197,13 @@ impl Obj {
         {
             self.parts.clear();
         }
+        let lost = self.lost.settle(Format::Obj, &mut self.positions, &self.faces.triangles)?;
         let Cut { triangles, origins, notes } = self.faces.cut(&self.positions);
         let mesh = Mesh::new(self.positions, triangles).map_err(|error| refused(Format::Obj, &error))?;
         let mut scene = Scene::of(mesh.with_parts(self.parts).with_origins(origins));
         scene.materials = materials(self.materials, &self.libraries.materials);
         scene.notes = self.libraries.notes;
+        scene.notes.extend(lost);
         scene.notes.extend(notes);
         scene.notes.extend(self.slips.notes());
         if let Some((line, keyword)) = self.first_ignored {

@@ -62,7 +62,7 @@ impl Off {
         for (wide, near) in position.iter().filter(|(_, near)| near.is_finite()) {
             self.rounding = self.rounding.max((wide - f64::from(*near)).abs());
         }
-        self.positions.push(self.lost.position(index, position.map(|(_, near)| near.into()), line));
+        self.positions.push(self.lost.rounded(index, position, line));
     }
 
     /// A corner of the current face; the problem, if there is no such vertex.

@@ -134,23 +134,22 @@ impl<'a> Line<'a> {
         name(self.rest.trim_ascii())
     }
 
-    /// The next word as a finite number, correctly rounded.
+    /// The next word as a number, as it is and correctly rounded. Either may not be finite.
     #[inline]
-    pub(super) fn coordinate(&mut self) -> Result<f32, ReadError> {
+    fn coordinate(&mut self) -> Result<(f64, f32), ReadError> {
         let Some(word) = self.word() else { return Err(self.error("a position needs three numbers")) };
-        match decimal(word) {
-            Some((wide, value)) if value.is_finite() => {
-                self.rounding.set(self.rounding.get().max((wide - f64::from(value)).abs()));
-                Ok(value)
-            }
-            Some(_) => Err(self.error(format!("the coordinate {} is not a finite number", quote(word)))),
-            None => Err(self.error(format!("{} is not a number", quote(word)))),
+        let Some((wide, value)) = decimal(word) else {
+            return Err(self.error(format!("{} is not a number", quote(word))));
+        };
+        if value.is_finite() {
+            self.rounding.set(self.rounding.get().max((wide - f64::from(value)).abs()));
         }
+        Ok((wide, value))
     }
 
     /// The next three words as a position.
     #[inline]
-    pub(super) fn point(&mut self) -> Result<[f32; 3], ReadError> {
+    pub(super) fn point(&mut self) -> Result<[(f64, f32); 3], ReadError> {
         Ok([self.coordinate()?, self.coordinate()?, self.coordinate()?])
     }
 
@@ -321,7 +320,7 @@ mod tests {
         assert!(words.iter().any(|word| word.parse::<f64>().unwrap() as f32 != word.parse::<f32>().unwrap()));
         let mut lines = Lines::new(&b"412345.670 0.5 16777217"[..], Format::Obj, false).unwrap();
         let mut line = lines.next_line().unwrap().unwrap();
-        assert_eq!(line.point().unwrap(), [412_345.66, 0.5, 16_777_216.0]);
+        assert_eq!(line.point().unwrap().map(|(_, near)| near), [412_345.66, 0.5, 16_777_216.0]);
         assert_eq!(lines.rounding(), 1.0);
     }
 

@@ -5,8 +5,8 @@ use hashbrown::{HashMap, HashSet};
 use super::{Merged, Used};
 
 /// Merges vertices by the rule of [`Weld::Within`](super::Weld::Within). Kept vertices are more than
-/// `distance` apart in some frame. A grid cell of that size therefore holds few of them, and all candidates
-/// lie in the 27 cells around a vertex.
+/// `distance` apart in some frame. A grid cell a few times as wide therefore holds few of them, and all
+/// candidates lie in the cells that a box around a vertex overlaps: mostly one or two along an axis.
 pub(super) fn merged(frames: &[&[[f32; 3]]], used: &Used, distance: f64) -> Merged {
     let near = |a: u32, b: u32| {
         frames.iter().all(|frame| {
@@ -15,50 +15,68 @@ pub(super) fn merged(frames: &[&[[f32; 3]]], used: &Used, distance: f64) -> Merg
             square(0) + square(1) + square(2) <= distance * distance
         })
     };
-    // Cell numbers stay f64: beyond 2^53 the f32 grid itself is coarser than the cells.
-    let cell_in =
-        |frame: &[[f32; 3]], vertex: usize| frame[vertex].map(|x| (f64::from(x) / distance).floor());
+    let side = WIDTH * distance;
+    let cell_in = |frame: &[[f32; 3]], vertex: usize| frame[vertex].map(|x| (f64::from(x) / side).floor());
     // The grid uses one frame, since vertices within the distance in all frames are so in any of them.
     // Vertices that coincide in one frame may be far apart in another, so the first frame with the most
     // occupied cells is taken.
     let spread = |frame: &[[f32; 3]]| {
-        used.iter().map(|vertex| cell_in(frame, vertex as usize).map(cell_bits)).collect::<HashSet<_>>().len()
+        used.iter()
+            .map(|vertex| cell_in(frame, vertex as usize).map(cell_bits))
+            .collect::<HashSet<[u64; 3]>>()
+            .len()
     };
     let key = match frames {
         [only] => only,
         _ => frames.iter().rev().max_by_key(|frame| spread(frame)).expect("the positions are there"),
     };
-    let cell = |vertex: u32| cell_in(key, vertex as usize);
-    let mut cells: HashMap<[u64; 3], Vec<(u32, u32)>> = HashMap::new();
+    // More than the rounding of `near` lets in. Rounding keeps the order of a box's ends and its vertices.
+    let reach = distance * (1.0 + 4.0 * f64::EPSILON);
+    // The last kept vertex of each cell, and for each kept vertex the one before it in its cell.
+    let mut cells: HashMap<(u64, u64, u64), u32> = HashMap::new();
+    let mut kept: Vec<(u32, Option<u32>)> = Vec::new();
     Merged::by(used, |vertex, new| {
-        let home = cell(vertex);
         let mut found: Option<u32> = None;
-        for_each_neighbor(home, |key| {
-            let Some(residents) = cells.get(&key) else { return };
-            for &(other, welded) in residents {
+        for_each_cell(key[vertex as usize].map(f64::from), reach, side, |key| {
+            let mut next = cells.get(&key).copied();
+            while let Some(welded) = next {
+                let (other, before) = kept[welded as usize];
                 if found.is_none_or(|best| welded < best) && near(vertex, other) {
                     found = Some(welded);
                 }
+                next = before;
             }
         });
         if found.is_none() {
-            cells.entry(home.map(cell_bits)).or_default().push((vertex, new));
+            let before = cells.insert(bits(cell_in(key, vertex as usize)), new);
+            kept.push((vertex, before));
         }
         found
     })
 }
 
+/// Side of a cell in distances: narrower cells are more to look up, wider ones hold more vertices.
+const WIDTH: f64 = 3.0;
+
 fn cell_bits(cell: f64) -> u64 {
     (cell + 0.0).to_bits()
 }
 
-fn for_each_neighbor(home: [f64; 3], mut visit: impl FnMut([u64; 3])) {
-    // Beyond 2^53 adding one changes nothing, and no cell may be visited twice.
-    let axis = |x: f64| [Some(x), Some(x - 1.0).filter(|y| *y != x), Some(x + 1.0).filter(|y| *y != x)];
-    for x in axis(home[0]).into_iter().flatten() {
-        for y in axis(home[1]).into_iter().flatten() {
-            for z in axis(home[2]).into_iter().flatten() {
-                visit([x, y, z].map(cell_bits));
+fn bits([x, y, z]: [f64; 3]) -> (u64, u64, u64) {
+    (cell_bits(x), cell_bits(y), cell_bits(z))
+}
+
+/// Calls `visit` once with each cell that the box around a point overlaps.
+fn for_each_cell(at: [f64; 3], reach: f64, side: f64, mut visit: impl FnMut((u64, u64, u64))) {
+    // A box is less wide than a cell. Cell numbers stay f64: where adding one changes nothing, the grid of
+    // f32 itself is coarser than the cells, and both ends are the same.
+    let ends = at.map(|x| [((x - reach) / side).floor(), ((x + reach) / side).floor()]);
+    let both = |[low, high]: [f64; 2]| [Some(low), Some(high).filter(|high| *high != low)];
+    let [xs, ys, zs] = ends.map(both);
+    for x in xs.into_iter().flatten() {
+        for y in ys.into_iter().flatten() {
+            for z in zs.into_iter().flatten() {
+                visit(bits([x, y, z]));
             }
         }
     }

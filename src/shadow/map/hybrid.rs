@@ -7,8 +7,7 @@
 
 use super::neighborhood::{Around, Neighborhood, Seen};
 use super::options::{ExactOptions, NearestOptions};
-use super::raster::{DepthSource, PolygonOffset};
-use super::space::{LightSpace, wide};
+use super::space::wide;
 use super::{MapError, ShadowMap};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
@@ -60,10 +59,8 @@ impl<'a> HybridShadow<'a> {
         size: u32,
         around: Around,
     ) -> Result<Self, MapError> {
-        let space = LightSpace::of_scene(casters, lamp, size)?;
-        let (light, offset) = (*lamp.light(), PolygonOffset::default());
-        let map = ShadowMap::draw(casters, &light, space, DepthSource::Plane, offset)?;
-        Ok(Self { casters, oracle: casters.oracle(), light, around, map })
+        let map = ShadowMap::of_scene(casters, lamp, size)?;
+        Ok(Self { casters, oracle: casters.oracle(), light: *lamp.light(), around, map })
     }
 
     /// 0 or 1 at each front-lit sample: what all texels agree on, otherwise the exact verdict. Outside the

@@ -6,8 +6,7 @@
 
 use super::neighborhood::{Around, Neighborhood, Seen};
 use super::options::ExactOptions;
-use super::raster::{DepthSource, PolygonOffset};
-use super::space::{LightSpace, wide};
+use super::space::wide;
 use super::{MapError, Named, ShadowMap, Texel};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
@@ -41,16 +40,14 @@ impl<'a> IdShadow<'a> {
         lamp: &Lamp,
         options: &ExactOptions,
     ) -> Result<Self, MapError> {
-        let reach = options.checked_reach()?;
-        let space = LightSpace::of_scene(casters, lamp, options.size)?;
-        let (light, offset) = (*lamp.light(), PolygonOffset::default());
-        let map = ShadowMap::draw(casters, &light, space, DepthSource::Plane, offset)?;
+        let (reach, map) = (options.checked_reach()?, ShadowMap::of_scene(casters, lamp, options.size)?);
         let first_faces = casters.casters().iter().scan(0, |next: &mut u32, caster| {
             let first = *next;
             *next += caster.mesh().face_count() as u32; // the rasterizer has counted them
             Some(first)
         });
-        Ok(Self { casters, first_faces: first_faces.collect(), light, reach, map, tests_faces: true })
+        let (light, first_faces) = (*lamp.light(), first_faces.collect());
+        Ok(Self { casters, first_faces, light, reach, map, tests_faces: true })
     }
 
     /// 0 or 1 at each front-lit sample.

@@ -14,6 +14,7 @@ use super::texel::Texel;
 use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::geom::predicate::side_of_light;
+use crate::scene::Lamp;
 
 /// Units of the snapped coordinates per texel.
 pub(super) const SUBTEXELS: i64 = 256;
@@ -101,6 +102,16 @@ impl<T: Texel> ShadowMap<T> {
             });
         }
         Ok(Self { space, texels })
+    }
+
+    /// The map of the scene under a lamp, with the depth of planes.
+    pub(in crate::shadow) fn of_scene(
+        casters: &CasterGroup<'_>,
+        lamp: &Lamp,
+        size: u32,
+    ) -> Result<Self, MapError> {
+        let space = LightSpace::of_scene(casters, lamp, size)?;
+        Self::draw(casters, lamp.light(), space, DepthSource::Plane, PolygonOffset::default())
     }
 
     /// A map of given texels, as one that was read back from a device.

@@ -45,7 +45,7 @@ impl SoftHybrid<'_> {
         if self.certain == Certain::Rays {
             return self.after_first_rays(hit);
         }
-        let receiver = self.map.receiver(hit).filter(|receiver| receiver.is_sound());
+        let receiver = self.map.receiver_beside(hit).filter(|receiver| receiver.is_sound());
         let is_split = is_split(&self.map.lamp, hit);
         let Some(mut receiver) = receiver.filter(|_| !is_split) else {
             return Answer { is_exact: true, ..self.by_rays(hit, 0, 0) };
@@ -109,10 +109,12 @@ impl Receiver<'_> {
     fn agreed(&mut self) -> Option<f64> {
         let half = self.search(self.k_box);
         let window = Window { at: self.at, half, is_round: false };
-        if window.is_beyond(self.limits()) || !window.is_whole() {
+        let is_beyond = window.is_beyond(self.limits());
+        if is_beyond && !self.map.shows_all_casters() || !window.is_whole() {
             return None;
         }
-        let (mut blocked, mut open) = (false, false);
+        // Beside a map that shows all casters nothing blocks.
+        let (mut blocked, mut open) = (false, is_beyond);
         window.for_each_texel(self.limits(), |i, j, _| {
             // Two that differ are enough.
             if !(blocked && open) {
@@ -190,6 +192,34 @@ mod tests {
                 let off = careless.values().iter().zip(rays.values()).filter(|(a, b)| a != b).count() as u64;
                 assert!(off * 100 > asked * 4, "{lamp} {off} of {asked}");
             }
+        }
+    }
+
+    /// A wide floor casts nothing: the map of the knot ends on it. Beside that of a sun nothing casts a shadow;
+    /// beside that of a spot something may.
+    #[test]
+    fn soft_hybrid_asks_little_beside_the_map_of_a_sun() {
+        let floor = shapes::translated(&shapes::scaled(&shapes::sheet(1), 24.0), [-12.0, -12.0, -3.0]);
+        for mesh in [shapes::torus_knot(2, 3, 60, 9, 0.4), shapes::torus(24, 12, 2.0, 0.7)] {
+            let all = Caster::new(Mesh::concat(&[mesh.clone(), floor.clone()]).unwrap());
+            let caster = Caster::new(mesh);
+            let casters = CasterGroup::new(vec![&caster]).seen_with(&all);
+            let size = Size::new(48, 36).unwrap();
+            let camera = Camera::fit(&casters.bounds(), Up::Z, size.aspect());
+            let samples = Samples::of_view(&casters, &camera.projection(size, 0.125), size, 1).unwrap();
+            let share = |lamp: &str| {
+                let lamp: Lamp = lamp.parse().unwrap();
+                let request = Request { casters: &casters, lamp: &lamp, samples: &samples };
+                let of = |technique: &str| technique.parse::<Technique>().unwrap().shade(&request).unwrap();
+                let (rays, found) = (of("samples:n=16"), of("soft-hybrid:size=512,rays=16"));
+                let asked = rays.asked().iter().filter(|asked| **asked).count() as u64;
+                let off = rays.values().iter().zip(found.values()).filter(|(a, b)| a != b).count() as u64;
+                assert!(off * 100 <= asked * 3 && asked > 250, "{lamp:?} {off} of {asked}");
+                found.asked_exactly() as f64 / asked as f64
+            };
+            // A low sun, whose shadow lies on the floor beside the caster, and a spot that is as wide.
+            let [sun, spot] = ["directional:1,0.3,-1,angle=3", "spot:0,0,9:0,0,-1:20,radius=0.5"].map(share);
+            assert!(sun > 0.0 && sun < 0.5 && spot > sun, "{sun} {spot}");
         }
     }
 }

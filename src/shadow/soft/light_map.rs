@@ -6,9 +6,7 @@ use super::pyramid::Pyramid;
 use crate::caster::CasterGroup;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
-use crate::shadow::map::{
-    DepthSource, LightSpace, MapError, PolygonOffset, ShadowMap, Spread, unit_normal, wide,
-};
+use crate::shadow::map::{LightSpace, Lookup, MapError, ShadowMap, Spread, unit_normal, wide};
 
 /// Texels of slack of each comparison: a face smaller than a texel may end at its center.
 pub(super) const SLACK: f64 = 0.5;
@@ -67,9 +65,7 @@ impl std::ops::Deref for Receiver<'_> {
 
 impl<'a> LightMap<'a> {
     pub(super) fn prepare(casters: &'a CasterGroup<'a>, lamp: &Lamp, size: u32) -> Result<Self, MapError> {
-        let space = LightSpace::of_scene(casters, lamp, size)?;
-        let offset = PolygonOffset::default();
-        let map = ShadowMap::draw(casters, lamp.light(), space, DepthSource::Plane, offset)?;
+        let map = ShadowMap::of_scene(casters, lamp, size)?;
         let pyramid = Pyramid::of(&map);
         Ok(Self { casters, lamp: lamp.clone(), map, pyramid })
     }
@@ -96,22 +92,37 @@ impl<'a> LightMap<'a> {
     pub(super) fn receiver(&self, hit: &PrimaryHit) -> Option<Receiver<'_>> {
         Some(Receiver { map: self, place: Place::of(self.space(), &self.lamp, hit)?, reads: 0 })
     }
+
+    /// The same, and beside a map that shows all casters, too.
+    pub(super) fn receiver_beside(&self, hit: &PrimaryHit) -> Option<Receiver<'_>> {
+        if !self.shows_all_casters() {
+            return self.receiver(hit);
+        }
+        let at = self.space().at(wide(hit.point))?;
+        Some(Receiver { map: self, place: Place::at(self.space(), &self.lamp, hit, at), reads: 0 })
+    }
+
+    /// Whether nothing beside the map casts a shadow: the map of the scene under a sun holds all casters.
+    pub(super) fn shows_all_casters(&self) -> bool {
+        matches!(self.space().spread(), Spread::Parallel { .. })
+    }
 }
 
 impl Place {
     /// `None` outside the map.
     pub(super) fn of(space: &LightSpace, lamp: &Lamp, hit: &PrimaryHit) -> Option<Self> {
+        let at = space.at(wide(hit.point)).filter(|at| space.shows(at))?;
+        Some(Self::at(space, lamp, hit, at))
+    }
+
+    /// At a position, which may lie beside the map.
+    fn at(space: &LightSpace, lamp: &Lamp, hit: &PrimaryHit, at: Lookup) -> Self {
         let point = wide(hit.point);
-        let at = space.at(point)?;
-        let side = f64::from(space.size());
-        if space.layers() == 1 && !((0.0..side).contains(&at.tx) && (0.0..side).contains(&at.ty)) {
-            return None;
-        }
         // A face of which rounding leaves no normal, or that contains the direction to the light, is edge-on:
         // the map cannot tell what lies before it.
         let slope = unit_normal(hit.corners).map_or([f64::NAN; 2], |n| space.slope(at.layer, n, point));
         let [k, k_box] = penumbra_scale(space, lamp, hit.point, at.layer);
-        Some(Self {
+        Self {
             layer: at.layer,
             at: [at.tx, at.ty],
             d: at.d,
@@ -121,7 +132,7 @@ impl Place {
             k,
             k_box,
             is_round: lamp.patch(hit.point).is_some_and(|patch| patch.is_round),
-        })
+        }
     }
 
     /// Whether the map can tell anything here: the receiver is not edge-on to the light.

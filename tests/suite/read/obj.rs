@@ -139,9 +139,15 @@ fn obj_errors_name_the_line() {
     expect_errors(
         "a.obj",
         &[
-            (b"# c\nv 1 2 nan\n", ", line 2 (obj): the coordinate `nan` is not a finite number"),
-            (b"v 1 -inf 2\n", ", line 1 (obj): the coordinate `-inf` is not a finite number"),
-            (b"v 1 2 1e39\n", ", line 1 (obj): the coordinate `1e39` is not a finite number"),
+            (
+                b"# c\nv 1 2 nan\nf 1 1 1\n",
+                ", line 2 (obj): a face has vertex 1, whose coordinate NaN is not",
+            ),
+            (b"v 1 -inf 2\nf -1 1 1\n", ", line 1 (obj): a face has vertex 1, whose coordinate -inf is not"),
+            (
+                b"v 0 0 0\nv 1 2 1e39\nf 1 1 2\n",
+                ", line 2 (obj): a face has vertex 2, whose coordinate 1e39 is not",
+            ),
             (b"v 1 2 3,5\n", ", line 1 (obj): `3,5` is not a number"),
             (b"v 1 \\\n2\n", ", line 1 (obj): a position needs three numbers"),
             (b"v 1 2 3 v 4 5 6\n", ", line 1 (obj): `v` follows the position"),

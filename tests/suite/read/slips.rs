@@ -444,3 +444,33 @@ fn stl_attributes_behind_triangles_are_skipped() {
         same([&bytes[..], b"\n"].concat(), "a.stl", &shape, &["1 byte after the last triangle ignored"]);
     }
 }
+
+#[test]
+fn obj_vertices_of_no_face_need_no_position() {
+    for shape in shapes_here() {
+        let (count, first) = (shape.vertex_count(), shape.positions()[0]);
+        for word in ["nan", "-inf", "1e39", "-nan(ind)", "1.#QNAN"] {
+            let vertex = |[x, y, z]: &[f32; 3]| format!("v {x} {y} {z}\n");
+            let face = |[a, b, c]: &[u32; 3]| format!("f {} {} {}\n", a + 1, b + 1, c + 1);
+            let vertices: String = shape.positions().iter().map(vertex).collect();
+            let faces: String = shape.triangles().iter().map(face).collect();
+            let with = format!("{vertices}v 0 {word} 0\nv {word} 1 1\n{faces}");
+            let scene = scene(&with, "a.obj");
+            assert_eq!(scene.meshes[0].positions()[count..], [first; 2]);
+            assert_eq!(scene.meshes[0].bounds(), shape.bounds());
+            assert_eq!(scene.meshes[0].triangles(), shape.triangles());
+            let line = count + 1;
+            let note = format!(
+                "2 vertices of no face without a finite position put where another one lies, the first is vertex {line} on line {line}"
+            );
+            assert_eq!(scene.notes, [note]);
+            // Negative test: a face has it.
+            let message = error(format!("{with}f 1 2 -1\n"), "a.obj");
+            let line = line + 1;
+            assert!(
+                message.contains(&format!(", line {line} (obj): a face has vertex {line}, whose")),
+                "{message}"
+            );
+        }
+    }
+}

@@ -7,6 +7,11 @@ use crate::gpu::{Gpu, GpuError, Shader, wgpu};
 
 const AGREEMENT: &str = include_str!("hybrid.wgsl");
 
+/// What the shaders of both techniques with marks start with.
+pub(super) fn source() -> String {
+    format!("{}{SOURCE}{AGREEMENT}", raster::SOURCE)
+}
+
 /// The compiled passes, for one device.
 ///
 /// [`HybridPass::mark`], [`Marked::download`], the exact answers, [`HybridPass::resolve`]: each step can be
@@ -33,8 +38,12 @@ impl HybridPass {
     ///
     /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        let source = format!("{}{SOURCE}{AGREEMENT}", raster::SOURCE);
-        let module = Shader::new("hybrid of map and rays", &source).module(gpu)?;
+        let module = Shader::new("hybrid of map and rays", &source()).module(gpu)?;
+        Self::of(gpu, &module, "certain")
+    }
+
+    /// With another fragment shader that marks.
+    pub(super) fn of(gpu: &Gpu, module: &wgpu::ShaderModule, certain: &str) -> Result<Self, GpuError> {
         let pipeline = |fragment| {
             let pipeline = Pipeline {
                 vertex: "everywhere",
@@ -43,9 +52,9 @@ impl HybridPass {
                 depth_stencil: None,
                 layout: None,
             };
-            pipeline.build(gpu, &module)
+            pipeline.build(gpu, module)
         };
-        Ok(Self { gpu: gpu.clone(), certain: pipeline("certain")?, resolve: pipeline("resolve")? })
+        Ok(Self { gpu: gpu.clone(), certain: pipeline(certain)?, resolve: pipeline("resolve")? })
     }
 
     /// Asks the map: (2·`reach` + 1)² texels per sample, with `reach` of at most 16. Submits without waiting.
@@ -58,16 +67,28 @@ impl HybridPass {
     /// [`GpuError::TooLarge`] if a bit per sample does not fit a buffer; [`GpuError::OutOfMemory`];
     /// [`GpuError::Lost`].
     pub fn mark(&self, samples: &GpuSamples, map: &GpuMap, reach: u32) -> Result<Marked, GpuError> {
+        self.mark_with(samples, map, reach, None)
+    }
+
+    /// The same, with what else the shader reads.
+    pub(super) fn mark_with(
+        &self,
+        samples: &GpuSamples,
+        map: &GpuMap,
+        reach: u32,
+        more: Option<(u32, wgpu::BindingResource<'_>)>,
+    ) -> Result<Marked, GpuError> {
         let light = self.gpu.uniform(&map.uniform.with_agreement(reach.min(16)))?;
         let words = samples.size().pixels().div_ceil(32);
         let marks = self.gpu.storage::<u32>("marks of samples", words)?;
         let visibility = GpuVisibility::hard(&self.gpu, samples.size())?;
-        let more = [
+        let shared = [
             (5, wgpu::BindingResource::TextureView(&samples.faces.view)),
             (6, light.as_entire_binding()),
             (7, wgpu::BindingResource::TextureView(&map.view)),
             (8, marks.as_entire_binding()),
         ];
+        let more: Vec<_> = shared.into_iter().chain(more).collect();
         let group = bind(&self.gpu, &self.certain, &samples.receivers, &samples.uniform, &more)?;
         self.gpu.submit(|encoder| {
             everywhere(visibility.0.begin(encoder, true), &self.certain, Some(&group));

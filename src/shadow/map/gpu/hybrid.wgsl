@@ -38,9 +38,13 @@ fn seen_by(receiver: Receiver) -> u32 {
 fn certain(@builtin(position) position: vec4f) -> @location(0) f32 {
     let seen = textureLoad(faces, vec2u(position.xy), 0).x;
     if seen == 0u { return 0.0; }
-    let found = seen_by(receiver_of(position.xy, seen - 1u));
+    return marked_unless(seen_by(receiver_of(position.xy, seen - 1u)), position.xy);
+}
+
+// The value of what is sure; a mark for anything else.
+fn marked_unless(found: u32, position: vec2f) -> f32 {
     if found == MIXED {
-        let id = sample_at(position.xy);
+        let id = sample_at(position);
         atomicOr(&marks[id / 32u], 1u << (id % 32u));
     }
     return select(0.0, 1.0, found == OPEN);

@@ -90,6 +90,10 @@ fn caster(@builtin(vertex_index) index: u32) -> Corner {
 
 @fragment
 fn caster_depth(corner: Corner) -> @builtin(frag_depth) f32 {
+    return drawn_depth(corner);
+}
+
+fn drawn_depth(corner: Corner) -> f32 {
     return clamp(dot(corner.depth, vec3f(from_texels(corner.clip.xy), 1.0)), 0.0, 1.0);
 }
 
@@ -152,23 +156,33 @@ fn is_on_layer(texel: vec2i) -> bool {
 }
 
 fn blocks(receiver: Receiver, texel: vec2i) -> bool {
-    let side = i32(light.size);
     if is_on_layer(texel) {
         var least = receiver.depth;
         if light.at_center != 0u { least = with_slack(receiver.plane, texel, light.slack); }
         return textureLoad(map, texel, receiver.layer, 0) > least + rounding(receiver.depth);
     }
-    // Outside the map is lit. A cube goes on in the layer that looks in this direction.
+    // Outside the map is lit.
     if light.layers == 1u { return false; }
+    let other = beyond_rim(receiver.layer, texel);
+    let plane = depth_plane(other.layer, receiver.normal, receiver.corner);
+    let least = with_slack(plane, other.texel, light.slack);
+    return textureLoad(map, other.texel, other.layer, 0) > least + rounding(least);
+}
+
+struct Place {
+    texel: vec2i,
+    layer: u32,
+}
+
+// The texel beyond a layer's rim: a cube goes on in the layer that looks in this direction.
+fn beyond_rim(own: u32, texel: vec2i) -> Place {
     let at = from_texels(vec2f(texel) + 0.5);
-    let towards = light.axis[receiver.layer].xyz
-        + light.half * (at.x * light.right[receiver.layer].xyz + at.y * light.up[receiver.layer].xyz);
+    let towards = light.axis[own].xyz
+        + light.half * (at.x * light.right[own].xyz + at.y * light.up[own].xyz);
     let layer = layer_of(towards);
     let there = on_layer(layer, towards);
-    let other = clamp(vec2i(floor(to_texels(there.xy / there.w))), vec2i(0), vec2i(side - 1));
-    let plane = depth_plane(layer, receiver.normal, receiver.corner);
-    let least = with_slack(plane, other, light.slack);
-    return textureLoad(map, other, layer, 0) > least + rounding(least);
+    let most = vec2i(i32(light.size) - 1);
+    return Place(clamp(vec2i(floor(to_texels(there.xy / there.w))), vec2i(0), most), layer);
 }
 
 // The part of the kernel to the left of x.

@@ -2,11 +2,13 @@
 //! visibility texture.
 
 mod hybrid;
+mod ids;
 mod uniform;
 #[cfg(test)]
 mod tests;
 
 pub use hybrid::{HybridPass, Marked};
+pub use ids::{GpuIdMap, IdPass};
 
 use wgpu::{
     CompareFunction, StencilState, TextureAspect, TextureFormat, TextureUsages, TextureViewDimension,
@@ -127,19 +129,6 @@ impl MapPass {
 
     fn of(gpu: &Gpu, source: &str) -> Result<Self, GpuError> {
         let module = Shader::new("shadow map", &format!("{}{source}", raster::SOURCE)).module(gpu)?;
-        let draw = Pipeline {
-            vertex: "caster",
-            fragment: Some("caster_depth"),
-            targets: &[],
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: FORMAT,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(CompareFunction::Greater),
-                stencil: StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            layout: None,
-        };
         let look = Pipeline {
             vertex: "everywhere",
             fragment: Some("visibility"),
@@ -147,7 +136,11 @@ impl MapPass {
             depth_stencil: None,
             layout: None,
         };
-        Ok(Self { gpu: gpu.clone(), draw: draw.build(gpu, &module)?, look: look.build(gpu, &module)? })
+        Ok(Self {
+            gpu: gpu.clone(),
+            draw: drawing(gpu, &module, "caster_depth", &[])?,
+            look: look.build(gpu, &module)?,
+        })
     }
 
     /// Draws the map of a caster in a light's space: one pass per layer. Submits without waiting.
@@ -157,42 +150,7 @@ impl MapPass {
     /// [`GpuError::Picture`] if a layer is larger than the device allows; [`GpuError::Subnormal`] if the
     /// caster is too small to be drawn; [`GpuError::OutOfMemory`]; [`GpuError::Lost`].
     pub fn draw(&self, caster: &GpuCaster, space: &LightSpace) -> Result<GpuMap, GpuError> {
-        let receivers = caster.receivers()?;
-        let (texture, uniform) = (self.texture(space)?, LightUniform::new(space, receivers.largest));
-        let layers = (0..space.layers() as u32).map(|layer| {
-            let light = self.gpu.uniform(&uniform.with_layer(layer))?;
-            let frame = self
-                .gpu
-                .uniform(&raster::Frame::without_camera(receivers.largest, receivers.plane_stride))?;
-            let bind = bind(&self.gpu, &self.draw, &receivers, &frame, &[(6, light.as_entire_binding())])?;
-            Ok((bind, self.layer(&texture, layer)?))
-        });
-        let layers = layers.collect::<Result<Vec<_>, GpuError>>()?;
-        self.gpu.submit(|encoder| {
-            for (bind, view) in &layers {
-                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                    depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                        view,
-                        depth_ops: Some(wgpu::Operations {
-                            load: wgpu::LoadOp::Clear(0.0),
-                            store: wgpu::StoreOp::Store,
-                        }),
-                        stencil_ops: None,
-                    }),
-                    ..wgpu::RenderPassDescriptor::default()
-                });
-                pass.set_pipeline(&self.draw);
-                pass.set_bind_group(0, bind, &[]);
-                pass.draw(0..receivers.corners, 0..1);
-            }
-        })?;
-        let view = self.gpu.attempt(|| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(TextureViewDimension::D2Array),
-                ..Default::default()
-            })
-        })?;
-        Ok(GpuMap { texture, view, space: *space, uniform })
+        draw(&self.gpu, &self.draw, caster, space, None)
     }
 
     /// The filtered map at every sample. Submits without waiting.
@@ -222,42 +180,120 @@ impl MapPass {
         })?;
         Ok(visibility)
     }
+}
 
-    fn texture(&self, space: &LightSpace) -> Result<wgpu::Texture, GpuError> {
-        let (side, limit) = (space.size(), self.gpu.limits().max_texture_dimension_2d);
-        if side > limit {
-            return Err(GpuError::Picture { side, limit });
+/// The pipeline that draws casters, with targets beside the depth.
+fn drawing(
+    gpu: &Gpu,
+    module: &wgpu::ShaderModule,
+    fragment: &str,
+    targets: &[Option<wgpu::ColorTargetState>],
+) -> Result<wgpu::RenderPipeline, GpuError> {
+    let draw = Pipeline {
+        vertex: "caster",
+        fragment: Some(fragment),
+        targets,
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(CompareFunction::Greater),
+            stencil: StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        layout: None,
+    };
+    draw.build(gpu, module)
+}
+
+/// Draws the map of a caster in a light's space, one pass per layer, and what the pipeline writes beside the
+/// depth into the layers of `names`.
+fn draw(
+    gpu: &Gpu,
+    pipeline: &wgpu::RenderPipeline,
+    caster: &GpuCaster,
+    space: &LightSpace,
+    names: Option<&wgpu::Texture>,
+) -> Result<GpuMap, GpuError> {
+    let receivers = caster.receivers()?;
+    let (texture, uniform) = (texture(gpu, space, FORMAT)?, LightUniform::new(space, receivers.largest));
+    let layers = (0..space.layers() as u32).map(|index| {
+        let light = gpu.uniform(&uniform.with_layer(index))?;
+        let frame = gpu.uniform(&raster::Frame::without_camera(receivers.largest, receivers.plane_stride))?;
+        let bind = bind(gpu, pipeline, &receivers, &frame, &[(6, light.as_entire_binding())])?;
+        let names = names.map(|names| layer(gpu, names, index)).transpose()?;
+        Ok((bind, layer(gpu, &texture, index)?, names))
+    });
+    let layers = layers.collect::<Result<Vec<_>, GpuError>>()?;
+    gpu.submit(|encoder| {
+        for (bind, view, names) in &layers {
+            let colors: Vec<_> = names.iter().map(named).collect();
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                color_attachments: &colors,
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view,
+                    depth_ops: Some(wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(0.0),
+                        store: wgpu::StoreOp::Store,
+                    }),
+                    stencil_ops: None,
+                }),
+                ..wgpu::RenderPassDescriptor::default()
+            });
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, bind, &[]);
+            pass.draw(0..receivers.corners, 0..1);
         }
-        self.gpu.attempt(|| {
-            self.gpu.device().create_texture(&wgpu::TextureDescriptor {
-                label: Some("shadow map"),
-                size: wgpu::Extent3d {
-                    width: side,
-                    height: side,
-                    depth_or_array_layers: space.layers() as u32,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: FORMAT,
-                usage: TextureUsages::RENDER_ATTACHMENT
-                    | TextureUsages::TEXTURE_BINDING
-                    | TextureUsages::COPY_SRC,
-                view_formats: &[],
-            })
-        })
-    }
+    })?;
+    let view = all_layers(gpu, &texture)?;
+    Ok(GpuMap { texture, view, space: *space, uniform })
+}
 
-    fn layer(&self, texture: &wgpu::Texture, layer: u32) -> Result<wgpu::TextureView, GpuError> {
-        self.gpu.attempt(|| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(TextureViewDimension::D2),
-                base_array_layer: layer,
-                array_layer_count: Some(1),
-                ..Default::default()
-            })
-        })
+/// A layer of names, cleared to none.
+fn named(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    let ops =
+        wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
+    Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+}
+
+fn texture(gpu: &Gpu, space: &LightSpace, format: TextureFormat) -> Result<wgpu::Texture, GpuError> {
+    let (side, limit) = (space.size(), gpu.limits().max_texture_dimension_2d);
+    if side > limit {
+        return Err(GpuError::Picture { side, limit });
     }
+    gpu.attempt(|| {
+        gpu.device().create_texture(&wgpu::TextureDescriptor {
+            label: Some("shadow map"),
+            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: space.layers() as u32 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: TextureUsages::RENDER_ATTACHMENT
+                | TextureUsages::TEXTURE_BINDING
+                | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        })
+    })
+}
+
+fn layer(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Result<wgpu::TextureView, GpuError> {
+    gpu.attempt(|| {
+        texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(TextureViewDimension::D2),
+            base_array_layer: layer,
+            array_layer_count: Some(1),
+            ..Default::default()
+        })
+    })
+}
+
+fn all_layers(gpu: &Gpu, texture: &wgpu::Texture) -> Result<wgpu::TextureView, GpuError> {
+    gpu.attempt(|| {
+        texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(TextureViewDimension::D2Array),
+            ..Default::default()
+        })
+    })
 }
 
 /// Group 0 of a pipeline that reads triangles.

@@ -302,8 +302,8 @@ fn soft_values_on_a_device_end_at_the_horizon_as_on_the_cpu() {
     let options = PcssOptions { size: 64, ..PcssOptions::DEFAULT };
     let faults = [
         ("return (acos(x) - x", "return (acos(x) + x", [0, 1, 3]),
-        ("/ long * (depth / short) / 8.0", "/ long * (depth / short) / 4.0", [2, 2, 2]),
-        ("{ toward -= receiver.corner; }", "{ toward += receiver.corner; }", [1, 2, 3]),
+        ("let depth = long + short - height;", "let depth = long - height;", [2, 2, 2]),
+        ("{ toward -= receiver.corner; }", "{ toward -= 2.0 * receiver.corner; }", [1, 2, 3]),
     ];
     let faulty = faults.map(|(text, fault, _)| PcssPass::with_fault(&gpu, text, fault));
     for turn in [[0, 1, 2], [1, 0, 2]] {

@@ -16,12 +16,16 @@ mod confidence;
 mod costs;
 mod effects;
 mod evidence;
+mod look;
 mod planner;
 mod probe;
 mod reason;
 pub mod relevance;
+mod report;
 mod scenery;
 mod shadow_plan;
+#[cfg(test)]
+mod tests;
 mod trial;
 
 pub use budget::{Budget, BudgetError};

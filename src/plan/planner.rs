@@ -123,8 +123,7 @@ impl<'a> Planner<'a> {
         let time = |step| self.costs.nanoseconds(step, &self.work);
         [
             tree_time(self.scenery, self.costs, &self.work),
-            // Pieces are made of topology: it is there after the plan.
-            0.0,
+            time(Step::Proofs) / frames,
             time(Step::Device) / frames,
             time(Step::Prepass),
         ]

@@ -168,7 +168,7 @@ fn plan_is_not_changed_by_what_cannot_matter() {
         };
         let found = more.plan(budget, &costs);
         assert_eq!(choice(&found, 2), choice(&plain, 2));
-        assert_eq!((found.lamps[0].pieces, found.lamps[0].kept.len()), (3, plain.lamps[0].kept.len()));
+        assert_eq!((found.lamps[0].pieces, plain.lamps[0].pieces), (3, 2));
         // The same scene 2⁵ times as large.
         let mesh = shapes::scaled(set.caster.mesh(), 32.0);
         let large = Set::new(mesh, None, &["point:96,288,160", "directional:0.3,-1,0.2"]);
@@ -183,14 +183,14 @@ fn plan_for_a_time_takes_the_least_error_within_it() {
     let exact = set.plan("", &costs);
     let long = set.plan("time=10s", &costs);
     assert!(long.meets_budget && long.total.bound == 0.0);
-    let short = set.plan("time=50us", &costs);
-    assert!(short.meets_budget && short.total.time <= Duration::from_micros(50), "{:?}", short.total);
+    let short = set.plan("time=100us", &costs);
+    assert!(short.meets_budget && short.total.time <= Duration::from_micros(100), "{:?}", short.total);
     assert!(short.total.bound > 0.0 && short.total.time < exact.total.time);
     // Both: the error is a wall, and the best plan within the time is named.
-    let both = set.plan("error=0,time=50us", &costs);
+    let both = set.plan("error=0,time=100us", &costs);
     assert!(!both.meets_budget && both.total.bound == 0.0);
     let named = both.over_time.unwrap();
-    assert!(named.starts_with("within < 0.1 ms the best is "), "{named}");
+    assert!(named.starts_with("within 0.1 ms the best is "), "{named}");
     // No time is enough.
     let none = set.plan("error=0,time=0.001us", &costs);
     assert!(none.over_time.unwrap().starts_with("nothing takes < 0.1 ms or less"));

@@ -2,12 +2,13 @@
 
 use std::time::Instant;
 
-use super::candidates::{Candidate, Known, TREE};
+use super::candidates::{Candidate, Known, PROOFS, TREE};
 use super::costs::{Step, Work};
 use super::effects;
 use super::planner::{LEAST_PLANNING, MOST_PLANNING, PLANNING_SHARE, Planner, tree_time};
 use super::probe::{FEWEST, GridProbe, LampProbe, MOST, Share};
 use super::relevance::{Dropped, Outcome, Question, Relevance, RelevanceTest, TestSet, Triple, relevant};
+use super::run::can_be_reduced;
 use super::trial::Trials;
 use super::{Evidence, GridFigures};
 use crate::light_grid::Chain;
@@ -18,6 +19,8 @@ use crate::shadow::{Technique, is_front_lit};
 /// Sides of the grids that are built for the choice.
 const COARSE: u32 = 64;
 const FINE: u32 = 256;
+/// Time to copy a face that is kept, and to join it with its neighbors, in nanoseconds.
+const COPYING: f64 = 250.0;
 
 /// What was found out about a lamp.
 pub(super) struct Looked {
@@ -27,6 +30,8 @@ pub(super) struct Looked {
     pub(super) penumbra: Option<Share>,
     pub(super) grid: Option<GridFigures>,
     pub(super) candidates: Vec<Candidate>,
+    /// Whether the candidates run over the kept pieces alone.
+    pub(super) is_reduced: bool,
     /// What was settled without a choice.
     pub(super) settled: Option<String>,
 }
@@ -45,6 +50,7 @@ impl Planner<'_> {
             penumbra: (!lamp.has_extent()).then_some(Share::NONE),
             grid: None,
             candidates: Vec::new(),
+            is_reduced: false,
             settled: None,
         };
         match looked.relevance.outcome {
@@ -175,9 +181,47 @@ impl Planner<'_> {
             on_plane: self.on_plane(lamp),
         };
         looked.candidates = known.candidates(self.costs);
+        if let Some(reduced) = self.reduced(&known, &looked.relevance)
+            && self.least_exact(&reduced) < self.least_exact(&looked.candidates)
+        {
+            (looked.candidates, looked.is_reduced) = (reduced, true);
+        }
         if self.allows_error() {
             self.try_some(lamp, allowance, &mut looked.candidates);
         }
+    }
+
+    /// The candidates over the kept pieces alone: each lamp has a tree and proofs of its own then.
+    fn reduced(&self, known: &Known, relevance: &Relevance) -> Option<Vec<Candidate>> {
+        if relevance.kept.len() == self.pieces.len() || !can_be_reduced(self.scenery.casters) {
+            return None;
+        }
+        let faces: usize = relevance.kept.iter().map(|&piece| self.pieces.piece(piece as usize).faces).sum();
+        let work = Work { faces: faces as f64, ..known.work };
+        let mut candidates = Known { work, ..*known }.candidates(self.costs);
+        for candidate in &mut candidates {
+            for (bit, step) in [(TREE, Step::Tree), (PROOFS, Step::Proofs)] {
+                if candidate.shared & bit != 0 {
+                    candidate.time += self.costs.nanoseconds(step, &work);
+                    candidate.shared &= !bit;
+                }
+            }
+            if !matches!(candidate.technique, Technique::None | Technique::Dark) {
+                candidate.time += COPYING * work.faces;
+            }
+        }
+        Some(candidates)
+    }
+
+    /// The least time of a candidate that is exact, with the tree.
+    fn least_exact(&self, candidates: &[Candidate]) -> f64 {
+        let exact = candidates.iter().filter(|candidate| candidate.is_admissible(true, 0.0));
+        exact.map(|candidate| self.time_with_tree(candidate)).fold(f64::INFINITY, f64::min)
+    }
+
+    fn time_with_tree(&self, candidate: &Candidate) -> f64 {
+        let has_tree = candidate.shared & TREE != 0;
+        candidate.time + if has_tree { tree_time(self.scenery, self.costs, &self.work) } else { 0.0 }
     }
 
     fn allows_error(&self) -> bool {
@@ -204,10 +248,7 @@ impl Planner<'_> {
         // So many right ones show that no more than this fraction is wrong; a third more let one be wrong.
         let count = ((4.0 / most) as usize).clamp(300, MOST);
         let light = self.budget.light_of(lamp.has_extent());
-        let time_of = |candidate: &Candidate| {
-            let with_tree = candidate.shared & TREE != 0;
-            candidate.time + if with_tree { tree_time(self.scenery, self.costs, &self.work) } else { 0.0 }
-        };
+        let time_of = |candidate: &Candidate| self.time_with_tree(candidate);
         let fastest = |candidates: &[Candidate]| {
             let admissible = candidates.iter().filter(|candidate| candidate.is_admissible(false, most));
             admissible.map(time_of).fold(f64::INFINITY, f64::min)

@@ -120,6 +120,7 @@ impl Planner<'_> {
             shadowed: looked.shadowed,
             pieces: self.pieces.len(),
             kept: looked.relevance.kept.clone(),
+            is_reduced: looked.is_reduced,
             groups: vec![GroupPlan {
                 receivers: Receivers::All,
                 samples: (looked.facing.of_probe * self.probe.seen as f64).round() as usize,

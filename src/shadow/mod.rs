@@ -26,6 +26,7 @@
 
 mod claim;
 mod grid;
+pub mod lod;
 pub mod map;
 mod name;
 mod options;
@@ -33,6 +34,7 @@ mod plain;
 pub mod planar;
 mod prepared;
 mod rays;
+mod reconstruct;
 mod samples;
 pub mod soft;
 pub mod stencil;
@@ -47,6 +49,7 @@ pub use grid::GridOptions;
 pub use name::TechniqueError;
 use prepared::LampShadow;
 pub use prepared::{PrepareError, Prepared, Request};
+pub use reconstruct::ReconstructOptions;
 pub use samples::{Samples, TooManySamples};
 pub use stencil::CounterOptions;
 pub use technique::Technique;

@@ -3,10 +3,12 @@
 use std::fmt::Debug;
 
 use super::grid::{AliasFree, GridHybrid};
+use super::lod::LodShadow;
 use super::map::{HybridShadow, IdShadow, MapError, MapShadow, PcfOptions};
 use super::plain::Plain;
 use super::planar;
 use super::rays::Rays;
+use super::reconstruct::Reconstruction;
 use super::soft;
 use super::soft::area::LampArea;
 use super::soft::samples::LampSamples;
@@ -111,6 +113,7 @@ impl Technique {
             Self::MapIds(options) => Box::new(IdShadow::prepare(casters, lamp, &options)?),
             Self::Hybrid3x3(options) => Box::new(HybridShadow::prepare(casters, lamp, &options)?),
             Self::Hybrid2x2(options) => Box::new(HybridShadow::prepare_nearest(casters, lamp, &options)?),
+            Self::Reconstruct(options) => Box::new(Reconstruction::prepare(casters, lamp, options)?),
             Self::Pcss(options) => soft::pcss(casters, lamp, options)?,
             Self::SingleSample(options) => soft::single_sample(casters, lamp, options)?,
             Self::SoftHybrid(options) => soft::soft_hybrid(casters, lamp, options)?,
@@ -121,6 +124,7 @@ impl Technique {
             Self::ContactBlur(options) => soft::contact_blur(casters, lamp, options)?,
             Self::Hybrid(options) => Box::new(GridHybrid::prepare(casters, light, options)),
             Self::AliasFree(options) => Box::new(AliasFree::prepare(casters, light, options)),
+            Self::Lod(options) => Box::new(LodShadow::prepare(casters, light, options)),
             Self::Planar(options) => planar::planar(casters, lamp, options),
             Self::PlanarBlur(options) => planar::planar_blur(casters, lamp, options),
             Self::PlanarContact(options) => planar::planar_contact(casters, lamp, options),

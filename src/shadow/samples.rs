@@ -104,6 +104,12 @@ impl Samples {
         self.hits.is_empty()
     }
 
+    /// The same samples, but nothing is seen where `keep` does not hold.
+    pub(crate) fn only(&self, keep: impl Fn(&PrimaryHit) -> bool) -> Self {
+        let hits = self.hits.iter().map(|hit| hit.filter(&keep)).collect();
+        Self { hits, ..*self }
+    }
+
     /// Number of samples per row.
     pub(crate) fn row_len(&self) -> usize {
         self.size.width() as usize * self.per_side as usize

@@ -1,9 +1,11 @@
 //! The closed list of techniques: one table with the name and the options of each.
 
 use super::grid::GridOptions;
+use super::lod::LodOptions;
 use super::map::{ExactOptions, MapOptions, NearestOptions, PcfOptions};
 use super::options::{self, Refusal};
 use super::planar::{LayersOptions, PlanarOptions, TextureOptions};
+use super::reconstruct::ReconstructOptions;
 use super::soft::samples::SamplesOptions;
 use super::soft::{PcssOptions, SilhouetteOptions, SingleSampleOptions, SoftHybridOptions, SoftMapOptions};
 use super::stencil::CounterOptions;
@@ -81,7 +83,7 @@ techniques! {
     /// assert_eq!("zfail".parse(), Ok(Technique::ZFail));
     /// assert_eq!("samples:n=16".parse::<Technique>()?.to_string(), "samples:n=16");
     /// assert_eq!(Technique::Rays.to_string(), "rays");
-    /// assert_eq!("lod".parse::<Technique>().unwrap_err().to_string(), "not built yet: lod");
+    /// assert_eq!("auto".parse::<Technique>().unwrap_err().to_string(), "not built yet: auto");
     /// # Ok::<(), umbrage::shadow::TechniqueError>(())
     /// ```
     Technique:
@@ -115,6 +117,8 @@ techniques! {
     Hybrid3x3(ExactOptions) = "hybrid-3x3", hard;
     /// The same with the four texels around a sample, as published by Chan and Durand in 2004.
     Hybrid2x2(NearestOptions) = "hybrid-2x2", hard;
+    /// The shadow volume of the surface that a shadow map shows: McCool.
+    Reconstruct(ReconstructOptions) = "reconstruct", hard;
     /// A shadow map, filtered as wide as the penumbra of the mean blocker: percentage-closer soft shadows.
     Pcss(PcssOptions) = "pcss", soft;
     /// A shadow map; the distance to the nearest edge in it gives the penumbra: Brabec and Seidel.
@@ -135,6 +139,8 @@ techniques! {
     Hybrid(GridOptions) = "hybrid", hard;
     /// The samples sorted into cells, and every face tested exactly against those of its cells.
     AliasFree(GridOptions) = "alias-free", hard;
+    /// Shells of which no lit side is seen, simplified within a tolerance; exact shadow rays.
+    Lod(LodOptions) = "lod", hard;
     /// Casters flattened onto the plane of most samples, decided exactly; exact shadow rays elsewhere.
     Planar(PlanarOptions) = "planar", hard;
     /// The planar shadow, blurred by one width.

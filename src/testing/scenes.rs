@@ -2,8 +2,10 @@
 //!
 //! The same arguments give the same bytes on every platform, as for [`shapes`].
 
+use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::random::SplitMix64;
+use crate::scene::Lamp;
 use crate::view::{Camera, Up};
 
 use super::shapes;
@@ -93,12 +95,25 @@ impl City {
         Mesh::concat(&all.collect::<Vec<_>>()).expect("they fit").with_name("city")
     }
 
+    /// The middle of the street nearest to the center.
+    fn street(&self) -> f32 {
+        let streets = (0..).map(|k| k as f32 * (2.0 * LOT + STREET) - self.reach);
+        streets.take_while(|&x| x < 0.5 * STREET).last().unwrap_or(0.0)
+    }
+
+    /// The sun 54° high, the sun 14° high, and a lamp over the street, of the range 25.
+    #[must_use]
+    pub fn lamps(&self) -> [Lamp; 3] {
+        let at = [self.street() + 2.0, 5.0, -0.35 * self.reach + 9.0];
+        let sun = |travel| Light::directional(travel).expect("it travels").into();
+        let lamp = Lamp::from(Light::point(at).expect("finite"));
+        [sun([0.45, -0.81, 0.38]), sun([0.9, -0.24, 0.35]), Lamp { range: Some(25.0), ..lamp }]
+    }
+
     /// A camera at a place of the city.
     #[must_use]
     pub fn camera(&self, place: Place) -> Camera {
-        // The middle of the street nearest to the center: between an odd lot and an even one.
-        let streets = (0..).map(|k| k as f32 * (2.0 * LOT + STREET) - self.reach);
-        let street = streets.take_while(|&x| x < 0.5 * STREET).last().unwrap_or(0.0);
+        let street = self.street();
         let (eye, target, fov) = match place {
             Place::Street => ([street, 1.7, -0.35 * self.reach], [street + 0.3, 1.5, self.reach], 0.8),
             Place::Corner => ([street - 1.0, 1.7, street - 1.0], [street + 14.0, 2.0, street + 12.0], 0.9),

@@ -41,20 +41,28 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod apart;
 mod casting;
+mod copies;
 mod dropped;
 mod fault;
+mod grid;
 mod lamp;
 mod parting;
 mod pieces;
 mod question;
 mod reach;
 mod receivers;
+mod shadowed;
+mod solids;
 mod test_set;
+#[cfg(test)]
+mod tests;
 mod tiles;
 
 pub use casting::casting;
 pub use dropped::{Dropped, Equality, RelevanceTest, Triple};
 pub use pieces::{Piece, Pieces};
 pub use question::{Outcome, Question, Relevance, relevant};
+pub(super) use reach::may_light;
 pub use test_set::TestSet;

@@ -106,6 +106,13 @@ impl LampBox {
         self.place.half.length() * (1.0 + ERROR)
     }
 
+    /// Whether no point of the lamp lies in a box; a directional lamp is far away.
+    pub(super) fn is_off(&self, bounds: &Aabb) -> bool {
+        let bounds = Centered::of(bounds);
+        let gap = (bounds.at - self.place.at).abs() - (bounds.half + self.place.half) * (1.0 + ERROR);
+        self.is_directional || gap.max_element() > ERROR * bounds.size().max(self.place.size()).max_element()
+    }
+
     /// A box around `v − l`, for all v of a box and all l of the lamp.
     fn away(&self, volume: &Centered) -> Centered {
         match self.is_directional {

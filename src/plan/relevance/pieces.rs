@@ -164,7 +164,7 @@ impl Pieces {
         &'a self,
         casters: &'a CasterGroup<'_>,
         index: usize,
-    ) -> impl Iterator<Item = [[f32; 3]; 3]> + 'a {
+    ) -> impl Iterator<Item = [[f32; 3]; 3]> + Clone + 'a {
         let mesh = casters.casters()[self.list[index].caster].mesh();
         self.faces(index).iter().map(move |&face| mesh.corners(face))
     }

@@ -1,11 +1,15 @@
 //! The question, the answer, and the order of the tests.
 
 use super::fault::{Fault, Faults};
+use super::grid::Grid;
 use super::parting::{Frustum, LampBox, Parting};
 use super::reach::Reach;
 use super::receivers::Receivers;
+use super::shadowed::Shadowing;
+use super::solids::{Solids, any_watertight};
 use super::{Dropped, Pieces, RelevanceTest, TestSet, Triple, lamp};
 use crate::caster::CasterGroup;
+use crate::light_grid::Chain;
 use crate::scene::Lamp;
 use crate::shadow::Samples;
 
@@ -81,7 +85,28 @@ pub(super) fn relevant_over(question: &Question<'_>, tiled: &Samples, faults: Fa
             return answer.dark(RelevanceTest::Faint, 1.0);
         }
     }
+    let mut solids = Solids::new(question, &receivers);
+    if tests.has(RelevanceTest::Enclosed) && solids.enclose_lamp() {
+        return answer.dark(RelevanceTest::Enclosed, 0.0);
+    }
     answer.cast_beyond(question, &reach, &receivers, faults);
+    if tests.has(RelevanceTest::Copy) {
+        let copies = pieces.copies(question.casters);
+        answer.test(RelevanceTest::Copy, |piece| copies[piece]);
+    }
+    if any_watertight(pieces) {
+        answer.test(RelevanceTest::Nested, |piece| solids.nest(piece, faults));
+    }
+    // What follows asks for one light, and for a piece to be in its way.
+    let wants = [RelevanceTest::Shadowed, RelevanceTest::NothingBehind, RelevanceTest::Known];
+    if !lamp.has_extent() && wants.iter().any(|&test| tests.has(test)) && answer.keeps_any() {
+        let chain = Chain::of(question.casters, lamp.light());
+        let mut shadowing = Shadowing::new(question, &chain, faults);
+        answer.test(RelevanceTest::Shadowed, |piece| shadowing.covers(piece));
+        if answer.test_by_grid(question, &chain, &receivers) {
+            return answer.dark(RelevanceTest::Known, 0.0);
+        }
+    }
     answer.finish()
 }
 
@@ -145,6 +170,35 @@ impl Answer {
         self.test(RelevanceTest::Tiles, |piece| {
             receivers.tiles.all_apart(|tile| parting.from_box(tile, bounds(piece)))
         });
+    }
+
+    fn keeps_any(&self) -> bool {
+        self.fate.iter().any(Option::is_none)
+    }
+
+    /// Drops what shadows no sample by the light grid; whether the grid proves all samples dark.
+    fn test_by_grid(
+        &mut self,
+        question: &Question<'_>,
+        chain: &Chain<'_>,
+        receivers: &Receivers<'_>,
+    ) -> bool {
+        let [finds, knows] =
+            [RelevanceTest::NothingBehind, RelevanceTest::Known].map(|test| self.tests.has(test));
+        if !finds && !knows {
+            return false;
+        }
+        let Some(grid) = Grid::build(question, chain, receivers) else { return false };
+        if finds {
+            let shadows = grid.shadows(|piece| self.fate[piece as usize].is_none());
+            self.test(RelevanceTest::NothingBehind, |piece| !shadows[piece]);
+        }
+        if !knows {
+            return false;
+        }
+        let [lit, dark] = grid.known();
+        self.samples(RelevanceTest::Known, lit + dark);
+        dark == receivers.count
     }
 
     fn finish(mut self) -> Relevance {

@@ -31,6 +31,12 @@ pub(super) struct Reach {
     cone: Option<(DVec3, f64)>,
 }
 
+/// Whether a lamp may light each point.
+pub(in crate::plan) fn may_light(lamp: &Lamp, physical_falloff: bool) -> impl Fn([f32; 3]) -> bool {
+    let reach = Reach::of(lamp, physical_falloff, Faults::default());
+    move |point| reach.may_light(point)
+}
+
 impl Reach {
     pub(super) fn of(lamp: &Lamp, physical_falloff: bool, faults: Faults) -> Self {
         let light = lamp.light();

@@ -2,7 +2,6 @@
 
 use super::reach::Reach;
 use super::tiles::Tiles;
-use crate::geom::Aabb;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
 use crate::shadow::{Samples, is_front_lit};
@@ -39,10 +38,5 @@ impl<'a> Receivers<'a> {
     pub(super) fn hits(&self) -> impl Iterator<Item = &'a PrimaryHit> + Clone + '_ {
         let hits = self.samples.hits().iter().zip(&self.asked);
         hits.filter_map(|(hit, &asked)| hit.as_ref().filter(|_| asked))
-    }
-
-    /// A box around all of them.
-    pub(super) fn bounds(&self) -> Aabb {
-        self.tiles.bounds()
     }
 }

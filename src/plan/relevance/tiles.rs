@@ -52,7 +52,8 @@ impl Tiles {
     }
 
     /// A box around all samples that count.
-    pub(super) fn bounds(&self) -> Aabb {
+    #[cfg(test)]
+    fn bounds(&self) -> Aabb {
         self.levels[self.levels.len() - 1].boxes[0]
     }
 

@@ -23,7 +23,7 @@ pub use gpu::{Draw, StencilFrame, StencilPass};
 pub use mask::{Counting, ShadowMask};
 pub use method::ShellMethods;
 pub use tiled::CounterOptions;
-pub(super) use tiled::TiledCounting;
+pub(super) use tiled::{ClosedVolume, Counter, TiledCounting};
 #[cfg(feature = "gpu")]
 pub use volumes::GpuStencilVolumes;
 pub use volumes::StencilVolumes;

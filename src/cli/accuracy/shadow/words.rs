@@ -32,6 +32,7 @@ pub(super) fn what(technique: Technique) -> &'static str {
         "hybrid-2x2" => {
             "A shadow map where four texels agree, and an exact shadow ray for every other sample."
         }
+        "reconstruct" => "The shadow volume of the surface that a shadow map shows.",
         "pcss" => "A shadow map: the mean depth of the blockers decides how wide the filter is.",
         "single-sample" => {
             "A shadow map: the distance to the nearest edge of the hard shadow decides about the light."
@@ -47,6 +48,9 @@ pub(super) fn what(technique: Technique) -> &'static str {
         "hybrid" => "A light grid where it proves a sample lit or dark, and an exact shadow ray elsewhere.",
         "alias-free" => {
             "The samples sorted into cells, and every face tested exactly against those it may hide."
+        }
+        "lod" => {
+            "Shells of which no lit side is seen, simplified within a tolerance; an exact ray per sample."
         }
         "planar" => {
             "The casters flattened onto one plane, decided exactly; exact rays for all other samples."
@@ -81,6 +85,7 @@ pub(super) fn when(technique: Technique) -> &'static str {
         "map-ids" => "Take it where a false shadow is worse than a missing one.",
         "hybrid-3x3" => "Take it where hard shadows should be right almost everywhere for a few rays.",
         "hybrid-2x2" => "Take it to see what the published rule of four texels misses.",
+        "reconstruct" => "Take it where volumes are wanted of what only a map can be drawn of.",
         "pcss" => "Take it for soft shadows that run at the rate of a display.",
         "single-sample" => "Take it where one lookup table has to do, and shadows do not overlap.",
         "soft-hybrid" => "Take it where soft shadows should be near to exact for a few rays per sample.",
@@ -89,6 +94,7 @@ pub(super) fn when(technique: Technique) -> &'static str {
         "contact-blur" => "Take it where an exact hard shadow is there already.",
         "hybrid" => "Take it where exact rays are dear, and most samples lie away from silhouettes.",
         "alias-free" => "Take it where exact hard shadows are wanted of meshes that change in every frame.",
+        "lod" => "Take it for far shadows of dense models: the number of wrong samples is bounded.",
         "planar" => "Take it where a floor receives nearly all of the shadow.",
         "planar-blur" => "Take it where a floor is looked at from afar.",
         "planar-contact" => "Take it where casters stand on a floor under a lamp with an extent.",

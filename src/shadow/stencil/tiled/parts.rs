@@ -12,7 +12,7 @@ pub(super) type Part = Vec<([u32; 3], i32)>;
 
 /// The parts, in the order of their first vertex. Triangles of different parts share no finite vertex, and no
 /// vertex extruded from one; so every edge that cancels does so within a part.
-pub(super) fn parts(volume: &ShadowVolume) -> Vec<Part> {
+fn parts(volume: &ShadowVolume) -> Vec<Part> {
     let mut components = Components::new(volume.positions().len());
     let finite = |triangle: [u32; 3]| triangle.into_iter().filter_map(|v| volume.finite_vertex(v));
     for &triangle in volume.triangles() {
@@ -31,6 +31,35 @@ pub(super) fn parts(volume: &ShadowVolume) -> Vec<Part> {
         }
     }
     parts
+}
+
+/// A closed volume, cut into its parts.
+#[derive(Clone, Debug)]
+pub(in crate::shadow) struct ClosedVolume {
+    volume: ShadowVolume,
+    parts: Vec<Part>,
+}
+
+impl ClosedVolume {
+    /// `volume` has both caps.
+    pub(in crate::shadow) fn new(volume: ShadowVolume) -> Self {
+        let parts = parts(&volume);
+        Self { volume, parts }
+    }
+
+    pub(super) fn parts(&self) -> impl Iterator<Item = (&ShadowVolume, &Part)> {
+        self.parts.iter().map(|part| (&self.volume, part))
+    }
+
+    #[cfg(test)]
+    pub(super) fn volume(&self) -> &ShadowVolume {
+        &self.volume
+    }
+
+    /// Memory in bytes.
+    pub(in crate::shadow) fn bytes(&self) -> usize {
+        self.volume.bytes() + self.parts.iter().map(|part| size_of_val(&part[..])).sum::<usize>()
+    }
 }
 
 /// A part, prepared for one eye.

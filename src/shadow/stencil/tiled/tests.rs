@@ -1,6 +1,7 @@
 //! Counts of every state and of the choice in tiles, against exact winding numbers.
 
-use super::state::DepthTest;
+use super::fault::{Fault, Faults};
+use super::state::{DepthTest, State};
 use super::*;
 use crate::caster::Caster;
 use crate::geom::Aabb;
@@ -60,11 +61,16 @@ fn for_each(mut visit: impl FnMut(&CasterGroup<'_>, &Samples, &Light)) {
     }
 }
 
+fn counter(tile: u32, state: Option<State>) -> Counter {
+    let counter = Counter::of(CounterOptions { tile });
+    state.map_or(counter, |state| counter.with_state(state))
+}
+
 /// The winding numbers at the samples that are asked.
 fn expected(counting: &TiledCounting<'_>, samples: &Samples, asked: &[bool]) -> Vec<Option<i32>> {
     let within = Aabb::around(samples.hits().iter().flatten().map(|hit| hit.point));
     let indices: Vec<WindingIndex<'_>> =
-        counting.volumes.iter().map(|(volume, _)| WindingIndex::build(volume, within)).collect();
+        counting.volumes.iter().map(|volume| WindingIndex::build(volume.volume(), within)).collect();
     let count = |p: [f32; 3]| indices.iter().map(|index| index.number(p)).sum::<Option<i32>>();
     let hits = samples.hits().iter().zip(asked);
     hits.map(|(hit, asked)| hit.as_ref().filter(|_| *asked).map_or(Some(0), |hit| count(hit.point))).collect()
@@ -82,10 +88,11 @@ fn differing(states: &[Option<State>], tile: u32, fault: Option<Fault>) -> [usiz
             if from_eye && samples.projection().is_orthographic() {
                 continue;
             }
-            let mut counting = TiledCounting::with_state(casters, light, tile, state);
-            counting.faults = Faults(fault);
+            let mut counter = counter(tile, state);
+            counter.faults = Faults(fault);
+            let counting = TiledCounting::with(casters, light, counter);
             let expected = expected_counts.get_or_insert_with(|| expected(&counting, samples, &asked));
-            let (counts, _) = counting.counts(samples, &asked);
+            let (counts, _) = counting.counter.counts(samples, &asked, &counting.volumes);
             for (count, expected) in counts.iter().zip(expected) {
                 match (count, *expected) {
                     (Some(count), Some(expected)) => {
@@ -139,7 +146,7 @@ fn zpass_reversed_equals_zfail_and_its_strict_test_does_not() {
         let reversed = Technique::ZPassReversed.shade(&request).unwrap();
         assert_eq!(zfail.values(), reversed.values(), "{light}");
         equal += zfail.values().len();
-        let strict = TiledCounting::with_state(casters, light, 8, Some(strict)).shade(samples);
+        let strict = TiledCounting::with(casters, light, counter(8, Some(strict))).shade(samples);
         different += strict.values().iter().zip(zfail.values()).filter(|(a, b)| a != b).count();
     });
     assert!(equal > 10_000 && different > 2000, "{equal} {different}");
@@ -163,7 +170,7 @@ fn counter_updates_fewer_counts_than_either_method_alone() {
         let lamp: Lamp = lamp.parse().unwrap();
         let states = [None, Some(State::ZFAIL), Some(State::ZPASS)];
         for (sum, state) in updates.iter_mut().zip(states) {
-            let shadow = TiledCounting::with_state(&casters, lamp.light(), 8, state).shade(&samples);
+            let shadow = TiledCounting::with(&casters, lamp.light(), counter(8, state)).shade(&samples);
             let found = shadow.updates().unwrap();
             assert!(found.updates <= found.fragments);
             *sum += found.updates;

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::fault::{Fault, Faults};
 use crate::geom::Light;
 use crate::geom::predicate::Homogeneous;
+use crate::oracle::PrimaryHit;
 use crate::shadow::Samples;
 use crate::view::Projection;
 
@@ -120,29 +121,38 @@ pub(super) struct TileRow {
     pub(super) tiles: Vec<Option<Cell>>,
 }
 
-/// The rows of tiles of `side` by `side` samples; `None` for a row in which no sample is asked. What is not
-/// in front of the eye is in no tile.
-pub(super) fn tile_rows(
-    samples: &Samples,
-    asked: &[bool],
-    view: &View,
-    side: usize,
-    faults: Faults,
-) -> Vec<Option<TileRow>> {
-    let width = samples.row_len();
-    let rows = samples.hits().chunks(width * side).zip(asked.chunks(width * side));
-    rows.map(|(hits, asked)| {
-        let mut tiles: Vec<Option<Cell>> = vec![None; width.div_ceil(side)];
-        for (index, hit) in hits.iter().enumerate().filter(|(index, _)| asked[*index]) {
-            let Some(own) = hit.and_then(|hit| Cell::of(view, hit.point)) else { continue };
-            let tile = &mut tiles[index % width / side];
-            *tile = Some(tile.map_or(own, |tile| match faults.has(Fault::FirstDepth) {
-                false => tile.join(&own),
-                true => Cell { depth: tile.depth, bounds: tile.bounds, ..tile.join(&own) },
-            }));
-        }
-        let all = tiles.iter().copied().flatten().reduce(|a, b| a.join(&b))?;
-        Some(TileRow { all, tiles })
-    })
-    .collect()
+/// The tiles of a picture.
+#[derive(Clone, Debug)]
+pub(super) struct Tiles {
+    /// `None` for a row in which no sample is asked.
+    pub(super) rows: Vec<Option<TileRow>>,
+    /// Samples whose point is not in front of the eye, by rounding: they are in no tile.
+    pub(super) outside: Vec<usize>,
+}
+
+impl Tiles {
+    /// Tiles of `side` by `side` samples.
+    pub(super) fn of(samples: &Samples, asked: &[bool], view: &View, side: usize, faults: Faults) -> Self {
+        let (width, mut outside) = (samples.row_len(), Vec::new());
+        let row_of = |(number, hits): (usize, &[Option<PrimaryHit>])| {
+            let first = number * width * side;
+            let mut tiles: Vec<Option<Cell>> = vec![None; width.div_ceil(side)];
+            for (index, hit) in hits.iter().enumerate() {
+                let Some(hit) = hit.as_ref().filter(|_| asked[first + index]) else { continue };
+                let Some(own) = Cell::of(view, hit.point) else {
+                    outside.push(first + index);
+                    continue;
+                };
+                let tile = &mut tiles[index % width / side];
+                *tile = Some(tile.map_or(own, |tile| match faults.has(Fault::FirstDepth) {
+                    false => tile.join(&own),
+                    true => Cell { depth: tile.depth, bounds: tile.bounds, ..tile.join(&own) },
+                }));
+            }
+            let all = tiles.iter().copied().flatten().reduce(|a, b| a.join(&b))?;
+            Some(TileRow { all, tiles })
+        };
+        let rows = samples.hits().chunks(width * side).enumerate().map(row_of).collect();
+        Self { rows, outside }
+    }
 }

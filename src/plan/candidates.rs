@@ -9,7 +9,7 @@ use crate::shadow::{GridOptions, Technique};
 
 /// Parts that lamps share, as bits of a set.
 pub(super) const TREE: u8 = 1;
-pub(super) const TOPOLOGY: u8 = 2;
+pub(super) const PROOFS: u8 = 2;
 pub(super) const DEVICE: u8 = 4;
 pub(super) const PREPASS: u8 = 8;
 
@@ -193,17 +193,17 @@ impl Listed<'_> {
         for grid in GRIDS {
             let unsure = self.known.undecided(grid) * work.samples;
             let work = Work { side: grid.into(), unsure, ..work };
-            self.hard(Technique::Hybrid(GridOptions { grid }), Step::Hybrid, work, TREE | TOPOLOGY, EXACT);
+            self.hard(Technique::Hybrid(GridOptions { grid }), Step::Hybrid, work, TREE, EXACT);
         }
         let alias_free = Technique::AliasFree(GridOptions::DEFAULT);
-        self.hard(alias_free, Step::AliasFree, Work { side: 256.0, ..work }, TOPOLOGY, EXACT);
+        self.hard(alias_free, Step::AliasFree, Work { side: 256.0, ..work }, 0, EXACT);
         let unsure = (1.0 - self.known.on_plane) * work.facing;
         self.hard(Technique::Planar(Default::default()), Step::Planar, Work { unsure, ..work }, TREE, EXACT);
-        self.hard(Technique::Counter(Default::default()), Step::Counter, work, TOPOLOGY, EXACT);
-        self.hard(Technique::Stencil, Step::Counting, work, TOPOLOGY, EXACT);
-        self.hard(Technique::ZFail, Step::Counting, work, TOPOLOGY, EXACT);
+        self.hard(Technique::Counter(Default::default()), Step::Counter, work, PROOFS, EXACT);
+        self.hard(Technique::Stencil, Step::Counting, work, PROOFS, EXACT);
+        self.hard(Technique::ZFail, Step::Counting, work, PROOFS, EXACT);
         for technique in [Technique::Stencil, Technique::ZFail] {
-            self.hard(technique, Step::Stencil, work, TOPOLOGY | DEVICE | PREPASS, EXACT);
+            self.hard(technique, Step::Stencil, work, PROOFS | DEVICE | PREPASS, EXACT);
             if let Some(last) = self.all.last_mut() {
                 last.on_device = true;
                 last.not_applicable = (!self.known.has_device).then_some("no graphics adapter");
@@ -255,13 +255,13 @@ impl Listed<'_> {
             let many = |each: f64| Work { each, unsure: 0.4 * work.facing, ..work };
             let on_plane = Work { unsure: (1.0 - self.known.on_plane) * work.facing, ..work };
             let (step, work, shared) = match technique {
-                Technique::ZPass | Technique::ZPassReversed => (Step::Counting, work, TOPOLOGY),
-                Technique::ZPassPlus => (Step::Counting, work, TOPOLOGY | TREE),
+                Technique::ZPass | Technique::ZPassReversed => (Step::Counting, work, PROOFS),
+                Technique::ZPassPlus => (Step::Counting, work, PROOFS | TREE),
                 Technique::SoftHybrid(_) => (Step::SoftHybrid, many(64.0), TREE),
                 Technique::Pcss(_) | Technique::SingleSample(_) => (Step::SoftMap, many(64.0), 0),
-                Technique::Vsm(_) | Technique::Msm(_) => (Step::SoftMap, many(16.0), 0),
+                Technique::Vsm(_) | Technique::Msm(_) => (Step::SoftMap, many(256.0), 0),
                 Technique::PenumbraMap(_) | Technique::Smoothies(_) | Technique::ContactBlur(_) => {
-                    (Step::SoftMap, many(64.0), TREE | TOPOLOGY)
+                    (Step::SoftMap, many(64.0), TREE)
                 }
                 Technique::PlanarBlur(_)
                 | Technique::PlanarContact(_)

@@ -9,7 +9,7 @@ pub(super) const SHARED: usize = 4;
 /// Most states that are kept; fewer if there are so many lamps that the work would exceed [`MOST_WORK`].
 const MOST_STATES: usize = 4096;
 const FEWEST_STATES: usize = 64;
-const MOST_WORK: usize = 1 << 20;
+const MOST_WORK: usize = 1 << 18;
 
 /// A technique for one lamp, by numbers alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,18 +126,21 @@ fn merged(before: &[State], offers: &[Offer], times: &[f64; SHARED], limit: f64)
 /// neither, with all that the other one has paid for and it has not.
 fn undominated(mut all: Vec<State>, times: &[f64; SHARED]) -> Vec<State> {
     all.sort_by(|a, b| a.error.total_cmp(&b.error).then(a.time.total_cmp(&b.time)));
-    let mut least = [f64::INFINITY; 1 << SHARED];
+    // The least time of the states with each set of shared parts: of those that are kept, and so have no
+    // larger error.
+    let mut least: Vec<(u8, f64)> = Vec::with_capacity(1 << SHARED);
     all.retain(|state| {
-        let dominates = |(shared, time): (usize, &f64)| {
-            time + shared_time(state.shared & !(shared as u8), times) <= state.time
+        let dominates = |&(shared, time): &(u8, f64)| {
+            time <= state.time && time + shared_time(state.shared & !shared, times) <= state.time
         };
-        let is_dominated = least.iter().enumerate().any(dominates);
-        if !is_dominated {
-            // Sorted by error: what is kept has no larger one.
-            let least = &mut least[usize::from(state.shared)];
-            *least = least.min(state.time);
+        if least.iter().any(dominates) {
+            return false;
         }
-        !is_dominated
+        match least.iter_mut().find(|(shared, _)| *shared == state.shared) {
+            Some((_, time)) => *time = time.min(state.time),
+            None => least.push((state.shared, state.time)),
+        }
+        true
     });
     all
 }
@@ -237,15 +240,15 @@ mod tests {
     fn choice_for_many_lamps_stays_within_its_error_and_its_states() {
         let mut random = SplitMix64(2);
         let mut offer = || Offer { error: random.unit(), time: 1.0 - random.unit(), shared: 0 };
-        let offers: Vec<Vec<Offer>> = (0..300)
+        let offers: Vec<Vec<Offer>> = (0..80)
             .map(|_| (0..3).map(|_| offer()).chain([Offer { error: 0.0, time: 2.0, shared: 0 }]).collect())
             .collect();
         let mut before = f64::INFINITY;
-        for error in [0.0, 0.5, 10.0, 40.0, 1000.0] {
+        for error in [0.0, 0.5, 10.0, 1000.0] {
             let found = choose(&offers, &TIMES, Wanted::LeastTime { error }).unwrap();
             assert!(found.error <= error && found.time <= before, "{error}: {}", found.time);
             before = found.time;
         }
-        assert!(before < 300.0);
+        assert!(before < 80.0);
     }
 }

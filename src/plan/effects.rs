@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::candidates::Candidate;
-use super::planner::Looked;
+use super::look::Looked;
 use super::reason::{percent, time};
 use super::relevance::{Outcome, Pieces, RelevanceTest, Triple};
 use super::{Budget, Effect, Evidence, Scenery};
@@ -116,7 +116,7 @@ pub(super) fn not_computed(scenery: &Scenery<'_>, looked: &[Looked], effects: &[
         for dropped in &looked.relevance.dropped {
             match dropped.what {
                 Triple::Piece(_) => {
-                    *counts.entry((if few { number } else { 0 }, dropped.test)).or_default() += 1
+                    *counts.entry((if few { number } else { 0 }, dropped.test)).or_default() += 1;
                 }
                 Triple::Lamp if few => {
                     let name = lamp_name(&scenery.lamps[number], number);

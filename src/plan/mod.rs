@@ -14,17 +14,20 @@ mod budget;
 mod candidates;
 mod check;
 mod choose;
-mod confidence;
 mod costs;
 mod effects;
 mod evidence;
+mod look;
 mod planner;
 mod probe;
 mod reason;
 pub mod relevance;
+mod report;
 mod run;
 mod scenery;
 mod shadow_plan;
+#[cfg(test)]
+mod tests;
 mod trial;
 
 pub use budget::{Budget, BudgetError};

@@ -1,7 +1,6 @@
 //! The probe: some samples that are looked at before the choice.
 
-use super::confidence::{CONFIDENCE, upper_bound};
-use super::{Evidence, Scenery};
+use super::{Evidence, Scenery, binomial};
 use crate::light_grid::{Chain, GridVerdict, LightGrid, SoftGrid, SoftVerdict};
 use crate::oracle::{PrimaryHit, Verdict};
 use crate::random::SplitMix64;
@@ -12,6 +11,9 @@ use crate::shadow::is_front_lit;
 pub(super) const MOST: usize = 1 << 14;
 /// Fewest, so that a bound of 1 % can be seen.
 pub(super) const FEWEST: usize = 1 << 9;
+
+/// A bound that was sampled is missed with this probability: it has a confidence of 95 %.
+pub(super) const DOUBT: f64 = 0.05;
 
 /// Samples of a picture, evenly spread and jittered; the same ones for every lamp.
 #[derive(Clone, Debug)]
@@ -80,7 +82,7 @@ impl Probe {
         let n = self.hits.len();
         let of_probe = if n == 0 { 0.0 } else { count as f64 / n as f64 };
         let is_all = n == self.seen;
-        let bound = if is_all { of_probe } else { upper_bound(count, n, CONFIDENCE) };
+        let bound = if is_all { of_probe } else { binomial::upper(count as u64, n as u64, DOUBT) };
         Share { of_probe, bound, is_all }
     }
 

@@ -6,7 +6,7 @@ use super::probe::Share;
 
 /// A time: two digits or three, in ms.
 pub(super) fn time(nanoseconds: f64) -> String {
-    let ms = nanoseconds * 1e-6;
+    let ms = nanoseconds / 1e6;
     match ms {
         _ if ms < 0.1 => "< 0.1 ms".to_owned(),
         _ if ms < 10.0 => format!("{ms:.1} ms"),

@@ -41,7 +41,7 @@ impl Task {
                     && matches!(dropped.test, RelevanceTest::Zero | RelevanceTest::Faint)
             });
             Self {
-                kept: (lamp.kept.len() < lamp.pieces).then(|| lamp.kept.clone()),
+                kept: lamp.is_reduced.then(|| lamp.kept.clone()),
                 groups: lamp.groups.iter().map(|group| (group.receivers, group.technique)).collect(),
                 bound: lamp.groups.iter().map(|group| group.prediction.bound).sum(),
                 is_void,
@@ -132,7 +132,7 @@ fn prepares(technique: Technique) -> bool {
 }
 
 /// Whether all that is seen stays seen if casters are left out. The only caster is all that is seen itself.
-fn can_be_reduced(casters: &CasterGroup<'_>) -> bool {
+pub(super) fn can_be_reduced(casters: &CasterGroup<'_>) -> bool {
     casters.seen_caster().is_some() || casters.casters().len() == 1
 }
 

@@ -50,6 +50,8 @@ pub struct LampPlan {
     pub pieces: usize,
     /// The pieces that cast.
     pub kept: Vec<u32>,
+    /// Whether it pays to run the techniques over the kept pieces alone, with a ray tree of their own.
+    pub is_reduced: bool,
     /// One plan a group of receivers.
     pub groups: Vec<GroupPlan>,
     /// The light grid that was built for the choice: side, undecided and penumbra fractions, time.

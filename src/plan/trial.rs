@@ -1,10 +1,9 @@
 //! Trials: techniques without a bound are tried on the probe, where that costs little.
 
 use super::candidates::Candidate;
-use super::confidence::{CONFIDENCE, upper_bound};
 use super::costs::Costs;
-use super::probe::{Probe, Share};
-use super::{Evidence, Scenery};
+use super::probe::{DOUBT, Probe, Share};
+use super::{Evidence, Scenery, binomial};
 use crate::scene::Lamp;
 use crate::shadow::{Request, Technique, Visibility};
 
@@ -70,7 +69,7 @@ impl<'a> Trials<'a> {
         let wrong = found.values().iter().zip(truth.values()).filter(differs).count();
         let of_probe = wrong as f64 / self.count.max(1) as f64;
         let is_all = self.count == self.seen;
-        let bound = if is_all { of_probe } else { upper_bound(wrong, self.count, CONFIDENCE) };
+        let bound = if is_all { of_probe } else { binomial::upper(wrong as u64, self.count as u64, DOUBT) };
         Some((Share { of_probe, bound, is_all }, Evidence::Sampled))
     }
 

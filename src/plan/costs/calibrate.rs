@@ -13,7 +13,6 @@ use crate::plan::Evidence;
 use crate::scene::Lamp;
 use crate::shadow::{Request, Samples, Technique};
 use crate::testing::shapes;
-use crate::topology::Topology;
 use crate::view::{Camera, Size, Up};
 
 /// Time after which nothing new is measured: steps that are left keep their built-in costs.
@@ -111,7 +110,10 @@ fn view(casters: &CasterGroup<'_>, width: u32, height: u32) -> Option<Samples> {
 fn measure_parts(mesh: &Mesh, rows: &mut Rows, threads: usize) {
     let work = Work { faces: mesh.face_count() as f64, ..Work::default() };
     rows.add(Step::Tree, &work, threads, least(|| drop(black_box(Oracle::build(mesh)))));
-    rows.add(Step::Topology, &work, threads, least(|| drop(black_box(Topology::of(mesh)))));
+    let proofs = || {
+        black_box(Caster::new(mesh.clone()).proofs().len());
+    };
+    rows.add(Step::Proofs, &work, threads, least(proofs));
 }
 
 fn measure(

@@ -6,8 +6,8 @@
 pub enum Step {
     /// The ray tree over all faces.
     Tree,
-    /// Topology, shells and proofs of the casters.
-    Topology,
+    /// The proofs that decide how each shell is counted.
+    Proofs,
     /// Start of the graphics adapter and of its shaders.
     Device,
     /// The receivers' depth on a device.
@@ -62,7 +62,7 @@ impl Step {
     /// All steps.
     pub const ALL: [Self; 17] = [
         Self::Tree,
-        Self::Topology,
+        Self::Proofs,
         Self::Device,
         Self::Prepass,
         Self::Rays,
@@ -85,7 +85,7 @@ impl Step {
     pub fn name(self) -> &'static str {
         match self {
             Self::Tree => "tree",
-            Self::Topology => "topology",
+            Self::Proofs => "proofs",
             Self::Device => "device",
             Self::Prepass => "prepass",
             Self::Rays => "rays",
@@ -108,17 +108,16 @@ impl Step {
     #[must_use]
     pub fn features(self) -> &'static [&'static str] {
         match self {
-            Self::Tree | Self::Topology => &["fixed", "faces"],
+            Self::Tree | Self::Proofs => &["fixed", "faces"],
             Self::Device => &["fixed"],
             Self::Prepass => &["fixed", "samples", "faces"],
             Self::Rays => &["fixed", "samples", "ray_steps"],
             Self::Hybrid => &["fixed", "samples", "facing", "faces", "cells", "ray_steps"],
             Self::AliasFree => &["fixed", "samples", "facing", "faces"],
             Self::Counting | Self::Counter | Self::Stencil => &["fixed", "samples", "faces", "face_steps"],
-            Self::Planar => &["fixed", "samples", "faces", "ray_steps"],
-            Self::Map => &["fixed", "samples", "faces", "texels", "reads"],
+            Self::Planar => &["fixed", "samples", "facing", "faces", "ray_steps"],
+            Self::Map | Self::SoftMap => &["fixed", "samples", "facing", "faces", "texels", "reads"],
             Self::Samples | Self::Area => &["fixed", "samples", "ray_steps"],
-            Self::SoftMap => &["fixed", "samples", "faces", "texels", "reads"],
             Self::SoftHybrid => &["fixed", "samples", "faces", "texels", "ray_steps"],
             Self::Plain => &["fixed", "samples"],
         }

@@ -23,6 +23,7 @@ mod machine;
 mod maps;
 mod measure;
 mod obvhs_triangles;
+mod plan;
 mod plot;
 mod read;
 mod report;
@@ -104,6 +105,7 @@ fn run(options: &Options) -> Result<(), String> {
         visibility::run,
         grid::run,
         area::run,
+        plan::run,
         read::run,
     ];
     for stage in stages {

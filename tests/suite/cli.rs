@@ -6,6 +6,7 @@ mod check;
 mod demo;
 mod input;
 mod machine;
+mod plan;
 mod prepare;
 mod render;
 mod scene;

@@ -23,6 +23,7 @@ mod machine;
 mod maps;
 mod measure;
 mod obvhs_triangles;
+mod plan;
 mod plot;
 mod read;
 mod relevance;
@@ -106,6 +107,7 @@ fn run(options: &Options) -> Result<(), String> {
         grid::run,
         relevance::run,
         area::run,
+        plan::run,
         read::run,
     ];
     for stage in stages {

@@ -7,6 +7,7 @@ mod demo;
 mod gates;
 mod input;
 mod machine;
+mod plan;
 mod prepare;
 mod render;
 mod scene;

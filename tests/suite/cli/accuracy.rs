@@ -276,7 +276,7 @@ fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
     assert_eq!(keys(&document), "file samples lights");
     assert_eq!((&document["samples"], document["lights"].as_array().unwrap().len()), (&1536.into(), 2));
     for light in document["lights"].as_array().unwrap() {
-        assert_eq!(keys(light), "name truth rows");
+        assert_eq!(keys(light), "name truth rows plan");
         assert_eq!(keys(&light["truth"]), "method bound");
         let rows = light["rows"].as_array().unwrap();
         let all: Vec<&str> =

@@ -326,8 +326,8 @@ fn camera_of_the_file_is_chosen_and_an_orthographic_one_drawn_by_rays() {
             let wanted = "not built yet: an orthographic camera on a graphics adapter; ";
             assert!(run.code == 2 && run.stderr.contains(wanted), "{command}: {}", run.stderr);
         }
+        // The planner's are of the CPU.
         let run = folder.run("render cube.gltf --size 64x64 --camera plan -o b.png");
-        assert!(run.code == 0 && run.stderr.contains("--shadow auto: rays: not built yet"), "{}", run.stderr);
-        assert!(png(&folder, "b.png").2 == plan);
+        assert!(run.code == 0 && run.stderr.contains("samples compared, 0 wrong"), "{}", run.stderr);
     }
 }

@@ -5,16 +5,18 @@ use umbrage::accuracy::{ShadowAccuracy, ShadowRow};
 use umbrage::shadow::{Claim, Technique};
 
 use super::Measured;
+use super::chosen::Chosen;
 use crate::cli::lights;
 use crate::cli::output::number;
 
 impl Measured {
     pub(super) fn document(&self) -> Value {
-        let lights = self.lights.iter().zip(&self.found).map(|(light, found)| {
+        let lights = self.lights.iter().zip(&self.found).zip(&self.chosen).map(|((light, found), chosen)| {
             json!({
                 "name": lights::lamp_label(light),
                 "truth": truth(found),
                 "rows": found.rows.iter().map(row_document).collect::<Vec<_>>(),
+                "plan": chosen.as_ref().map(Chosen::document),
             })
         });
         json!({
@@ -33,7 +35,7 @@ fn truth(found: &ShadowAccuracy) -> Value {
 }
 
 /// The options as an object, numbers as numbers; null for a technique without options.
-fn parameters(technique: Technique) -> Value {
+pub(super) fn parameters(technique: Technique) -> Value {
     let parameters = technique.parameters();
     let value = |text: String| text.parse::<u32>().map_or(Value::String(text), Value::from);
     match parameters.is_empty() {

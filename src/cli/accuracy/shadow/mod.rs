@@ -1,5 +1,6 @@
 //! `umbrage accuracy shadow`: error against time of every technique, for each light and one view.
 
+mod chosen;
 mod document;
 mod page;
 mod panels;
@@ -25,6 +26,7 @@ use crate::cli::progress::Progress;
 use crate::cli::render::colors;
 use crate::cli::search;
 use crate::cli::{Failure, Outcome};
+use chosen::Chosen;
 use pictures::Pictures;
 
 /// The default size of the view.
@@ -37,6 +39,8 @@ struct Measured {
     samples: usize,
     lights: Vec<Lamp>,
     found: Vec<ShadowAccuracy>,
+    /// What the planner would choose, one entry per lamp.
+    chosen: Vec<Option<Chosen>>,
     /// One entry per lamp, if a page shows them.
     pictures: Vec<Pictures>,
 }
@@ -142,8 +146,9 @@ fn measure(file: &Path, args: &Args) -> Result<Measured, Failure> {
         Some(_) => pictures(&source, camera, &samples, &found)
             .map_err(|error| Failure::new(error, "use a smaller --size").in_file(file))?,
     };
+    let chosen = found.iter().map(|found| Chosen::of(&casters, &samples, found)).collect();
     let lights = lights.clone();
-    Ok(Measured { file: file.to_owned(), size, samples: samples.len(), lights, found, pictures })
+    Ok(Measured { file: file.to_owned(), size, samples: samples.len(), lights, found, chosen, pictures })
 }
 
 /// The pictures of all lamps.

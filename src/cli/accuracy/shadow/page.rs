@@ -34,7 +34,7 @@ pub(super) fn page(measured: &[Measured], command: &str) -> String {
                 }
                 @for (file, of_file) in measured.iter().enumerate() {
                     @for (index, found) in of_file.found.iter().enumerate() {
-                        (section(of_file, &format!("l{file}-{index}"), found, of_file.pictures.get(index)))
+                        (section(of_file, index, &format!("l{file}-{index}"), found))
                     }
                 }
                 script { (PreEscaped(SCRIPT)) }
@@ -50,7 +50,9 @@ fn machine() -> String {
 }
 
 /// One lamp of one file.
-fn section(of_file: &Measured, id: &str, found: &ShadowAccuracy, pictures: Option<&Pictures>) -> Markup {
+fn section(of_file: &Measured, index: usize, id: &str, found: &ShadowAccuracy) -> Markup {
+    let pictures = of_file.pictures.get(index);
+    let chosen = of_file.chosen.get(index).and_then(Option::as_ref);
     let file = of_file.file.file_name().unwrap_or(of_file.file.as_os_str()).to_string_lossy();
     let lamp: &Lamp = &found.lamp;
     let judged = found.rows.first().map_or(0, |row| row.errors.judged);
@@ -69,6 +71,9 @@ fn section(of_file: &Measured, id: &str, found: &ShadowAccuracy, pictures: Optio
             }
         }
         h3 { (verdict(found)) }
+        @if let Some(chosen) = chosen {
+            p { "By itself " (chosen.text()) "." }
+        }
         div.charts {
             @for panel in [panels::error_against_time(of_file, found), panels::error_against_memory(of_file, found)] {
                 (PreEscaped(chart::svg(&[panel])))

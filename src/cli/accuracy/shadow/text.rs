@@ -39,10 +39,11 @@ impl Measured {
             self.size,
             counted(self.samples, "sample", "samples"),
         );
-        let tables = self.lights.iter().zip(&self.found).map(|(light, found)| {
+        let tables = self.lights.iter().zip(&self.found).zip(&self.chosen).map(|((light, found), chosen)| {
             let name = lights::lamp_label(light);
             let judged = found.rows.first().map_or(0, |row| row.errors.judged);
-            format!("\n{name}: {judged} samples judged\n{}\n", Self::table(found))
+            let chosen = chosen.as_ref().map_or_else(String::new, |chosen| format!("{}\n", chosen.text()));
+            format!("\n{name}: {judged} samples judged\n{}\n{chosen}", Self::table(found))
         });
         let broken: Vec<&ShadowRow> =
             self.found.iter().flat_map(|found| &found.rows).filter(|row| !row.holds).collect();

@@ -7,6 +7,7 @@ mod at_point;
 pub mod disks;
 mod exact;
 mod fan;
+mod fit;
 mod inside;
 mod lattice;
 mod rays;
@@ -22,6 +23,7 @@ mod closed_tests;
 
 pub use at_point::PointRays;
 pub use exact::{Exact, exact, exact_part};
+pub use fit::{Ask, InsideError, MOST_INSIDE};
 pub use rays::{Cast, Effort, MOST_RAYS, RayOptions, Reach, Ring};
 pub use receivers::{Per, Receiver, Receivers};
 

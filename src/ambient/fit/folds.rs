@@ -26,17 +26,18 @@ impl Fold {
         }
         sides.sort_unstable();
         let edges = sides.chunk_by(|a, b| a.0 == b.0);
-        edges.filter_map(|uses| {
-            let &[([i, j], k, f), (_, l, g)] = uses else { return None };
-            let [from, along] = [cut.at(i), cut.at(j) - cut.at(i)];
-            let [[a, b, c], [d, e, h]] = [k, l].map(|opposite| outwards(along, cut.at(opposite) - from));
-            let shares = [a + d, b + e, c, h];
-            let length = shares.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let weight = share * (cut.area(FaceId(f)) + cut.area(FaceId(g)));
-            let fold = Self { corners: [i, j, k, l], shares: shares.map(|x| x / length), weight };
-            fold.shares.iter().all(|x| x.is_finite()).then_some(fold)
-        })
-        .collect()
+        edges
+            .filter_map(|uses| {
+                let &[([i, j], k, f), (_, l, g)] = uses else { return None };
+                let [from, along] = [cut.at(i), cut.at(j) - cut.at(i)];
+                let [[a, b, c], [d, e, h]] = [k, l].map(|opposite| outwards(along, cut.at(opposite) - from));
+                let shares = [a + d, b + e, c, h];
+                let length = shares.iter().map(|x| x * x).sum::<f64>().sqrt();
+                let weight = share * (cut.area(FaceId(f)) + cut.area(FaceId(g)));
+                let fold = Self { corners: [i, j, k, l], shares: shares.map(|x| x / length), weight };
+                fold.shares.iter().all(|x| x.is_finite()).then_some(fold)
+            })
+            .collect()
     }
 
     pub(super) fn of(&self, x: &[f64]) -> f64 {

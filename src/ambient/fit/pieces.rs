@@ -129,7 +129,8 @@ fn pieces(cuts: u32) -> impl Iterator<Item = [[f64; 3]; 3]> {
     (0..cuts).flat_map(move |i| {
         (0..cuts - i).flat_map(move |j| {
             let upright = [corner(i, j), corner(i + 1, j), corner(i, j + 1)];
-            let turned = (i + j + 2 <= cuts).then(|| [corner(i + 1, j + 1), corner(i, j + 1), corner(i + 1, j)]);
+            let turned =
+                (i + j + 2 <= cuts).then(|| [corner(i + 1, j + 1), corner(i, j + 1), corner(i + 1, j)]);
             std::iter::once(upright).chain(turned)
         })
     })

@@ -19,6 +19,8 @@ mod sides;
 mod smooth;
 mod start;
 #[cfg(test)]
+mod bound_tests;
+#[cfg(test)]
 mod closed_tests;
 
 pub use at_point::PointRays;

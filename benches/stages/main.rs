@@ -25,6 +25,7 @@ mod measure;
 mod obvhs_triangles;
 mod plot;
 mod read;
+mod relevance;
 mod report;
 mod screen;
 mod shadow;
@@ -103,6 +104,7 @@ fn run(options: &Options) -> Result<(), String> {
         light::run,
         visibility::run,
         grid::run,
+        relevance::run,
         area::run,
         read::run,
     ];

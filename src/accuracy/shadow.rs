@@ -95,7 +95,9 @@ impl PartTimes {
             | Technique::Samples(_)
             | Technique::Area
             | Technique::Hybrid3x3(_)
+            | Technique::Hybrid2x2(_)
             | Technique::Hybrid(_)
+            | Technique::Lod(_)
             | Technique::SoftHybrid(_)
             | Technique::PenumbraMap(_)
             | Technique::Smoothies(_)
@@ -107,10 +109,13 @@ impl PartTimes {
             | Technique::Blob(_)
             | Technique::Projective(_) => self.oracle,
             Technique::Stencil | Technique::ZFail | Technique::ZPass => self.counting,
+            Technique::ZPassReversed | Technique::Counter(_) => self.counting,
+            Technique::ZPassPlus => self.counting + self.oracle,
             Technique::Map(_)
             | Technique::Pcf(_)
             | Technique::MapIds(_)
             | Technique::AliasFree(_)
+            | Technique::Reconstruct(_)
             | Technique::Pcss(_)
             | Technique::SingleSample(_)
             | Technique::Vsm(_)
@@ -234,7 +239,11 @@ fn asks_exactly(technique: Technique) -> bool {
         Technique::Stencil
             | Technique::ZFail
             | Technique::ZPass
+            | Technique::ZPassPlus
+            | Technique::ZPassReversed
+            | Technique::Counter(_)
             | Technique::Hybrid3x3(_)
+            | Technique::Hybrid2x2(_)
             | Technique::Hybrid(_)
             | Technique::SoftHybrid(_)
             | Technique::PenumbraMap(_)

@@ -68,6 +68,45 @@ impl DefectKind {
         }
     }
 
+    /// The stable code of reports for machines: the name in upper case.
+    #[must_use]
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::BoundaryLoop => "BOUNDARY_LOOP",
+            Self::NonManifoldEdge => "NON_MANIFOLD_EDGE",
+            Self::MisorientedEdge => "MISORIENTED_EDGE",
+            Self::NonManifoldVertex => "NON_MANIFOLD_VERTEX",
+            Self::CollapsedFace => "COLLAPSED_FACE",
+            Self::ZeroAreaFace => "ZERO_AREA_FACE",
+            Self::DuplicateFace => "DUPLICATE_FACE",
+            Self::NearMissSeam => "NEAR_MISS_SEAM",
+            Self::TJunction => "T_JUNCTION",
+            Self::InsideOutShell => "INSIDE_OUT_SHELL",
+            Self::SelfIntersection => "SELF_INTERSECTION",
+        }
+    }
+
+    /// How much it matters: an error makes some shadow wrong, a warning makes one technique or one picture
+    /// wrong, and an information is without effect.
+    ///
+    /// ```
+    /// use umbrage::check::{DefectKind, Severity};
+    /// assert_eq!(DefectKind::BoundaryLoop.severity(), Severity::Error);
+    /// assert_eq!(DefectKind::CollapsedFace.severity(), Severity::Information);
+    /// ```
+    #[must_use]
+    pub fn severity(self) -> Severity {
+        match self {
+            Self::BoundaryLoop | Self::NonManifoldEdge | Self::MisorientedEdge | Self::InsideOutShell => {
+                Severity::Error
+            }
+            Self::DuplicateFace | Self::NearMissSeam | Self::TJunction | Self::SelfIntersection => {
+                Severity::Warning
+            }
+            Self::NonManifoldVertex | Self::CollapsedFace | Self::ZeroAreaFace => Severity::Information,
+        }
+    }
+
     /// Its effect on a shadow, in one sentence.
     #[must_use]
     pub fn effect(self) -> &'static str {
@@ -114,6 +153,17 @@ impl DefectKind {
             }
         }
     }
+}
+
+/// How much a defect matters, ascending.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// Without effect on a shadow.
+    Information,
+    /// Some technique, or some picture, is wrong.
+    Warning,
+    /// A shadow is wrong unless the general volume is used.
+    Error,
 }
 
 impl fmt::Display for DefectKind {

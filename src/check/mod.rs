@@ -21,7 +21,7 @@ mod text;
 pub use balance::Screen;
 pub use boundary::NearMiss;
 pub use counts::{Counts, Verdict};
-pub use defect::{Defect, DefectKind};
+pub use defect::{Defect, DefectKind, Severity};
 pub use report::CrackReport;
 pub use requirement::{Requirement, Standing, UnknownRequirement};
 pub use self_intersections::{SelfIntersections, for_each_self_intersection, self_intersections};

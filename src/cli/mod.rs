@@ -22,10 +22,13 @@ mod stencil_render;
 mod view;
 
 mod check;
+mod completions;
+mod man;
 mod prepare;
 mod silhouette;
 mod volume;
 mod verify;
+mod plan;
 mod render;
 mod ambient;
 mod torture;
@@ -63,11 +66,14 @@ enum Command {
     Silhouette(silhouette::Args),
     Volume(volume::Args),
     Verify(verify::Args),
+    Plan(plan::Args),
     Render(render::Args),
     Ambient(ambient::Args),
     Torture(torture::Args),
     Accuracy(accuracy::Args),
     Demo(demo::Args),
+    Completions(completions::Args),
+    Man(man::Args),
 }
 
 impl Command {
@@ -78,11 +84,14 @@ impl Command {
             Self::Silhouette(args) => silhouette::run(args),
             Self::Volume(args) => volume::run(args),
             Self::Verify(args) => verify::run(args),
+            Self::Plan(args) => plan::run(args),
             Self::Render(args) => render::run(args),
             Self::Ambient(args) => ambient::run(args),
             Self::Torture(args) => torture::run(args),
             Self::Accuracy(args) => accuracy::run(args),
             Self::Demo(args) => demo::run(args),
+            Self::Completions(args) => completions::run(&args),
+            Self::Man(args) => man::run(&args),
         }
     }
 }

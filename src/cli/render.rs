@@ -1,4 +1,6 @@
-//! `umbrage render`: a picture with exact shadows.
+//! `umbrage render`: a picture with shadows.
+
+mod planned;
 
 use std::path::{Path, PathBuf};
 
@@ -9,6 +11,7 @@ use umbrage::geom::Light;
 #[cfg(feature = "gpu")]
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::mesh::{FaceId, Mesh, Part};
+use umbrage::plan::Budget;
 use umbrage::render;
 use umbrage::render::{CLAY, Picture, ShadedLight, View};
 use umbrage::scene::{Lamp, Material};
@@ -21,7 +24,8 @@ use umbrage::view::Size;
 
 use super::input::{Source, SourceArgs};
 use super::lights;
-use super::parsers::{refuse_overwriting, require_folder};
+use super::parsers::{large, refuse_overwriting, require_folder};
+use super::plan::{FalloffArg, Saved, shaded};
 use super::progress::Progress;
 use super::resources::{AdapterArgs, ThreadArgs};
 use super::search::Searcher;
@@ -51,6 +55,18 @@ pub(crate) struct Args {
 
     #[command(flatten)]
     shadow: ShadowArgs,
+
+    /// What of the shadows may be wrong, and how long a picture may take: error=F,light=F,level=N,time=16ms; for
+    /// --shadow auto, as in umbrage plan [default: exact, in the least time]
+    ///
+    /// With --shadow TECHNIQUE the error is compared with this, and said.
+    #[arg(long, value_name = "BUDGET")]
+    budget: Option<Budget>,
+
+    /// How many points are compared with the exact ray cast after --shadow auto or a plan, at first; more if they
+    /// do not tell; 0 for no check [default: 3000]
+    #[arg(long, value_name = "N", value_parser = large, allow_negative_numbers = true)]
+    check: Option<u64>,
 
     /// How many samples a pixel is the mean of: 1, 4, 9 or 16; where rays find shadows, pixels at edges only
     ///
@@ -86,21 +102,14 @@ pub(crate) struct Args {
     adapter: AdapterArgs,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum FalloffArg {
-    /// Not at all: as strong far away as near
-    Plain,
-    /// With the inverse square of the distance, and ending at the light's range, as KHR_lights_punctual
-    /// defines it
-    Physical,
-}
-
 /// How the picture is made, once that is settled.
 enum Renderer {
     /// Ray by ray, with more rays at edges.
     Rays,
     /// Sample by sample, each lamp by the CPU form of its technique.
     Samples,
+    /// Sample by sample, as a plan says.
+    Planned,
     #[cfg(feature = "gpu")]
     Device(Box<Gpu>),
 }
@@ -117,10 +126,14 @@ fn counts(technique: Option<Technique>) -> bool {
 }
 
 impl ShadowArgs {
-    /// A stencil pass if any lamp asks for one, or leaves it to us and no other asks for rays; else rays.
-    /// Where some lamps count and others cast rays, or one asks for a technique of the CPU, all is done on
-    /// the CPU, on the same samples; ambient light by rays is of the CPU, too.
+    /// A plan if any lamp leaves it to us. Otherwise a stencil pass if any lamp asks for one, and no other asks for
+    /// a technique of the CPU. Where some lamps count and others cast rays, or one asks for a technique of the
+    /// CPU, all is done on the CPU, on the same samples; ambient light by rays is of the CPU, too.
     fn settle(&self, adapter: &AdapterArgs, ambient: bool) -> Result<Renderer, Failure> {
+        if self.asks_for(|technique| technique.is_none()) {
+            adapter.unused("--shadow auto and plans are of the CPU");
+            return Ok(Renderer::Planned);
+        }
         if self.asks_for(is_of_samples) {
             return Ok(Renderer::Samples);
         }
@@ -128,12 +141,10 @@ impl ShadowArgs {
             adapter.unused("--ambient is of rays, on the CPU");
             return Ok(if self.asks_for(counts) { Renderer::Samples } else { Renderer::Rays });
         }
-        let rays = self.asks_for(|technique| technique == Some(Technique::Rays));
-        match (self.asks_for(counts), self.asks_for(|technique| technique.is_none())) {
-            (true, _) if rays => Ok(Renderer::Samples),
-            (true, _) => self.device(adapter),
-            (false, true) if !rays => self.device_or_rays(adapter),
-            _ => Ok(Renderer::Rays),
+        match self.asks_for(counts) {
+            true if self.asks_for(|technique| technique == Some(Technique::Rays)) => Ok(Renderer::Samples),
+            true => self.device(adapter),
+            false => Ok(Renderer::Rays),
         }
     }
 
@@ -142,33 +153,11 @@ impl ShadowArgs {
         Ok(Renderer::Device(Box::new(adapter.open("--shadow")?)))
     }
 
-    #[cfg(feature = "gpu")]
-    fn device_or_rays(&self, adapter: &AdapterArgs) -> Result<Renderer, Failure> {
-        Ok(match adapter.find()? {
-            Ok(gpu) => Renderer::Device(Box::new(gpu)),
-            Err(error) => {
-                note_rays(&error);
-                Renderer::Rays
-            }
-        })
-    }
-
     #[cfg(not(feature = "gpu"))]
     fn device(&self, adapter: &AdapterArgs) -> Result<Renderer, Failure> {
         adapter.refuse()?;
         Err(Failure::new("--shadow: this build cannot use a graphics adapter", "use --shadow rays"))
     }
-
-    #[cfg(not(feature = "gpu"))]
-    fn device_or_rays(&self, adapter: &AdapterArgs) -> Result<Renderer, Failure> {
-        adapter.refuse()?;
-        Ok(Renderer::Rays)
-    }
-}
-
-#[cfg(feature = "gpu")]
-fn note_rays(error: &GpuError) {
-    output::say(format_args!("note: --shadow auto: rays: {error}"));
 }
 
 /// Rays from each visible point for ambient light.
@@ -204,6 +193,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let renderer = args.shadow.settle(&args.adapter, args.ambient)?;
     args.threads.apply()?;
 
+    let saved = args.shadow.plan()?.map(|path| Ok::<_, Failure>((path, Saved::read(path)?))).transpose()?;
     let mut source = args.source.load()?;
     let techniques = args.shadow.of_lamps(&source.lights)?;
     let camera =
@@ -214,6 +204,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     } else {
         None
     };
+    if matches!(renderer, Renderer::Planned) {
+        return planned::run(&args, &source, camera, ground, &techniques, saved);
+    }
     let lamps = shining_lamps(&args, &source, &techniques);
     // What is dark is not asked for.
     let casting: Vec<(Lamp, Option<Technique>)> = (source.lights.iter().cloned().zip(techniques))
@@ -244,13 +237,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         #[cfg(feature = "gpu")]
         Renderer::Device(gpu) => match by_stencil(&gpu, &source, view(STENCIL_SAMPLES), &casting) {
             Ok(picture) => picture,
-            // Anything but a defect of ours.
-            Err(error) if !args.shadow.asks_for(counts) && !matches!(error, GpuError::Wgpu(_)) => {
-                note_rays(&error);
-                by_rays(source, view(RAYS_SAMPLES), ambient)?
-            }
             Err(error) => return Err(error.into()),
         },
+        Renderer::Planned => unreachable!("a plan is run above"),
     };
     picture.write_png(&args.output)?;
     output::wrote(&args.output);
@@ -259,17 +248,12 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
 
 /// The lamps that shine, in their order: all but those that are dark.
 fn shining_lamps(args: &Args, source: &Source, techniques: &[Option<Technique>]) -> Vec<ShadedLight> {
-    let mut lamps = match args.source.lights.were_asked_for() {
-        true => ShadedLight::equal(&source.lights),
-        false => ShadedLight::balanced(&source.lights, &source.bounds),
-    };
+    let physical = args.falloff == FalloffArg::Physical;
+    let mut lamps = shaded(source, args.source.lights.were_asked_for(), physical);
     if args.falloff == FalloffArg::Plain && source.lights.iter().any(|lamp| lamp.range.is_some()) {
         output::say("note: a light's range is not applied: --falloff physical ends the light there");
     }
-    for ((shaded, lamp), &technique) in lamps.iter_mut().zip(&source.lights).zip(techniques) {
-        if args.falloff == FalloffArg::Physical {
-            *shaded = shaded.with_physical_falloff(lamp.range, &source.bounds);
-        }
+    for (shaded, &technique) in lamps.iter_mut().zip(techniques) {
         shaded.shadow = technique != Some(Technique::None);
     }
     let lit = lamps.into_iter().zip(techniques).filter(|(_, technique)| **technique != Some(Technique::Dark));

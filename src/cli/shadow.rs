@@ -1,5 +1,6 @@
 //! `--shadow`: the technique of each lamp.
 
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use umbrage::scene::Lamp;
@@ -15,15 +16,23 @@ pub(crate) struct ShadowArgs {
     ///
     /// `rays`: exact ray cast. `stencil`: a stencil pass on a graphics adapter, z-pass for each shell for
     /// which it is proven right, else z-fail; `zfail`: right everywhere; `zpass`: wrong where the eye is in a
-    /// shadow. `none`: light passes through everything; `dark`: the light is off. `auto`: `stencil` where
-    /// there is an adapter, else `rays`; also `rays` if another light asks for it. For example: --shadow
-    /// zfail --shadow 2=none.
+    /// shadow. `none`: light passes through everything; `dark`: the light is off. `auto`: what umbrage plan
+    /// chooses within --budget, on the CPU. A name that ends in `.json` is a plan that umbrage plan -o saved, for
+    /// all lights. For example: --shadow zfail --shadow 2=none.
+    ///
+    /// Exact shadow volumes on the CPU: `counter` (drawn in tiles, each counted from the side with less to
+    /// count), `zpass-plus` (z-pass, right also where the eye is in a shadow), `zpass-reversed` (z-fail by the
+    /// complement of its depth test).
     ///
     /// Hard shadows on the CPU from a shadow map: `map`, `pcf` (filtered), `map-ids` (with an exact test of
-    /// the faces), `hybrid-3x3` (an exact ray where its texels differ).
+    /// the faces), `hybrid-3x3` and `hybrid-2x2` (an exact ray where nine or four texels differ),
+    /// `reconstruct` (the shadow volume of the surface that the map shows).
     ///
     /// Exact hard shadows on the CPU from a light grid: `hybrid` (it proves most points lit or dark; an exact
     /// ray elsewhere), `alias-free` (points sorted into its cells, no tree over the faces).
+    ///
+    /// Bounded: `lod` (casters of which no lit side is seen are simplified within `move`, a fraction of their
+    /// diagonal).
     ///
     /// Soft shadows of a light with an extent: `area` (the visible fraction, analytic), `samples` (exact rays
     /// to many points of it), `soft-hybrid` (the same where a shadow map is not sure), and from maps alone
@@ -44,6 +53,8 @@ struct Asked {
     lamp: Option<String>,
     /// `None` for `auto`.
     technique: Option<Technique>,
+    /// A saved plan instead.
+    plan: Option<PathBuf>,
 }
 
 impl FromStr for Asked {
@@ -56,17 +67,31 @@ impl FromStr for Asked {
             _ => (None, text),
         };
         if technique.ends_with(".json") {
-            return Err("not built yet: a saved plan".to_owned());
+            return match lamp {
+                None => Ok(Self { lamp, technique: None, plan: Some(technique.into()) }),
+                Some(_) => Err(format!("a plan is for all lights; write {technique}")),
+            };
         }
         let technique = match technique {
             "auto" => None,
             _ => Some(technique.parse::<Technique>().map_err(|error| error.to_string())?),
         };
-        Ok(Self { lamp, technique })
+        Ok(Self { lamp, technique, plan: None })
     }
 }
 
 impl ShadowArgs {
+    /// The saved plan, if one is asked for, and then nothing else.
+    pub(crate) fn plan(&self) -> Result<Option<&Path>, Failure> {
+        match (self.shadow.iter().find_map(|asked| asked.plan.as_deref()), self.shadow.len()) {
+            (Some(path), more) if more > 1 => {
+                let problem = format!("--shadow {}: a plan is for all lights", path.display());
+                Err(Failure::new(problem, "leave out the other --shadow"))
+            }
+            (plan, _) => Ok(plan),
+        }
+    }
+
     /// Whether any lamp asks for a technique that `is`.
     pub(crate) fn asks_for(&self, is: impl Fn(Option<Technique>) -> bool) -> bool {
         self.shadow.iter().any(|asked| is(asked.technique))
@@ -131,10 +156,9 @@ mod tests {
     }
 
     #[test]
-    fn shadow_that_is_not_built_or_unknown_is_refused_by_name() {
+    fn shadow_that_is_unknown_is_refused_by_name() {
         let error = |text: &str| text.parse::<Asked>().unwrap_err();
-        assert_eq!(error("counter:tile=16"), "not built yet: counter");
-        assert_eq!(error("plan.json"), "not built yet: a saved plan");
+        assert_eq!(error("2=plan.json"), "a plan is for all lights; write plan.json");
         assert!(error("key=ray").starts_with("`ray` is not a technique"));
         assert!(error("zfail:size=3").contains("no option `size`"));
     }

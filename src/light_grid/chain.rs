@@ -82,7 +82,7 @@ impl<'a> Chain<'a> {
     }
 
     /// The face of the chain with the corners of a visible face: none if this face does not cast.
-    pub(super) fn of_visible(&self, hit: &PrimaryHit) -> Option<u32> {
+    pub(crate) fn of_visible(&self, hit: &PrimaryHit) -> Option<u32> {
         let face = match &self.of_seen {
             None => Some(hit.face.0).filter(|&face| (face as usize) < self.face_count()),
             Some(seen) => seen.get(hit.face.index()).copied().flatten(),
@@ -131,7 +131,7 @@ impl<'a> Chain<'a> {
 
     /// The edges of a face, edge k from corner k to the next, and a bit per edge: whether it belongs to the
     /// boundary.
-    pub(super) fn edges(&self, face: u32) -> ([u32; 3], u8) {
+    pub(crate) fn edges(&self, face: u32) -> ([u32; 3], u8) {
         let part = &self.parts[self.caster(face) as usize];
         let index = (face - part.first_face) as usize;
         ([0, 1, 2].map(|k| part.edges[3 * index + k]), part.outline[index])

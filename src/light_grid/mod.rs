@@ -31,6 +31,7 @@ mod extent;
 mod facet;
 mod fault;
 mod grid;
+mod occluders;
 mod pairs;
 mod sheets;
 mod soft;
@@ -46,6 +47,7 @@ pub(crate) mod view;
 
 pub use chain::Chain;
 pub use grid::LightGrid;
+pub(crate) use occluders::Occluders;
 pub use soft::{SoftGrid, SoftVerdict};
 pub use sorted::sorted_verdicts;
 pub use verdict::GridVerdict;

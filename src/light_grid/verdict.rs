@@ -41,7 +41,7 @@ impl LightGrid<'_> {
     }
 
     /// Whether a sheet holds the visible face and therefore does not shadow the point.
-    fn is_own(&self, place: &Place<'_>, number: usize, hit: &PrimaryHit) -> bool {
+    pub(super) fn is_own(&self, place: &Place<'_>, number: usize, hit: &PrimaryHit) -> bool {
         let sheet = &place.sheets[number];
         let once = sheet.crossings == 1 || sheet.crossings == 2 && self.faults.has(Fault::TwoCrossings);
         if sheet.is_outline || !once {
@@ -61,7 +61,8 @@ impl LightGrid<'_> {
     }
 }
 
-fn verdict(place: &Place<'_>, is_own: impl Fn(usize) -> bool) -> GridVerdict {
+/// What the sheets of a place prove, but for those that are the point's own.
+pub(super) fn verdict(place: &Place<'_>, is_own: impl Fn(usize) -> bool) -> GridVerdict {
     let [least, most] = place.nearness;
     if place.sheets.iter().any(|sheet| sheet.covers() && f64::from(sheet.far) > most) {
         return GridVerdict::Dark;

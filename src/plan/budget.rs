@@ -28,6 +28,9 @@ pub struct Budget {
     pub level: f64,
     /// Time of one picture. A wish: the error is a wall.
     pub time: Option<Duration>,
+    /// Whether the error is no wall, but to be as small as the time allows: so a text that gives a time and no
+    /// error.
+    pub least_error: bool,
 }
 
 /// Error of a text that is no [`Budget`].
@@ -102,23 +105,19 @@ impl FromStr for Budget {
                 _ => budget.time = Some(time(value)?),
             }
         }
+        budget.least_error = budget.time.is_some() && !given.contains(&"error");
         Ok(budget)
     }
 }
 
 impl fmt::Display for Budget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "error={}", self.error)?;
-        if let Some(light) = self.light {
-            write!(f, ",light={light}")?;
-        }
-        if self.level > 0.0 {
-            write!(f, ",level={}", self.level)?;
-        }
-        if let Some(time) = self.time {
-            write!(f, ",time={}ms", time.as_secs_f64() * 1e3)?;
-        }
-        Ok(())
+        let error = (!self.least_error).then(|| format!("error={}", self.error));
+        let light = self.light.map(|light| format!("light={light}"));
+        let level = (self.level > 0.0).then(|| format!("level={}", self.level));
+        let time = self.time.map(|time| format!("time={}ms", time.as_secs_f64() * 1e3));
+        let parts: Vec<String> = [error, light, level, time].into_iter().flatten().collect();
+        f.write_str(&parts.join(","))
     }
 }
 
@@ -128,11 +127,14 @@ mod tests {
 
     #[test]
     fn budget_reads_back_what_it_writes() {
-        for text in ["error=0", "error=0.001,light=0.5,level=2", "error=1,time=16.5ms"] {
+        for text in ["error=0", "error=0.001,light=0.5,level=2", "error=1,time=16.5ms", "level=1,time=16ms"] {
             let budget: Budget = text.parse().unwrap();
             assert_eq!(budget.to_string(), text);
             assert_eq!(budget.to_string().parse(), Ok(budget));
         }
+        // A time alone: the error is no wall.
+        assert!("time=2s".parse::<Budget>().unwrap().least_error);
+        assert!(!"time=2s,error=0".parse::<Budget>().unwrap().least_error);
         assert_eq!("time=2s".parse::<Budget>().unwrap().time, Some(Duration::from_secs(2)));
         assert_eq!("time=500us".parse::<Budget>().unwrap().time, Some(Duration::from_micros(500)));
     }

@@ -9,13 +9,33 @@
 //! samples than the budget allows. Each effect that is dropped is charged its bound, and the bounds are added
 //! up, so that many small ones cannot add up unseen.
 
+mod binomial;
 mod budget;
+mod candidates;
+mod check;
+mod choose;
+mod confidence;
+mod costs;
+mod effects;
 mod evidence;
+mod planner;
+mod probe;
+mod reason;
 pub mod relevance;
+mod run;
+mod scenery;
 mod shadow_plan;
+mod trial;
 
 pub use budget::{Budget, BudgetError};
+pub use check::{Check, Checked, FIRST_LOOK, Judgment, check, count_wrong, exact_technique};
+#[cfg(feature = "files")]
+pub use costs::CostsError;
+pub use costs::{CostKey, Costs, Step, Work};
 pub use evidence::Evidence;
+pub use planner::plan;
+pub use run::{Run, Task, run};
+pub use scenery::Scenery;
 pub use shadow_plan::{
     Effect, GridFigures, GroupPlan, LampPlan, Prediction, Receivers, Rejected, ShadowPlan,
 };

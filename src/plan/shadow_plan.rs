@@ -26,6 +26,8 @@ pub struct ShadowPlan {
     pub total: Prediction,
     /// What is not worked out, in words, with bounds.
     pub not_computed: Vec<String>,
+    /// The best plan within the time of the budget and its error, in words, if the predicted time is more.
+    pub over_time: Option<String>,
     /// Whether the predictions are within the budget.
     pub meets_budget: bool,
     /// Time to make the plan.
@@ -90,7 +92,9 @@ pub struct GroupPlan {
     pub samples: usize,
     /// The technique.
     pub technique: Technique,
-    /// Its error and time.
+    /// Whether it runs on the graphics adapter.
+    pub on_device: bool,
+    /// Its error, and its time with what no other lamp shares.
     pub prediction: Prediction,
     /// The comparison that decided, in words.
     pub reason: String,
@@ -120,7 +124,9 @@ pub struct Prediction {
 pub struct Rejected {
     /// The technique.
     pub technique: Technique,
-    /// Its error and time; `None` where it is not applicable.
+    /// Whether it would run on the graphics adapter.
+    pub on_device: bool,
+    /// Its error and time; `None` where it is not applicable, or its error is not bounded.
     pub prediction: Option<Prediction>,
     /// Why not, in words.
     pub why: String,

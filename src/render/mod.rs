@@ -5,6 +5,7 @@ mod color;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod ground;
+mod knowledge;
 #[cfg(test)]
 mod lamps_tests;
 mod overlay;
@@ -19,6 +20,7 @@ use glam::Vec3;
 #[cfg(feature = "gpu")]
 pub use gpu::render_visibility;
 pub use ground::Ground;
+pub use knowledge::{Knowledge, knowledge};
 pub use overlay::{Line, Marker, Overlay};
 pub use samples::render_samples;
 pub use shade::{Falloff, ShadedLight};

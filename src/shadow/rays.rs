@@ -1,27 +1,30 @@
 //! An exact shadow ray per sample.
 
-use super::{Answer, Claim, Samples, Visibility};
+use super::{Answer, Claim, LampShadow, Samples, Visibility};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::oracle::{Oracle, Verdict};
 
 /// Ray-cast technique over all casters.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(super) struct Rays<'a> {
     oracle: &'a Oracle,
+    light: Light,
 }
 
 impl<'a> Rays<'a> {
-    pub(super) fn prepare(casters: &'a CasterGroup<'a>) -> Self {
-        Self { oracle: casters.oracle() }
+    pub(super) fn prepare(casters: &'a CasterGroup<'a>, light: &Light) -> Self {
+        Self { oracle: casters.oracle(), light: *light }
     }
+}
 
+impl LampShadow for Rays<'_> {
     /// One exact shadow ray per front-lit sample. A grazing ray counts as lit.
-    pub(super) fn shade(&self, light: &Light, samples: &Samples) -> Visibility {
-        let mut visibility = Visibility::of(samples, light, Claim::Exact, |_| Answer::of(1.0));
+    fn shade(&self, samples: &Samples) -> Visibility {
+        let mut visibility = Visibility::of(samples, &self.light, Claim::Exact, |_| Answer::of(1.0));
         let points: Vec<[f32; 3]> = asked_points(&visibility, samples);
         let mut verdicts = vec![Verdict::Lit; points.len()];
-        self.oracle.verdicts_into(&points, light, &mut verdicts);
+        self.oracle.verdicts_into(&points, &self.light, &mut verdicts);
         visibility.darken(verdicts.iter().map(|&verdict| verdict == Verdict::Shadowed));
         visibility
     }

@@ -54,6 +54,20 @@ impl Samples {
         Ok(Self { projection: *projection, size, per_side, hits })
     }
 
+    /// Some visible points, as samples of the same camera: in rows of 256, the last one filled up with nothing.
+    ///
+    /// What looks at neighbors in the picture finds others.
+    pub(crate) fn of_points(&self, points: &[PrimaryHit]) -> Self {
+        const ROW: usize = 256;
+        let width = points.len().clamp(1, ROW);
+        let height = points.len().div_ceil(width).clamp(1, Size::MOST as usize);
+        let mut hits: Vec<Option<PrimaryHit>> =
+            points.iter().take(width * height).copied().map(Some).collect();
+        hits.resize(width * height, None);
+        let size = Size::new(width as u32, height as u32).expect("within the bounds of a size");
+        Self { projection: self.projection, size, per_side: 1, hits }
+    }
+
     /// The projection of the view.
     #[must_use]
     pub fn projection(&self) -> &Projection {
@@ -88,6 +102,12 @@ impl Samples {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.hits.is_empty()
+    }
+
+    /// The same samples, but nothing is seen where `keep` does not hold.
+    pub(crate) fn only(&self, keep: impl Fn(&PrimaryHit) -> bool) -> Self {
+        let hits = self.hits.iter().map(|hit| hit.filter(&keep)).collect();
+        Self { hits, ..*self }
     }
 
     /// Number of samples per row.

@@ -16,8 +16,19 @@ pub struct Visibility {
     claim: Claim,
     asked_exactly: u64,
     reads: u64,
+    updates: Option<Updates>,
     /// In ascending order.
     outside: Vec<usize>,
+}
+
+/// Work of a rasterizer that counts on the CPU: the same numbers on every machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Updates {
+    /// Samples of volume triangles that were drawn.
+    pub fragments: u64,
+    /// Those that changed a count.
+    pub updates: u64,
 }
 
 /// A technique's answer for one sample.
@@ -72,6 +83,17 @@ impl Visibility {
         self.reads
     }
 
+    /// Work of the rasterizer; `None` for a technique that draws no volume on the CPU.
+    #[must_use]
+    pub fn updates(&self) -> Option<Updates> {
+        self.updates
+    }
+
+    /// The same with the work of a rasterizer.
+    pub(crate) fn with_updates(self, updates: Updates) -> Self {
+        Self { updates: Some(updates), ..self }
+    }
+
     /// The samples that lie outside the shadow map, where light is assumed, in ascending order.
     #[must_use]
     pub fn outside(&self) -> &[usize] {
@@ -100,7 +122,7 @@ impl Visibility {
         for (value, &asked) in values.iter_mut().zip(&asked) {
             *value *= f32::from(u8::from(asked));
         }
-        Self { values, asked, claim, asked_exactly: 0, reads: 0, outside: Vec::new() }
+        Self { values, asked, claim, asked_exactly: 0, reads: 0, updates: None, outside: Vec::new() }
     }
 
     /// Sets to 0 the front-lit samples for which `dark` yields true. `dark` yields one item per front-lit
@@ -157,6 +179,7 @@ impl Visibility {
             claim,
             asked_exactly: found.iter().flatten().filter(|answer| answer.is_exact).count() as u64,
             reads: found.iter().flatten().map(|answer| u64::from(answer.reads)).sum(),
+            updates: None,
             outside: (found.iter().enumerate())
                 .filter(|(_, answer)| answer.is_some_and(|answer| answer.is_outside))
                 .map(|(index, _)| index)

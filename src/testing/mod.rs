@@ -4,6 +4,7 @@
 //! the crate keeps to semantic versioning.
 //!
 //! - [`shapes`]: meshes with known counts
+//! - [`scenes`]: many casters, with views
 //! - `generate` (feature `verify`): meshes, lights and points from any source of choices, each written once
 //! - `strategy` (feature `testing`): the same for proptest, with shrinking
 //! - `torture` (feature `verify`): the same at random, and all exact methods compared on them
@@ -36,6 +37,7 @@ pub use crate::built::{Part as BuiltPart, record as record_built};
     expect(dead_code, unused_imports, reason = "only strategies draw some of these meshes")
 )]
 pub mod generate;
+pub mod scenes;
 pub mod shapes;
 #[cfg(any(test, feature = "testing"))]
 pub mod strategy;

@@ -4,6 +4,7 @@ mod accuracy;
 mod ambient;
 mod check;
 mod demo;
+mod gates;
 mod input;
 mod machine;
 mod prepare;

@@ -55,6 +55,12 @@ pub(super) fn refuse(args: &Args) -> Result<(), Failure> {
         (args.self_intersections, "--self-intersections"),
         (args.mark.is_some(), "--mark"),
         (args.picture.is_some(), "--picture"),
+        (args.baseline.is_some(), "--baseline"),
+        (args.junit.is_some(), "--junit"),
+        (args.sarif.is_some(), "--sarif"),
+        (args.summary, "--summary"),
+        (args.json_lines, "--json-lines"),
+        (args.quiet, "--quiet"),
     ];
     let mut others = others.into_iter().filter(|other| other.0).map(|other| other.1.to_owned());
     match within.or(asked).or_else(|| others.next()) {

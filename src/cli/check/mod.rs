@@ -1,10 +1,13 @@
 //! `umbrage check`: the crack report of each file.
 
+mod baseline;
 mod fast;
 mod json;
+mod junit;
 mod mark;
 mod picture;
 mod report;
+mod sarif;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -19,9 +22,10 @@ use umbrage::write::{self, Model};
 use super::files;
 use super::load::MeshArgs;
 use super::output::{self, Output};
-use super::parsers::{refuse_overwriting, whole};
+use super::parsers::{refuse_overwriting, require_folder, whole};
 use super::resources::ThreadArgs;
 use super::{Failure, Outcome, render};
+use baseline::Baseline;
 use mark::Marks;
 use picture::Sketch;
 use report::{Found, MeshReport, Place, examine};
@@ -83,6 +87,37 @@ pub(crate) struct Args {
     #[arg(long)]
     json: bool,
 
+    /// Print one JSON document a line, for each file as it ends, instead of one for all
+    #[arg(long, conflicts_with = "json")]
+    json_lines: bool,
+
+    /// Print one line a file: its verdict, its name, and the number of each kind of defect
+    #[arg(long, conflicts_with_all = ["json", "json_lines"])]
+    summary: bool,
+
+    /// Print nothing but errors: the exit code is the answer
+    #[arg(long, conflicts_with_all = ["json", "json_lines", "summary"])]
+    quiet: bool,
+
+    /// Fail only on what is worse than in an earlier report, as --json printed it
+    /// [default: on what --require asks]
+    ///
+    /// Files are matched by name, or where there is only one each, whatever its name; meshes by name and
+    /// order. A kind of defect that a mesh has more of is new. For example, before and after an optimizer:
+    /// umbrage check a.glb --json > a.json; umbrage check b.glb --baseline a.json.
+    #[arg(long, value_name = "BEFORE.json")]
+    baseline: Option<PathBuf>,
+
+    /// Write the report as JUnit XML, which build servers show: a suite a file, a case a mesh
+    /// [default: nothing is written]
+    #[arg(long, value_name = "OUT.xml")]
+    junit: Option<PathBuf>,
+
+    /// Write the report as SARIF 2.1.0, which code hosts and editors show: a result a defect, --limit of each
+    /// kind [default: nothing is written]
+    #[arg(long, value_name = "OUT.sarif")]
+    sarif: Option<PathBuf>,
+
     #[command(flatten)]
     threads: ThreadArgs,
 
@@ -137,7 +172,8 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     }
     let mut out = Output::new();
     let mut outcome = Outcome::Sound;
-    let mut documents = Vec::new();
+    let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
+    let mut reports = Vec::with_capacity(args.files.len());
     let mut overview = text::Overview::default();
     let mut marks = args.mark.is_some().then(Marks::default);
     let mut sketch = args.picture.is_some().then(Sketch::default);
@@ -145,31 +181,56 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     for (index, file) in args.files.iter().enumerate() {
         let report = examine(file, &args, marks.as_mut(), sketch.as_mut());
         up = report.as_ref().ok().and_then(|report| report.format).map_or(Up::Y, Format::up);
-        outcome = outcome.max(match &report {
-            Ok(report) if report.sound() => Outcome::Sound,
-            Ok(_) => Outcome::Unsound,
-            Err(failure) => {
+        outcome = outcome.max(match (&report, &baseline) {
+            (Ok(report), Some(baseline)) => {
+                let worse = baseline.worse(report, args.files.len() == 1);
+                for line in &worse {
+                    output::say(format_args!("new: {}: {line}", output::plain(&file.to_string_lossy())));
+                }
+                if worse.is_empty() { Outcome::Sound } else { Outcome::Unsound }
+            }
+            (Ok(report), None) if report.sound() => Outcome::Sound,
+            (Ok(_), None) => Outcome::Unsound,
+            (Err(failure), _) => {
                 output::say(failure);
                 Outcome::Incomplete
             }
         });
         overview.add(file, &report);
-        if args.json {
-            documents.push(report);
-        } else if let Ok(report) = report {
-            if index > 0 {
-                out.text("\n")?;
+        match &report {
+            _ if args.json || args.quiet => {}
+            _ if args.json_lines => {
+                let one = json::document(&[file.to_owned()], std::slice::from_ref(&report), args.limit);
+                out.line(&one["files"][0])?;
             }
-            out.text(text::Report { report: &report, limit: args.limit })?;
-            out.flush()?;
+            _ if args.summary => out.line(text::Summary { file, report: &report })?,
+            Ok(report) => {
+                if index > 0 {
+                    out.text("\n")?;
+                }
+                out.text(text::Report { report, limit: args.limit })?;
+            }
+            Err(_) => {}
         }
+        out.flush()?;
+        reports.push(report);
     }
     if args.json {
-        out.json(&json::document(&args.files, &documents, args.limit))?;
-    } else if args.files.len() > 1 {
+        out.json(&json::document(&args.files, &reports, args.limit))?;
+    } else if args.files.len() > 1 && !args.json_lines && !args.quiet && !args.summary {
         out.text(format_args!("\n{overview}"))?;
     }
     out.flush()?;
+    if let Some(path) = &args.junit {
+        let bytes = junit::document(&args.files, &reports).map_err(output::unwritable)?;
+        write::write_atomic(path, |out| out.write_all(&bytes))?;
+        output::wrote(path);
+    }
+    if let Some(path) = &args.sarif {
+        let document = sarif::document(&args.files, &reports);
+        write::write_atomic(path, |out| writeln!(out, "{document:#}"))?;
+        output::wrote(path);
+    }
     if let (Some(path), Some(marks), Outcome::Sound | Outcome::Unsound) = (&args.mark, marks, outcome) {
         write::write(&marks.into_model(), path)?;
         output::wrote(path);
@@ -191,6 +252,12 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
         self_intersections: true,
         limit: 5,
         json: false,
+        json_lines: false,
+        summary: false,
+        quiet: false,
+        baseline: None,
+        junit: None,
+        sarif: None,
         threads: ThreadArgs::default(),
         picture: None,
         mark: None,
@@ -205,6 +272,12 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
 fn refuse(args: &Args) -> Result<(), Failure> {
     if args.fast {
         fast::refuse(args)?;
+    }
+    for (option, path) in [("--junit", &args.junit), ("--sarif", &args.sarif)] {
+        for file in &args.files {
+            refuse_overwriting(option, path.as_deref(), file)?;
+        }
+        path.as_deref().map_or(Ok(()), require_folder)?;
     }
     for (option, path) in [("--mark", &args.mark), ("--picture", &args.picture)] {
         if path.is_some() && args.files.len() > 1 {
@@ -240,6 +313,12 @@ mod tests {
             self_intersections: false,
             limit: 5,
             json: false,
+            json_lines: false,
+            summary: false,
+            quiet: false,
+            baseline: None,
+            junit: None,
+            sarif: None,
             threads: ThreadArgs::default(),
             picture: None,
             mark: None,

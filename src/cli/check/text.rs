@@ -306,6 +306,32 @@ impl Report<'_> {
     }
 }
 
+/// One file in one line: verdict, name, and what there is of each kind of defect.
+pub(super) struct Summary<'a> {
+    pub(super) file: &'a Path,
+    pub(super) report: &'a Result<FileReport, Failure>,
+}
+
+impl Display for Summary<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let file = plain(&self.file.to_string_lossy());
+        let Ok(report) = self.report else { return write!(f, "error: {file}") };
+        write!(f, "{}: {file}", report.verdict())?;
+        let mut separator = ": ";
+        for kind in DefectKind::ALL {
+            let found =
+                report.meshes.iter().flat_map(|mesh| &mesh.defects).filter(|found| found.kind == kind);
+            let count: usize = found.map(|found| found.count).sum();
+            if count > 0 {
+                let words = kind.name().replace('_', " ");
+                write!(f, "{separator}{}", counted(count, &words, &format!("{words}s")))?;
+                separator = ", ";
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Several files in one table, and the verdict over all.
 pub(super) struct Overview {
     table: Table,

@@ -6,7 +6,7 @@ use crate::geom::Light;
 use crate::light_grid::{Chain, GridVerdict, sorted_verdicts};
 use crate::oracle::Verdict;
 use crate::shadow::visibility::asked;
-use crate::shadow::{Answer, Claim, Samples, Visibility};
+use crate::shadow::{Answer, Claim, LampShadow, Samples, Visibility};
 
 /// The chain of one light. It needs no tree over the faces.
 #[derive(Debug)]
@@ -24,9 +24,11 @@ impl<'a> AliasFree<'a> {
     ) -> Self {
         Self { casters, chain: Chain::of(casters, light), options }
     }
+}
 
+impl LampShadow for AliasFree<'_> {
     /// 0 or 1 at each front-lit sample. A grazing ray counts as lit.
-    pub(in crate::shadow) fn shade(&self, samples: &Samples) -> Visibility {
+    fn shade(&self, samples: &Samples) -> Visibility {
         let light = self.chain.light();
         let asked = asked(samples, light);
         let points = samples.hits().iter().zip(&asked).filter(|(_, asked)| **asked);
@@ -44,7 +46,7 @@ impl<'a> AliasFree<'a> {
     }
 
     /// Memory of the chain in bytes.
-    pub(in crate::shadow) fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         self.chain.bytes()
     }
 }

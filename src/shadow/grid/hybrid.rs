@@ -9,7 +9,7 @@ use crate::geom::Light;
 use crate::light_grid::{Chain, GridVerdict, LightGrid};
 use crate::oracle::{Oracle, Verdict};
 use crate::shadow::visibility::asked;
-use crate::shadow::{Answer, Claim, Samples, Visibility};
+use crate::shadow::{Answer, Claim, LampShadow, Samples, Visibility};
 
 /// The chain of one light, and the exact ray cast. The grid is made for each view, over what is visible.
 #[derive(Debug)]
@@ -27,9 +27,11 @@ impl<'a> GridHybrid<'a> {
     ) -> Self {
         Self { oracle: casters.oracle(), chain: Chain::of(casters, light), options }
     }
+}
 
+impl LampShadow for GridHybrid<'_> {
     /// 0 or 1 at each front-lit sample. A grazing ray counts as either.
-    pub(in crate::shadow) fn shade(&self, samples: &Samples) -> Visibility {
+    fn shade(&self, samples: &Samples) -> Visibility {
         let light = self.chain.light();
         let asked = asked(samples, light);
         let points = samples.hits().iter().zip(&asked).filter(|(_, asked)| **asked);
@@ -47,7 +49,7 @@ impl<'a> GridHybrid<'a> {
     }
 
     /// Memory of the chain in bytes.
-    pub(in crate::shadow) fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         self.chain.bytes()
     }
 }

@@ -11,7 +11,7 @@ use crate::geom::Light;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
 use crate::shadow::visibility::Answer;
-use crate::shadow::{Claim, Samples, Visibility};
+use crate::shadow::{Claim, LampShadow, Samples, Visibility};
 
 /// A map of one lamp with the rule that reads it.
 #[derive(Debug)]
@@ -112,6 +112,24 @@ impl<'a> MapShadow<'a> {
     #[must_use]
     pub fn bias_world(&self) -> f64 {
         self.texel_world() * self.scene.rule.texels_at_45()
+    }
+}
+
+impl LampShadow for MapShadow<'_> {
+    fn shade(&self, samples: &Samples) -> Visibility {
+        self.shade(samples)
+    }
+
+    fn bytes(&self) -> usize {
+        self.bytes()
+    }
+
+    fn texel_world(&self) -> Option<f64> {
+        Some(self.texel_world())
+    }
+
+    fn bias_world(&self) -> Option<f64> {
+        Some(self.bias_world())
     }
 }
 

@@ -4,7 +4,7 @@
 //! et al., *Frustum-Traced Shadows*, 2015.) The texels around a lookup name candidates. A candidate that the
 //! segment to the light properly crosses is a shadow: this clause is never falsely dark.
 
-use super::neighborhood::{Neighborhood, Seen};
+use super::neighborhood::{Around, Neighborhood, Seen};
 use super::options::ExactOptions;
 use super::raster::{DepthSource, PolygonOffset};
 use super::space::{LightSpace, wide};
@@ -15,7 +15,7 @@ use crate::mesh::FaceId;
 use crate::oracle::{Intersection, PrimaryHit, intersect};
 use crate::scene::Lamp;
 use crate::shadow::visibility::Answer;
-use crate::shadow::{Claim, Samples, Visibility};
+use crate::shadow::{Claim, LampShadow, Samples, Visibility};
 
 /// A map of face numbers of one lamp.
 #[derive(Debug)]
@@ -65,7 +65,7 @@ impl<'a> IdShadow<'a> {
 
     pub(super) fn shade_with(&self, samples: &Samples, interior: bool) -> Visibility {
         Visibility::of(samples, &self.light, Claim::Approximate, |hit| {
-            let Some(around) = Neighborhood::of(self.map.space(), hit, self.reach) else {
+            let Some(around) = Neighborhood::of(self.map.space(), hit, Around::Reach(self.reach)) else {
                 return Answer { is_outside: true, ..Answer::of(1.0) };
             };
             let value = if self.shadows(hit, &around, interior) { 0.0 } else { 1.0 };
@@ -112,5 +112,19 @@ impl<'a> IdShadow<'a> {
     #[must_use]
     pub fn texel_world(&self) -> f64 {
         self.map.space().texel_world(wide(self.casters.bounds().center()))
+    }
+}
+
+impl LampShadow for IdShadow<'_> {
+    fn shade(&self, samples: &Samples) -> Visibility {
+        self.shade(samples)
+    }
+
+    fn bytes(&self) -> usize {
+        self.bytes()
+    }
+
+    fn texel_world(&self) -> Option<f64> {
+        Some(self.texel_world())
     }
 }

@@ -19,6 +19,8 @@ mod options;
 mod raster;
 mod receiver;
 #[cfg(test)]
+mod nearest_tests;
+#[cfg(test)]
 mod shadow_tests;
 mod space;
 #[cfg(test)]
@@ -32,7 +34,7 @@ pub use filter::Filter;
 pub(in crate::shadow) use filter::shift;
 pub use hybrid::HybridShadow;
 pub use ids::IdShadow;
-pub use options::{ExactOptions, Fit, MapOptions, PcfOptions};
+pub use options::{ExactOptions, Fit, MapOptions, NearestOptions, PcfOptions};
 pub use raster::{DepthSource, PolygonOffset, ShadowMap};
 pub use receiver::{Receiver, Tap};
 pub use space::{DepthPlane, Frame, LightSpace, Lookup, Spread};

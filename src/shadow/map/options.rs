@@ -59,6 +59,13 @@ pub struct ExactOptions {
     pub reach: u32,
 }
 
+/// Options of the technique `hybrid-2x2`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct NearestOptions {
+    /// Side of the map in texels, 1 to [`MAX_SIZE`].
+    pub size: u32,
+}
+
 /// Side of a map by default.
 const SIZE: u32 = 1024;
 /// Largest reach in texels.
@@ -88,6 +95,29 @@ impl ExactOptions {
     pub(super) fn checked_reach(&self) -> Result<i64, MapError> {
         let Self { reach, .. } = *self;
         (1..=MAX_REACH).contains(&reach).then_some(i64::from(reach)).ok_or(MapError::Reach { reach })
+    }
+}
+
+impl NearestOptions {
+    /// 1024².
+    pub const DEFAULT: Self = Self { size: SIZE };
+}
+
+impl Default for NearestOptions {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Options for NearestOptions {
+    const KEYS: &'static [Key] = &[SIZE_KEY];
+
+    fn get(&self, _: &str) -> String {
+        self.size.to_string()
+    }
+
+    fn set(&mut self, _: &str, value: &str) -> bool {
+        set_number(&mut self.size, value, 1..=MAX_SIZE)
     }
 }
 

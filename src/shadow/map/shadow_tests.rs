@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::cpu::Drawn;
+use super::neighborhood::Around;
 use super::space::{unit_normal, wide};
 use super::tests::lamp;
 use super::*;
@@ -274,7 +275,8 @@ fn hybrid_errs_by_lost_shadows_alone_and_one_texel_is_too_few() {
             asked += visibility.asked_exactly();
             judged += errors.judged;
             // The sabotage: certain by one texel.
-            one_texel += Errors::of(&request, &shadow.shade_within(&samples, 0), &truth, &made).wrong;
+            one_texel +=
+                Errors::of(&request, &shadow.shade_within(&samples, Around::Reach(0)), &truth, &made).wrong;
         }
     }
     assert!(asked > 0 && asked * 3 < judged, "{asked} of {judged}");

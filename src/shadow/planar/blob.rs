@@ -7,13 +7,14 @@
 
 use glam::DVec3;
 
+use super::Plane;
 use super::coverage::slack;
 use super::options::PlanarOptions;
 use super::rays::LampRays;
-use super::{PlanarShadow, Plane};
 use crate::caster::{Caster, CasterGroup};
 use crate::mesh::FaceId;
 use crate::scene::Lamp;
+use crate::shadow::LampShadow;
 use crate::shadow::{Answer, Claim, Samples, Visibility};
 
 /// Most shells of all casters that have a sphere each; more have one together.
@@ -38,7 +39,7 @@ pub(in crate::shadow) fn blob<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: PlanarOptions,
-) -> Box<dyn PlanarShadow + 'a> {
+) -> Box<dyn LampShadow + 'a> {
     Box::new(Blob { casters, lamp: lamp.clone(), options, rays: LampRays::hard(casters, lamp) })
 }
 
@@ -88,7 +89,7 @@ pub(super) fn spheres(casters: &CasterGroup<'_>, plane: &Plane) -> Vec<Sphere> {
     shells.iter().filter_map(|points| Sphere::around(points.iter().copied())).collect()
 }
 
-impl PlanarShadow for Blob<'_> {
+impl LampShadow for Blob<'_> {
     fn shade(&self, samples: &Samples) -> Visibility {
         let light = self.lamp.light();
         let plane = self.options.plane.plane(samples, light);

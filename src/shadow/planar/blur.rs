@@ -14,11 +14,12 @@ use super::matrix::Flattening;
 use super::options::TextureOptions;
 use super::rays::LampRays;
 use super::texture::Texture;
-use super::{Ground, PlanarShadow, Plane};
+use super::{Ground, Plane};
 use crate::caster::CasterGroup;
 use crate::mesh::FaceId;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
+use crate::shadow::LampShadow;
 use crate::shadow::soft::{Sums, above_horizon};
 use crate::shadow::{Answer, Claim, Samples, Visibility, is_front_lit};
 
@@ -62,7 +63,7 @@ pub(in crate::shadow) fn planar_blur<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: TextureOptions,
-) -> Box<dyn PlanarShadow + 'a> {
+) -> Box<dyn LampShadow + 'a> {
     of(casters, lamp, options, Width::Common)
 }
 
@@ -70,7 +71,7 @@ pub(in crate::shadow) fn planar_contact<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: TextureOptions,
-) -> Box<dyn PlanarShadow + 'a> {
+) -> Box<dyn LampShadow + 'a> {
     of(casters, lamp, options, Width::Own)
 }
 
@@ -79,7 +80,7 @@ fn of<'a>(
     lamp: &Lamp,
     options: TextureOptions,
     width: Width,
-) -> Box<dyn PlanarShadow + 'a> {
+) -> Box<dyn LampShadow + 'a> {
     let rays = LampRays::soft(casters, lamp, RAYS);
     Box::new(Blur { casters, lamp: lamp.clone(), options, width, rays })
 }
@@ -174,7 +175,7 @@ impl Blur<'_> {
     }
 }
 
-impl PlanarShadow for Blur<'_> {
+impl LampShadow for Blur<'_> {
     fn shade(&self, samples: &Samples) -> Visibility {
         let drawn = self.draw(self.options.plane, samples);
         let mut visibility =

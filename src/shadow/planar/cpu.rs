@@ -1,12 +1,13 @@
 //! The technique `planar` on the CPU.
 
+use super::Plane;
 use super::coverage::Coverage;
 use super::options::{Ground, PlanarOptions};
-use super::{PlanarShadow, Plane};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::oracle::{Oracle, PrimaryHit, Verdict};
 use crate::scene::Lamp;
+use crate::shadow::LampShadow;
 use crate::shadow::{Answer, Claim, Samples, Visibility};
 
 /// Exact planar shadows of one lamp.
@@ -30,7 +31,7 @@ pub(in crate::shadow) fn planar<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: PlanarOptions,
-) -> Box<dyn PlanarShadow + 'a> {
+) -> Box<dyn LampShadow + 'a> {
     let (light, ground) = (*lamp.light(), options.plane);
     let given = match ground {
         Ground::Most => None,
@@ -50,7 +51,7 @@ impl OnPlane {
     }
 }
 
-impl PlanarShadow for Planar<'_> {
+impl LampShadow for Planar<'_> {
     /// Samples that are not on the plane are passed to the exact ray cast. A grazing ray counts as lit.
     fn shade(&self, samples: &Samples) -> Visibility {
         let most = match self.given {

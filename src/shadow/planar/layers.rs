@@ -4,7 +4,6 @@
 //! exact; values have n + 1 levels, and the mean error inside a penumbra falls with about `n^(−3/4)`. A disk
 //! that faces the point it lights is taken as facing the middle of the plane's samples.
 
-use super::PlanarShadow;
 use super::coverage::Coverage;
 use super::options::LayersOptions;
 use super::rays::LampRays;
@@ -12,6 +11,7 @@ use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
+use crate::shadow::LampShadow;
 use crate::shadow::{Answer, Claim, Samples, Visibility};
 
 #[derive(Debug)]
@@ -26,7 +26,7 @@ pub(in crate::shadow) fn planar_layers<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: LayersOptions,
-) -> Box<dyn PlanarShadow + 'a> {
+) -> Box<dyn LampShadow + 'a> {
     let rays = LampRays::soft(casters, lamp, options.n.max(1));
     Box::new(Layers { casters, lamp: lamp.clone(), options, rays })
 }
@@ -46,7 +46,7 @@ impl Layers<'_> {
     }
 }
 
-impl PlanarShadow for Layers<'_> {
+impl LampShadow for Layers<'_> {
     fn shade(&self, samples: &Samples) -> Visibility {
         let center = self.lamp.light();
         let plane = self.options.plane.plane(samples, center);

@@ -29,8 +29,6 @@ mod soft_tests;
 mod tests;
 mod texture;
 
-use std::fmt::Debug;
-
 pub(super) use blob::blob;
 pub(super) use blur::{planar_blur, planar_contact};
 pub(super) use cpu::planar;
@@ -38,19 +36,3 @@ pub(super) use layers::planar_layers;
 pub use matrix::{Plane, flattening};
 pub use options::{Coefficients, Ground, LayersOptions, MOST_TEXELS, PlanarOptions, TextureOptions};
 pub(super) use projective::projective;
-
-use super::{Samples, Visibility};
-
-/// A technique with one receiving plane, prepared for one lamp.
-pub(super) trait PlanarShadow: Debug + Send + Sync {
-    /// Fraction of the lamp that each sample sees.
-    fn shade(&self, samples: &Samples) -> Visibility;
-
-    /// Memory held for the lamp, in bytes.
-    fn bytes(&self) -> usize;
-
-    /// Side of a texel in mesh units, in the middle of what is seen; `None` without a map of the lamp.
-    fn texel_world(&self) -> Option<f64> {
-        None
-    }
-}

@@ -8,17 +8,18 @@
 
 use std::collections::HashSet;
 
+use super::Plane;
 use super::boxes::Rect;
 use super::matrix::{Corner, Flattening};
 use super::options::TextureOptions;
 use super::polygon::clip;
 use super::rays::LampRays;
 use super::texture::Texture;
-use super::{PlanarShadow, Plane};
 use crate::caster::CasterGroup;
 use crate::mesh::FaceId;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
+use crate::shadow::LampShadow;
 use crate::shadow::map::{LightSpace, MapError, wide};
 use crate::shadow::{Answer, Claim, Samples, Visibility};
 
@@ -43,7 +44,7 @@ pub(in crate::shadow) fn projective<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: TextureOptions,
-) -> Result<Box<dyn PlanarShadow + 'a>, MapError> {
+) -> Result<Box<dyn LampShadow + 'a>, MapError> {
     let space = LightSpace::of_scene(casters, lamp, options.size)?;
     let rays = LampRays::hard(casters, lamp);
     let mut shadow = Projective { casters, lamp: lamp.clone(), options, space, rays, declared: None };
@@ -116,7 +117,7 @@ impl Projective<'_> {
     }
 }
 
-impl PlanarShadow for Projective<'_> {
+impl LampShadow for Projective<'_> {
     fn shade(&self, samples: &Samples) -> Visibility {
         let light = self.lamp.light();
         let by_rays = |hit: &PrimaryHit| self.rays.answer(hit);

@@ -1,13 +1,14 @@
 //! The techniques beside `planar`: limits, convergence, and the faults that they have.
 
 use super::blob::spheres;
-use super::{PlanarShadow, Plane, TextureOptions, projective};
+use super::{Plane, TextureOptions, projective};
 use crate::caster::{Caster, CasterGroup};
 use crate::geom::Light;
 use crate::mesh::Mesh;
 use crate::oracle::Verdict;
 use crate::random::r2;
 use crate::scene::Lamp;
+use crate::shadow::LampShadow;
 use crate::shadow::{Request, Samples, Technique, Visibility};
 use crate::testing::shapes;
 use crate::verify::errors::{Errors, Made, Truth};
@@ -247,7 +248,7 @@ fn projective_onto_the_plane_is_off_by_texels_at_the_outline() {
             let options = TextureOptions { size: 64, ..TextureOptions::DEFAULT };
             let seen = Caster::new(request.casters.casters()[0].mesh().clone());
             let all = CasterGroup::new(request.casters.casters().to_vec()).seen_with(&seen);
-            let whole: Box<dyn PlanarShadow> = projective(&all, request.lamp, options).unwrap();
+            let whole: Box<dyn LampShadow> = projective(&all, request.lamp, options).unwrap();
             assert_eq!(whole.shade(request.samples).values(), rays.values(), "all casts: all by rays");
         });
     }

@@ -5,7 +5,7 @@ use crate::geom::Light;
 use crate::oracle::area::{AreaLight, Receiver, SoftOracle, Visible};
 use crate::oracle::{Oracle, Verdict};
 use crate::scene::Lamp;
-use crate::shadow::{Claim, Samples, Visibility, is_front_lit};
+use crate::shadow::{Claim, LampShadow, Samples, Visibility, is_front_lit};
 
 /// The lamp's surface and the ray cast over all casters, with their welded corners.
 #[derive(Debug)]
@@ -24,9 +24,20 @@ impl<'a> LampArea<'a> {
         Self { oracle, light: *lamp.light(), soft }
     }
 
+    fn fractions(&self, points: &[(usize, [f32; 3])]) -> Vec<Option<Visible>> {
+        let mut found = vec![None; points.len()];
+        if let Some((soft, area)) = &self.soft {
+            let receivers: Vec<Receiver> = points.iter().map(|&(_, p)| p.into()).collect();
+            soft.visible_into(&receivers, area, &mut found);
+        }
+        found
+    }
+}
+
+impl LampShadow for LampArea<'_> {
     /// The fraction at every front-lit sample, exact within [`Visible::bound`] and the rounding to `f32`. A
     /// lamp without extent, or of which nothing can be told, is its center; a grazing ray counts as lit.
-    pub(in crate::shadow) fn shade(&self, samples: &Samples) -> Visibility {
+    fn shade(&self, samples: &Samples) -> Visibility {
         let points = front_lit(samples, &self.light);
         let found = self.fractions(&points);
         let center = |p| f32::from(u8::from(self.oracle.verdict(p, &self.light) != Verdict::Shadowed));
@@ -37,16 +48,7 @@ impl<'a> LampArea<'a> {
         Visibility::from_values(samples, &self.light, values, Claim::Exact)
     }
 
-    fn fractions(&self, points: &[(usize, [f32; 3])]) -> Vec<Option<Visible>> {
-        let mut found = vec![None; points.len()];
-        if let Some((soft, area)) = &self.soft {
-            let receivers: Vec<Receiver> = points.iter().map(|&(_, p)| p.into()).collect();
-            soft.visible_into(&receivers, area, &mut found);
-        }
-        found
-    }
-
-    pub(in crate::shadow) fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         self.soft.as_ref().map_or(0, |(soft, _)| soft.bytes())
     }
 }

@@ -6,11 +6,13 @@
 
 use glam::DVec3;
 
+use super::horizon::AboveHorizon;
 use super::light_map::LightMap;
-use super::{SoftMapOptions, SoftShadow, Taps};
+use super::{SoftMapOptions, Taps};
 use crate::caster::CasterGroup;
 use crate::oracle::{PrimaryHit, Verdict};
 use crate::scene::Lamp;
+use crate::shadow::LampShadow;
 use crate::shadow::map::{MapError, unit_normal, wide};
 use crate::shadow::{Answer, Claim, Samples, Visibility, is_front_lit};
 
@@ -42,10 +44,11 @@ pub(in crate::shadow) fn contact_blur<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: SoftMapOptions,
-) -> Result<Box<dyn SoftShadow + 'a>, MapError> {
+) -> Result<Box<dyn LampShadow + 'a>, MapError> {
     let map = LightMap::prepare(casters, lamp, options.size)?;
     let bounds = casters.bounds();
-    Ok(Box::new(ContactBlur { map, diagonal: (wide(bounds.high) - wide(bounds.low)).length() }))
+    let diagonal = (wide(bounds.high) - wide(bounds.low)).length();
+    Ok(Box::new(AboveHorizon::new(ContactBlur { map, diagonal }, lamp)))
 }
 
 impl ContactBlur<'_> {
@@ -106,7 +109,7 @@ impl ContactBlur<'_> {
     }
 }
 
-impl SoftShadow for ContactBlur<'_> {
+impl LampShadow for ContactBlur<'_> {
     fn shade(&self, samples: &Samples) -> Visibility {
         let mut all: Vec<Option<Shaded>> = vec![None; samples.len()];
         crate::parallel::rows(&mut all, samples.row_len(), |row, shaded| {
@@ -125,8 +128,12 @@ impl SoftShadow for ContactBlur<'_> {
         self.map.bytes()
     }
 
-    fn texel_world(&self) -> f64 {
-        self.map.texel_world()
+    fn texel_world(&self) -> Option<f64> {
+        Some(self.map.texel_world())
+    }
+
+    fn bias_world(&self) -> Option<f64> {
+        Some(self.map.bias_world())
     }
 }
 

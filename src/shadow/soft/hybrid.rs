@@ -5,12 +5,13 @@
 
 use super::light_map::{LightMap, Receiver};
 use super::window::Window;
-use super::{Certain, SoftHybridOptions, SoftShadow, Taps};
+use super::{Certain, SoftHybridOptions, Taps};
 use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::oracle::{Oracle, PrimaryHit, Verdict};
 use crate::random::r2;
 use crate::scene::Lamp;
+use crate::shadow::LampShadow;
 use crate::shadow::map::{MapError, unit_normal, wide};
 use crate::shadow::{Answer, Claim, Samples, Visibility};
 
@@ -30,7 +31,7 @@ pub(in crate::shadow) fn soft_hybrid<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: SoftHybridOptions,
-) -> Result<Box<dyn SoftShadow + 'a>, MapError> {
+) -> Result<Box<dyn LampShadow + 'a>, MapError> {
     // Without a map to ask, one texel does.
     let size = if options.certain == Certain::Rays { 1 } else { options.size };
     let map = LightMap::prepare(casters, lamp, size)?;
@@ -129,7 +130,7 @@ impl Receiver<'_> {
     }
 }
 
-impl SoftShadow for SoftHybrid<'_> {
+impl LampShadow for SoftHybrid<'_> {
     fn shade(&self, samples: &Samples) -> Visibility {
         Visibility::of(samples, self.map.lamp.light(), Claim::Approximate, |hit| self.answer(hit))
     }
@@ -138,12 +139,12 @@ impl SoftShadow for SoftHybrid<'_> {
         self.map.bytes() + size_of_val(&*self.points)
     }
 
-    fn texel_world(&self) -> f64 {
-        self.map.texel_world()
+    fn texel_world(&self) -> Option<f64> {
+        Some(self.map.texel_world())
     }
 
-    fn sees_horizon(&self) -> bool {
-        true
+    fn bias_world(&self) -> Option<f64> {
+        Some(self.map.bias_world())
     }
 }
 

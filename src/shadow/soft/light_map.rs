@@ -87,6 +87,11 @@ impl<'a> LightMap<'a> {
         self.space().texel_world(wide(self.casters.bounds().center()))
     }
 
+    /// The bias of a plane that meets the light at 45° in the worst direction, in mesh units along the light.
+    pub(super) fn bias_world(&self) -> f64 {
+        self.texel_world() * SLACK * std::f64::consts::SQRT_2
+    }
+
     /// The receiver at a visible point; `None` outside the map.
     pub(super) fn receiver(&self, hit: &PrimaryHit) -> Option<Receiver<'_>> {
         Some(Receiver { map: self, place: Place::of(self.space(), &self.lamp, hit)?, reads: 0 })

@@ -29,8 +29,6 @@ mod sums;
 mod tests;
 mod window;
 
-use std::fmt::Debug;
-
 pub(super) use contact_blur::contact_blur;
 pub(super) use horizon::above_horizon;
 pub(super) use hybrid::soft_hybrid;
@@ -44,27 +42,3 @@ pub use samples::SamplesOptions;
 pub(super) use silhouettes::{penumbra_map, smoothies};
 pub(super) use single_sample::single_sample;
 pub(super) use sums::Sums;
-
-use super::{Samples, Visibility};
-
-/// A soft technique with a shadow map, prepared for one lamp.
-pub(super) trait SoftShadow: Debug + Send + Sync {
-    /// Fraction of the lamp that each sample sees.
-    fn shade(&self, samples: &Samples) -> Visibility;
-
-    /// Memory held for the lamp, in bytes.
-    fn bytes(&self) -> usize;
-
-    /// Side of a texel in mesh units, in the middle of what is seen.
-    fn texel_world(&self) -> f64;
-
-    /// Whether the values know what the face's own plane hides of the lamp. A map does not.
-    fn sees_horizon(&self) -> bool {
-        false
-    }
-
-    /// The bias of a plane that meets the light at 45° in the worst direction, in mesh units along the light.
-    fn bias_world(&self) -> f64 {
-        self.texel_world() * light_map::SLACK * std::f64::consts::SQRT_2
-    }
-}

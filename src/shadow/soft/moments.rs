@@ -6,11 +6,13 @@
 //! there are more, light leaks. The width is that of `pcss` with all blockers, and does not grow the cost of
 //! the filter: sums over boxes come from a summed-area table.
 
+use super::horizon::AboveHorizon;
 use super::light_map::{LightMap, Receiver};
 use super::sums::Sums;
-use super::{SoftMapOptions, SoftShadow, Taps};
+use super::{SoftMapOptions, Taps};
 use crate::caster::CasterGroup;
 use crate::scene::Lamp;
+use crate::shadow::LampShadow;
 use crate::shadow::map::{MapError, Spread};
 use crate::shadow::{Claim, Samples, Visibility};
 
@@ -64,9 +66,9 @@ fn moments<'a, const N: usize>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: SoftMapOptions,
-) -> Result<Box<dyn SoftShadow + 'a>, MapError>
+) -> Result<Box<dyn LampShadow + 'a>, MapError>
 where
-    Moments<'a, N>: SoftShadow,
+    Moments<'a, N>: LampShadow,
 {
     let map = LightMap::prepare(casters, lamp, options.size)?;
     let space = *map.space();
@@ -83,7 +85,7 @@ where
         })
     };
     let layers = map.map.texels().chunks_exact(side * side).map(layer).collect::<Result<_, _>>()?;
-    Ok(Box::new(Moments::<N> { layers, map }))
+    Ok(Box::new(AboveHorizon::new(Moments::<N> { layers, map }, lamp)))
 }
 
 /// z, z² and so on.
@@ -99,7 +101,7 @@ pub(in crate::shadow) fn vsm<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: SoftMapOptions,
-) -> Result<Box<dyn SoftShadow + 'a>, MapError> {
+) -> Result<Box<dyn LampShadow + 'a>, MapError> {
     moments::<2>(casters, lamp, options)
 }
 
@@ -107,7 +109,7 @@ pub(in crate::shadow) fn msm<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: SoftMapOptions,
-) -> Result<Box<dyn SoftShadow + 'a>, MapError> {
+) -> Result<Box<dyn LampShadow + 'a>, MapError> {
     moments::<4>(casters, lamp, options)
 }
 
@@ -121,7 +123,7 @@ impl<const N: usize> Moments<'_, N> {
     }
 }
 
-impl SoftShadow for Moments<'_, 2> {
+impl LampShadow for Moments<'_, 2> {
     fn shade(&self, samples: &Samples) -> Visibility {
         Visibility::of(samples, self.map.lamp.light(), Claim::Approximate, |hit| {
             self.map.answer(hit, |receiver| self.value(receiver, lit_by_two))
@@ -132,12 +134,16 @@ impl SoftShadow for Moments<'_, 2> {
         self.map.bytes() + self.layers.iter().map(|(_, sums)| sums.bytes()).sum::<usize>()
     }
 
-    fn texel_world(&self) -> f64 {
-        self.map.texel_world()
+    fn texel_world(&self) -> Option<f64> {
+        Some(self.map.texel_world())
+    }
+
+    fn bias_world(&self) -> Option<f64> {
+        Some(self.map.bias_world())
     }
 }
 
-impl SoftShadow for Moments<'_, 4> {
+impl LampShadow for Moments<'_, 4> {
     fn shade(&self, samples: &Samples) -> Visibility {
         Visibility::of(samples, self.map.lamp.light(), Claim::Approximate, |hit| {
             self.map.answer(hit, |receiver| self.value(receiver, lit_by_four))
@@ -148,8 +154,12 @@ impl SoftShadow for Moments<'_, 4> {
         self.map.bytes() + self.layers.iter().map(|(_, sums)| sums.bytes()).sum::<usize>()
     }
 
-    fn texel_world(&self) -> f64 {
-        self.map.texel_world()
+    fn texel_world(&self) -> Option<f64> {
+        Some(self.map.texel_world())
+    }
+
+    fn bias_world(&self) -> Option<f64> {
+        Some(self.map.bias_world())
     }
 }
 

@@ -4,12 +4,14 @@
 //! blockers in a search window gives the width of the penumbra, and with it the window of the filter. What
 //! errs: blockers at different depths over one receiver are averaged into one.
 
+use super::horizon::AboveHorizon;
 use super::light_map::{LightMap, Receiver};
 use super::window::Window;
-use super::{PcssOptions, SoftShadow, Taps};
+use super::{PcssOptions, Taps};
 use crate::caster::CasterGroup;
 use crate::random::r2;
 use crate::scene::{Lamp, concentric};
+use crate::shadow::LampShadow;
 use crate::shadow::map::{MapError, shift};
 use crate::shadow::{Answer, Claim, Samples, Visibility};
 
@@ -23,11 +25,12 @@ pub(in crate::shadow) fn pcss<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: PcssOptions,
-) -> Result<Box<dyn SoftShadow + 'a>, MapError> {
-    Ok(Box::new(Pcss { map: LightMap::prepare(casters, lamp, options.size)?, options }))
+) -> Result<Box<dyn LampShadow + 'a>, MapError> {
+    let map = LightMap::prepare(casters, lamp, options.size)?;
+    Ok(Box::new(AboveHorizon::new(Pcss { map, options }, lamp)))
 }
 
-impl SoftShadow for Pcss<'_> {
+impl LampShadow for Pcss<'_> {
     fn shade(&self, samples: &Samples) -> Visibility {
         let PcssOptions { blockers, taps, .. } = self.options;
         Visibility::of(samples, self.map.lamp.light(), Claim::Approximate, |hit| {
@@ -39,8 +42,12 @@ impl SoftShadow for Pcss<'_> {
         self.map.bytes()
     }
 
-    fn texel_world(&self) -> f64 {
-        self.map.texel_world()
+    fn texel_world(&self) -> Option<f64> {
+        Some(self.map.texel_world())
+    }
+
+    fn bias_world(&self) -> Option<f64> {
+        Some(self.map.bias_world())
     }
 }
 

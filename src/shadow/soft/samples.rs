@@ -9,7 +9,7 @@ use crate::oracle::{Oracle, Verdict};
 use crate::random::r2;
 use crate::scene::Lamp;
 use crate::shadow::options::{Key, Options, set_number};
-use crate::shadow::{Answer, Claim, Samples, Visibility};
+use crate::shadow::{Answer, Claim, LampShadow, Samples, Visibility};
 
 /// Options of `samples`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -61,8 +61,15 @@ impl<'a> LampSamples<'a> {
         Self { oracle: casters.oracle(), lamp: lamp.clone(), points: (0..n).map(r2).collect() }
     }
 
+    /// A single ray to a lamp without extent is exact.
+    fn claim(&self) -> Claim {
+        if self.lamp.has_extent() { Claim::Approximate } else { Claim::Exact }
+    }
+}
+
+impl LampShadow for LampSamples<'_> {
     /// One exact shadow ray per light point and front-lit sample. A grazing ray counts as lit.
-    pub(in crate::shadow) fn shade(&self, samples: &Samples) -> Visibility {
+    fn shade(&self, samples: &Samples) -> Visibility {
         Visibility::of(samples, self.lamp.light(), self.claim(), |hit| {
             let reaches = |light: &Light| self.oracle.verdict(hit.point, light) != Verdict::Shadowed;
             let lit = match self.lamp.patch(hit.point) {
@@ -73,12 +80,7 @@ impl<'a> LampSamples<'a> {
         })
     }
 
-    /// A single ray to a lamp without extent is exact.
-    fn claim(&self) -> Claim {
-        if self.lamp.has_extent() { Claim::Approximate } else { Claim::Exact }
-    }
-
-    pub(in crate::shadow) fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         size_of_val(&*self.points)
     }
 }

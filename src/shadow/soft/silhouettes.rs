@@ -12,11 +12,13 @@
 //! brighten it.)
 
 use super::edges::Edges;
+use super::horizon::AboveHorizon;
 use super::light_map::{LightMap, Receiver};
-use super::{Profile, SilhouetteOptions, SoftShadow};
+use super::{Profile, SilhouetteOptions};
 use crate::caster::CasterGroup;
 use crate::oracle::{PrimaryHit, Verdict};
 use crate::scene::Lamp;
+use crate::shadow::LampShadow;
 use crate::shadow::map::MapError;
 use crate::shadow::{Answer, Claim, Samples, Visibility};
 
@@ -33,7 +35,7 @@ pub(in crate::shadow) fn penumbra_map<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: SilhouetteOptions,
-) -> Result<Box<dyn SoftShadow + 'a>, MapError> {
+) -> Result<Box<dyn LampShadow + 'a>, MapError> {
     prepare(casters, lamp, options, false)
 }
 
@@ -41,7 +43,7 @@ pub(in crate::shadow) fn smoothies<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: SilhouetteOptions,
-) -> Result<Box<dyn SoftShadow + 'a>, MapError> {
+) -> Result<Box<dyn LampShadow + 'a>, MapError> {
     prepare(casters, lamp, options, true)
 }
 
@@ -50,10 +52,11 @@ fn prepare<'a>(
     lamp: &Lamp,
     options: SilhouetteOptions,
     is_fixed: bool,
-) -> Result<Box<dyn SoftShadow + 'a>, MapError> {
+) -> Result<Box<dyn LampShadow + 'a>, MapError> {
     let map = LightMap::prepare(casters, lamp, options.size)?;
     let edges = Edges::of(&map);
-    Ok(Box::new(Silhouettes { map, edges, profile: options.profile, is_fixed }))
+    let silhouettes = Silhouettes { map, edges, profile: options.profile, is_fixed };
+    Ok(Box::new(AboveHorizon::new(silhouettes, lamp)))
 }
 
 impl Silhouettes<'_> {
@@ -99,7 +102,7 @@ fn inner(receiver: &mut Receiver<'_>) -> f64 {
     }
 }
 
-impl SoftShadow for Silhouettes<'_> {
+impl LampShadow for Silhouettes<'_> {
     fn shade(&self, samples: &Samples) -> Visibility {
         Visibility::of(samples, self.map.lamp.light(), Claim::Approximate, |hit| self.answer(hit))
     }
@@ -108,8 +111,12 @@ impl SoftShadow for Silhouettes<'_> {
         self.map.bytes() + self.edges.bytes()
     }
 
-    fn texel_world(&self) -> f64 {
-        self.map.texel_world()
+    fn texel_world(&self) -> Option<f64> {
+        Some(self.map.texel_world())
+    }
+
+    fn bias_world(&self) -> Option<f64> {
+        Some(self.map.bias_world())
     }
 }
 

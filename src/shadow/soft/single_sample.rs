@@ -10,12 +10,14 @@
 //! its light inside the shadow, its widths mix texels with depths, and an inner point asks the lit surface
 //! found instead of the blocker above it.
 
+use super::horizon::AboveHorizon;
 use super::light_map::{LightMap, Receiver};
 use super::offsets::offsets;
-use super::{Search, SingleSampleOptions, SoftShadow};
+use super::{Search, SingleSampleOptions};
 use crate::caster::CasterGroup;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
+use crate::shadow::LampShadow;
 use crate::shadow::map::MapError;
 use crate::shadow::soft::blocks::Blocks;
 use crate::shadow::{Answer, Claim, Samples, Visibility};
@@ -30,11 +32,12 @@ pub(in crate::shadow) fn single_sample<'a>(
     casters: &'a CasterGroup<'a>,
     lamp: &Lamp,
     options: SingleSampleOptions,
-) -> Result<Box<dyn SoftShadow + 'a>, MapError> {
+) -> Result<Box<dyn LampShadow + 'a>, MapError> {
     if options.search == Search::Device {
         return Err(MapError::Device);
     }
-    Ok(Box::new(SingleSample { map: LightMap::prepare(casters, lamp, options.size)?, options }))
+    let map = LightMap::prepare(casters, lamp, options.size)?;
+    Ok(Box::new(AboveHorizon::new(SingleSample { map, options }, lamp)))
 }
 
 impl SingleSample<'_> {
@@ -46,7 +49,7 @@ impl SingleSample<'_> {
     }
 }
 
-impl SoftShadow for SingleSample<'_> {
+impl LampShadow for SingleSample<'_> {
     fn shade(&self, samples: &Samples) -> Visibility {
         let (light, claim) = (self.map.lamp.light(), Claim::Approximate);
         if self.options.adaptive == 0 {
@@ -62,8 +65,12 @@ impl SoftShadow for SingleSample<'_> {
         self.map.bytes()
     }
 
-    fn texel_world(&self) -> f64 {
-        self.map.texel_world()
+    fn texel_world(&self) -> Option<f64> {
+        Some(self.map.texel_world())
+    }
+
+    fn bias_world(&self) -> Option<f64> {
+        Some(self.map.bias_world())
     }
 }
 

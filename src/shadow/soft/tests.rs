@@ -5,7 +5,7 @@ use super::*;
 use crate::caster::{Caster, CasterGroup};
 use crate::mesh::Mesh;
 use crate::scene::Lamp;
-use crate::shadow::{Request, Technique};
+use crate::shadow::{Request, Samples, Technique};
 use crate::testing::shapes;
 use crate::view::{Camera, Size, Up};
 

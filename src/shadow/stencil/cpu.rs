@@ -10,7 +10,7 @@ use crate::caster::{Caster, CasterGroup};
 use crate::geom::{Aabb, Light};
 use crate::oracle::{PrimaryHit, Verdict};
 use crate::shadow::volume::{Caps, ShadowVolume, WindingIndex};
-use crate::shadow::{Answer, Claim, Samples, Visibility};
+use crate::shadow::{Answer, Claim, LampShadow, Samples, Visibility};
 use crate::view::Projection;
 
 /// The casting faces of each caster, and the parts of their volumes that do not depend on the camera.
@@ -45,16 +45,36 @@ impl<'a> StencilCounting<'a> {
         Self { casters, light: *light, asked, cast: casters.casters().iter().map(cast).collect() }
     }
 
-    pub(in crate::shadow) fn bytes(&self) -> usize {
-        let bytes = |(signs, volume): &(Vec<i8>, Option<ShadowVolume>)| {
-            signs.len() + volume.as_ref().map_or(0, ShadowVolume::bytes)
-        };
-        self.cast.iter().map(bytes).sum()
+    /// The closed volumes of the shells, one per counting method.
+    fn by_method(
+        &self,
+        caster: &Caster,
+        signs: &[i8],
+        projection: &Projection,
+    ) -> Vec<(StencilMethod, ShadowVolume)> {
+        let methods: ShellMethods = caster.shell_boxes().choose(caster.mesh(), projection, &self.light);
+        let used = StencilMethod::ALL.into_iter().filter(|&method| methods.count(method) > 0);
+        used.map(|method| {
+            let signs = methods.signs_of(method, caster.shells(), signs);
+            (method, caster.volume_of_signs(&self.light, &signs, Caps::Both))
+        })
+        .collect()
     }
 
-    /// Shades samples: a sample is in shadow if any volume's count is not 0. If a point lies on a volume, the
-    /// exact ray cast decides.
-    pub(in crate::shadow) fn shade(&self, samples: &Samples) -> Visibility {
+    /// The casting sign of each face of each caster.
+    pub(super) fn signs(&self) -> impl Iterator<Item = &[i8]> {
+        self.cast.iter().map(|(signs, _)| &signs[..])
+    }
+
+    /// Shades samples: a sample is in shadow if the sum of all counts is not 0. The sum starts with `start`
+    /// of the sample's point on the near plane. If a point lies on a volume, or has no start, the exact ray
+    /// cast decides.
+    pub(super) fn shade_from(
+        &self,
+        samples: &Samples,
+        claim: Claim,
+        start: impl Fn([f32; 3]) -> Option<i32> + Sync,
+    ) -> Visibility {
         let projection = samples.projection();
         // 1. The volumes that depend on the camera: each shell is counted by the method chosen for it.
         let chosen: Vec<(StencilMethod, ShadowVolume)> = match self.asked {
@@ -72,11 +92,11 @@ impl<'a> StencilCounting<'a> {
             .map(|(method, volume)| Counted { index: WindingIndex::build(volume, within), method })
             .collect();
         // 3. The counts.
-        let claim = if self.asked == Some(StencilMethod::ZPass) { Claim::Approximate } else { Claim::Exact };
         Visibility::of(samples, &self.light, claim, |hit| {
+            let start = start(near_end(projection, hit));
             let counts = counted.iter().map(|volume| volume.count(projection, hit));
-            match counts.collect::<Option<Vec<i32>>>() {
-                Some(counts) => Answer::of(f32::from(u8::from(counts.iter().all(|&count| count == 0)))),
+            match counts.chain([start]).sum::<Option<i32>>() {
+                Some(count) => Answer::of(f32::from(u8::from(count == 0))),
                 None => {
                     let dark = self.casters.oracle().verdict(hit.point, &self.light) == Verdict::Shadowed;
                     Answer { is_exact: true, ..Answer::of(f32::from(u8::from(!dark))) }
@@ -84,21 +104,19 @@ impl<'a> StencilCounting<'a> {
             }
         })
     }
+}
 
-    /// The closed volumes of the shells, one per counting method.
-    fn by_method(
-        &self,
-        caster: &Caster,
-        signs: &[i8],
-        projection: &Projection,
-    ) -> Vec<(StencilMethod, ShadowVolume)> {
-        let methods: ShellMethods = caster.shell_boxes().choose(caster.mesh(), projection, &self.light);
-        let used = StencilMethod::ALL.into_iter().filter(|&method| methods.count(method) > 0);
-        used.map(|method| {
-            let signs = methods.signs_of(method, caster.shells(), signs);
-            (method, caster.volume_of_signs(&self.light, &signs, Caps::Both))
-        })
-        .collect()
+impl LampShadow for StencilCounting<'_> {
+    fn shade(&self, samples: &Samples) -> Visibility {
+        let claim = if self.asked == Some(StencilMethod::ZPass) { Claim::Approximate } else { Claim::Exact };
+        self.shade_from(samples, claim, |_| Some(0))
+    }
+
+    fn bytes(&self) -> usize {
+        let bytes = |(signs, volume): &(Vec<i8>, Option<ShadowVolume>)| {
+            signs.len() + volume.as_ref().map_or(0, ShadowVolume::bytes)
+        };
+        self.cast.iter().map(bytes).sum()
     }
 }
 

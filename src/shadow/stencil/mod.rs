@@ -11,7 +11,9 @@ mod gpu;
 mod light_pyramid;
 mod mask;
 mod method;
+mod tiled;
 mod volumes;
+mod zpass_plus;
 mod zpass_verdict;
 
 pub(super) use cpu::StencilCounting;
@@ -20,9 +22,12 @@ pub use depth_complexity::{DepthComplexity, max_depth_complexity};
 pub use gpu::{Draw, StencilFrame, StencilPass};
 pub use mask::{Counting, ShadowMask};
 pub use method::ShellMethods;
+pub use tiled::CounterOptions;
+pub(super) use tiled::{ClosedVolume, Counter, TiledCounting};
 #[cfg(feature = "gpu")]
 pub use volumes::GpuStencilVolumes;
 pub use volumes::StencilVolumes;
+pub(super) use zpass_plus::ZPassPlus;
 pub use zpass_verdict::{ZPassVerdict, zpass_verdict};
 
 /// Method of stencil counting: which faces of a shadow volume are counted at a pixel.

@@ -37,6 +37,7 @@ pub use gpu::{Demand, GpuExtrusion, GpuVolume, Part, VolumeShaders};
 #[cfg(feature = "verify")]
 pub(crate) use winding::stands_on;
 pub use winding::{WindingIndex, winding_number};
+pub(super) use winding::{axes, weighted, winding_of};
 #[cfg(feature = "verify")]
 pub(crate) use winding_brute::WindingTable;
 
@@ -204,6 +205,16 @@ impl ShadowVolume {
                 let base = self.positions[self.extruded[far] as usize];
                 Homogeneous::extruded(base, &self.light)
             }
+        }
+    }
+
+    /// The finite vertex that a vertex is, or was extruded from; `None` for the one vertex at infinity of a
+    /// directional light.
+    pub(super) fn finite_vertex(&self, index: u32) -> Option<u32> {
+        match (index as usize).checked_sub(self.positions.len()) {
+            None => Some(index),
+            Some(_) if self.light.is_directional() => None,
+            Some(far) => Some(self.extruded[far]),
         }
     }
 

@@ -22,8 +22,16 @@ use crate::random::SplitMix64;
 /// through an edge.
 #[must_use]
 pub fn winding_number(volume: &ShadowVolume, p: [f32; 3]) -> Option<i32> {
-    let triangles = weighted(volume);
-    (0..TRIES).find_map(|i| to_infinity(volume, &triangles, p, scattered(i)).settled())?
+    winding_of(volume, &weighted(volume), p)
+}
+
+/// The winding number of a closed part of a volume, given by its triangles and how often each is there.
+pub(in crate::shadow) fn winding_of(
+    volume: &ShadowVolume,
+    triangles: &[([u32; 3], i32)],
+    p: [f32; 3],
+) -> Option<i32> {
+    (0..TRIES).find_map(|i| to_infinity(volume, triangles, p, scattered(i)).settled())?
 }
 
 /// Winding numbers of a volume at many points of a box.
@@ -138,7 +146,7 @@ impl<'volume> WindingIndex<'volume> {
 }
 
 /// The triangles without the flat ones (which enclose nothing) and with copies counted once.
-pub(super) fn weighted(volume: &ShadowVolume) -> Vec<([u32; 3], i32)> {
+pub(in crate::shadow) fn weighted(volume: &ShadowVolume) -> Vec<([u32; 3], i32)> {
     let mut weighted: Vec<([u32; 3], i32)> = Vec::with_capacity(volume.triangles.len());
     for &triangle in &volume.triangles {
         // Copies of a triangle are adjacent, or two apart for the triangles of a quad.
@@ -376,7 +384,7 @@ pub(crate) fn stands_on(volume: &ShadowVolume, p: [f32; 3]) -> bool {
 }
 
 /// The three axes, as points at infinity.
-fn axes() -> [Homogeneous; 3] {
+pub(in crate::shadow) fn axes() -> [Homogeneous; 3] {
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
         .map(|unit| Homogeneous::light(&Light::directional(unit).expect("a unit vector is a direction")))
 }

@@ -244,7 +244,6 @@ fn render_takes_a_technique_for_each_light() {
             "--shadow 3=rays",
             "--shadow 3=: there is no such light; use the name of a light, or a number from 1 to 2",
         ),
-        ("--shadow counter:tile=16", "not built yet: counter"),
         ("--shadow rays --shadow dark", "--shadow dark: there is one for all lamps already; "),
         ("--shadow ray", "`ray` is not a technique; write one of rays, stencil,"),
     ] {

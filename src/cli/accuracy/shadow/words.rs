@@ -12,6 +12,13 @@ pub(super) fn what(technique: Technique) -> &'static str {
         }
         "zfail" => "Shadow volumes, counted from behind the visible surface for every shell.",
         "zpass" => "Shadow volumes, counted from the near plane for every shell.",
+        "zpass-plus" => {
+            "Shadow volumes, counted from the near plane on, and the casting faces between it and the lamp."
+        }
+        "zpass-reversed" => "Shadow volumes, counted behind the sample by the complement of z-fail's test.",
+        "counter" => {
+            "Shadow volumes, drawn on the CPU in tiles, each counted from the side with less to count."
+        }
         "samples" => "The mean of exact shadow rays to points spread over the lamp.",
         "area" => "The visible fraction of the lamp, computed analytically.",
         "map" => "The depth nearest to the lamp per texel, compared with that of the sample.",
@@ -22,6 +29,10 @@ pub(super) fn what(technique: Technique) -> &'static str {
         "hybrid-3x3" => {
             "A shadow map where nine texels agree, and an exact shadow ray for every other sample."
         }
+        "hybrid-2x2" => {
+            "A shadow map where four texels agree, and an exact shadow ray for every other sample."
+        }
+        "reconstruct" => "The shadow volume of the surface that a shadow map shows.",
         "pcss" => "A shadow map: the mean depth of the blockers decides how wide the filter is.",
         "single-sample" => {
             "A shadow map: the distance to the nearest edge of the hard shadow decides about the light."
@@ -37,6 +48,9 @@ pub(super) fn what(technique: Technique) -> &'static str {
         "hybrid" => "A light grid where it proves a sample lit or dark, and an exact shadow ray elsewhere.",
         "alias-free" => {
             "The samples sorted into cells, and every face tested exactly against those it may hide."
+        }
+        "lod" => {
+            "Shells of which no lit side is seen, simplified within a tolerance; an exact ray per sample."
         }
         "planar" => {
             "The casters flattened onto one plane, decided exactly; exact rays for all other samples."
@@ -61,12 +75,17 @@ pub(super) fn when(technique: Technique) -> &'static str {
         "stencil" => "Take it where exact hard shadows are wanted and there is a graphics adapter.",
         "zfail" => "Take it where one count has to be right for every position of the camera.",
         "zpass" => "Take it only where the camera is proven to be outside every shadow.",
+        "zpass-plus" => "Take it to see what z-pass lacks, and what mending it costs.",
+        "zpass-reversed" => "Take it to check a renderer's stencil state against z-fail.",
+        "counter" => "Take it where a volume has to be counted without a graphics adapter.",
         "samples" => "Take it as the reference of soft shadows, or where its noise is below what matters.",
         "area" => "Take it as the truth about soft shadows.",
         "map" => "Take it where an edge that is off by a texel does not matter.",
         "pcf" => "Take it where edges may be blurred by a fixed number of texels.",
         "map-ids" => "Take it where a false shadow is worse than a missing one.",
         "hybrid-3x3" => "Take it where hard shadows should be right almost everywhere for a few rays.",
+        "hybrid-2x2" => "Take it to see what the published rule of four texels misses.",
+        "reconstruct" => "Take it where volumes are wanted of what only a map can be drawn of.",
         "pcss" => "Take it for soft shadows that run at the rate of a display.",
         "single-sample" => "Take it where one lookup table has to do, and shadows do not overlap.",
         "soft-hybrid" => "Take it where soft shadows should be near to exact for a few rays per sample.",
@@ -75,6 +94,7 @@ pub(super) fn when(technique: Technique) -> &'static str {
         "contact-blur" => "Take it where an exact hard shadow is there already.",
         "hybrid" => "Take it where exact rays are dear, and most samples lie away from silhouettes.",
         "alias-free" => "Take it where exact hard shadows are wanted of meshes that change in every frame.",
+        "lod" => "Take it for far shadows of dense models: the number of wrong samples is bounded.",
         "planar" => "Take it where a floor receives nearly all of the shadow.",
         "planar-blur" => "Take it where a floor is looked at from afar.",
         "planar-contact" => "Take it where casters stand on a floor under a lamp with an extent.",

@@ -15,10 +15,12 @@ pub(super) struct LampUniform {
     radius: f32,
     along: [f32; 3],
     per_extent: f32,
+    center: [f32; 3],
     is_round: u32,
     blockers: u32,
     taps: u32,
     per_size: f32,
+    spare: u32,
 }
 
 /// Squares of larger numbers are none.
@@ -36,19 +38,23 @@ impl LampUniform {
         let patch = lamp.patch([0.0; 3]);
         let turns = patch.as_ref().is_some_and(|patch| patch.is_round && !patch.is_directional);
         let edges = patch.as_ref().map_or([DVec3::ZERO; 2], |patch| [patch.across, patch.along]);
-        let [across, along] = edges.map(|edge| {
-            let edge = (edge * unit).clamp(DVec3::splat(-MOST), DVec3::splat(MOST));
-            edge.as_vec3().to_array()
+        let short = |v: DVec3| (v * unit).clamp(DVec3::splat(-MOST), DVec3::splat(MOST)).as_vec3().to_array();
+        let [across, along] = edges.map(short);
+        let center = patch.as_ref().map_or(DVec3::ZERO, |patch| match patch.is_directional {
+            true => patch.center,
+            false => patch.center - space.origin(),
         });
         Self {
             across,
             radius: if turns { (edges[0].length() * unit).min(MOST) as f32 } else { 0.0 },
             along,
             per_extent: per_extent.min(MOST) as f32,
+            center: short(center),
             is_round: patch.is_some_and(|patch| patch.is_round).into(),
             blockers: 0,
             taps: 0,
             per_size: 1.0 / space.size() as f32,
+            spare: 0,
         }
     }
 
@@ -68,7 +74,7 @@ mod tests {
     fn lamp_with_extent_has_one_layout_in_rust_and_wgsl() {
         assert_layout!(
             Shader::new("", &super::super::search_source()).source(), "SoftLamp",
-            LampUniform: across, radius, along, per_extent, is_round, blockers, taps, per_size
+            LampUniform: across, radius, along, per_extent, center, is_round, blockers, taps, per_size, spare
         );
     }
 }

@@ -1,12 +1,14 @@
 //! Soft shadows on a device: what techniques read beside a [`GpuMap`], and the techniques.
 //!
 //! [`SoftPass`] makes the pyramid of a map: least and greatest depths of squares of texels, the same numbers
-//! as on the CPU. [`PcssPass`] and [`SearchPass`] fill a visibility texture from it. A device computes
-//! positions and depths of receivers in `f32`, the CPU in `f64`.
+//! as on the CPU. [`PcssPass`] and [`SearchPass`] fill a visibility texture from it, and cut each value at the
+//! share of the lamp above the plane of the sample's own face. A device computes positions and depths of
+//! receivers in `f32`, the CPU in `f64`.
 
 mod lamp;
 mod pcss;
 mod search;
+mod shade;
 #[cfg(test)]
 mod tests;
 
@@ -16,6 +18,7 @@ pub use search::SearchPass;
 pub(super) use search::source as search_source;
 
 use self::lamp::LampUniform;
+use self::shade::Shade;
 use crate::gpu::raster;
 use crate::gpu::{Gpu, GpuError, Kernel, Shader, wgpu};
 use crate::scene::Lamp;

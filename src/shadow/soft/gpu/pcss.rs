@@ -1,11 +1,11 @@
 //! The technique `pcss` on a device.
 
-use super::{GpuSoftMap, SoftPass};
-use crate::gpu::raster::{GpuSamples, GpuVisibility, Pipeline, everywhere};
+use super::{GpuSoftMap, Shade, SoftPass};
+use crate::gpu::raster::{GpuSamples, GpuVisibility};
 use crate::gpu::{Gpu, GpuError, Shader, wgpu};
 use crate::random::r2;
 use crate::scene::Lamp;
-use crate::shadow::map::gpu::{GpuMap, bind};
+use crate::shadow::map::gpu::GpuMap;
 use crate::shadow::soft::{PcssOptions, Taps};
 
 const PCSS: &str = include_str!("pcss.wgsl");
@@ -15,7 +15,7 @@ const PCSS: &str = include_str!("pcss.wgsl");
 pub struct PcssPass {
     gpu: Gpu,
     soft: SoftPass,
-    look: wgpu::RenderPipeline,
+    look: Shade,
 }
 
 impl PcssPass {
@@ -38,14 +38,8 @@ impl PcssPass {
 
     fn of(gpu: &Gpu, source: &str) -> Result<Self, GpuError> {
         let module = Shader::new("percentage-closer soft shadows", source).module(gpu)?;
-        let look = Pipeline {
-            vertex: "everywhere",
-            fragment: Some("soft_visibility"),
-            targets: &[Some(GpuVisibility::SOFT.into())],
-            depth_stencil: None,
-            layout: None,
-        };
-        Ok(Self { gpu: gpu.clone(), soft: SoftPass::new(gpu)?, look: look.build(gpu, &module)? })
+        let look = Shade::new(gpu, &module, "soft_visibility")?;
+        Ok(Self { gpu: gpu.clone(), soft: SoftPass::new(gpu)?, look })
     }
 
     /// What stays valid while only the camera moves. Submits without waiting.
@@ -75,24 +69,14 @@ impl PcssPass {
             Taps::Some(count) => count,
         };
         let (blockers, taps) = (count(options.blockers), count(options.taps));
-        let light = self.gpu.uniform(&map.uniform)?;
-        let lamp = self.gpu.uniform(&soft.lamp.with_points(blockers, taps))?;
         let points: Vec<[f32; 2]> =
             (0..blockers.max(taps).max(1)).map(|index| r2(index).map(|x| x as f32)).collect();
         let points = self.gpu.upload("even points", &points)?;
-        let visibility = GpuVisibility::soft(&self.gpu, samples.size())?;
         let more = [
-            (5, wgpu::BindingResource::TextureView(&samples.faces.view)),
-            (6, light.as_entire_binding()),
             (7, wgpu::BindingResource::TextureView(&map.view)),
-            (8, lamp.as_entire_binding()),
             (9, soft.pyramid.as_entire_binding()),
             (12, points.as_entire_binding()),
         ];
-        let group = bind(&self.gpu, &self.look, &samples.receivers, &samples.uniform, &more)?;
-        self.gpu.submit(|encoder| {
-            everywhere(visibility.0.begin(encoder, true), &self.look, Some(&group));
-        })?;
-        Ok(visibility)
+        self.look.draw(&self.gpu, samples, map, &soft.lamp.with_points(blockers, taps), &more)
     }
 }

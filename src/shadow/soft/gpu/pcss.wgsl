@@ -4,7 +4,6 @@
 @group(0) @binding(12) var<storage, read> points: array<vec2f>;
 
 const MOST_STRIPS: i32 = 128;
-const PI: f32 = 3.14159265;
 
 // Columns, or rows, that there are: from, and up to but without.
 fn limits() -> vec2i {
@@ -178,15 +177,19 @@ fn gather_all(here: Standing, half: vec2f) -> Blockers {
     return found;
 }
 
-@fragment
-fn soft_visibility(@builtin(position) position: vec4f) -> @location(0) f32 {
-    let seen = textureLoad(faces, vec2u(position.xy), 0).x;
-    if seen == 0u { return 0.0; }
-    let here = standing(receiver_of(position.xy, seen - 1u));
+fn lit_by_map(here: Standing) -> f32 {
     if !here.is_there { return 1.0; }
     let blockers = gather(here, search_box(here), lamp.blockers);
     if !(blockers.share > 0.0) { return 1.0; }
     let half = max(here.k * (blockers.depth / blockers.share - here.depth), vec2f(0.5));
     let found = gather(here, half, lamp.taps);
     return select(clamp(1.0 - found.share, 0.0, 1.0), 0.0, found.is_whole);
+}
+
+@fragment
+fn soft_visibility(@builtin(position) position: vec4f) -> @location(0) f32 {
+    let seen = textureLoad(faces, vec2u(position.xy), 0).x;
+    if seen == 0u { return 0.0; }
+    let receiver = receiver_of(position.xy, seen - 1u);
+    return min(lit_by_map(standing(receiver)), share_above(receiver));
 }

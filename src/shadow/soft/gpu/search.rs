@@ -1,16 +1,16 @@
 //! The technique `single-sample` on a device, with its search for the nearest edge.
 
-use super::{GpuSoftMap, SoftPass};
+use super::{GpuSoftMap, Shade, SoftPass};
 use crate::caster::{CasterGroup, GpuCaster};
-use crate::gpu::raster::{GpuSamples, GpuVisibility, Pipeline, everywhere};
+use crate::gpu::raster::{GpuSamples, GpuVisibility};
 use crate::gpu::{Gpu, GpuError, Kernel, Shader, wgpu};
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
 use crate::shadow::map::gpu::{GpuMap, MapPass, ROUNDING};
 use crate::shadow::map::{LightSpace, Spread};
-use crate::shadow::soft::SingleSampleOptions;
 use crate::shadow::soft::around::{Around, Found};
 use crate::shadow::soft::light_map::{Place, profile};
+use crate::shadow::soft::{SingleSampleOptions, above_horizon};
 use crate::shadow::{Answer, Claim, Request, Visibility};
 
 const SEARCH: &str = include_str!("search.wgsl");
@@ -26,7 +26,7 @@ pub struct SearchPass {
     soft: SoftPass,
     place: Kernel,
     search: Kernel,
-    shade: wgpu::RenderPipeline,
+    shade: Shade,
 }
 
 impl SearchPass {
@@ -48,19 +48,12 @@ impl SearchPass {
 
     fn of(gpu: &Gpu, source: &str) -> Result<Self, GpuError> {
         let module = Shader::new("single-sample soft shadows", source).module(gpu)?;
-        let shade = Pipeline {
-            vertex: "everywhere",
-            fragment: Some("single_sample"),
-            targets: &[Some(GpuVisibility::SOFT.into())],
-            depth_stencil: None,
-            layout: None,
-        };
         Ok(Self {
             gpu: gpu.clone(),
             soft: SoftPass::new(gpu)?,
             place: Kernel::new(gpu, &module, "place")?,
             search: Kernel::new(gpu, &module, "search")?,
-            shade: shade.build(gpu, &module)?,
+            shade: Shade::new(gpu, &module, "single_sample")?,
         })
     }
 
@@ -88,22 +81,7 @@ impl SearchPass {
         let count = samples.size().pixels();
         let placed = self.place(samples, map, soft)?;
         let found = self.search(&placed, count, map, soft)?;
-        let visibility = GpuVisibility::soft(&self.gpu, samples.size())?;
-        let lamp = self.gpu.uniform(&soft.lamp)?;
-        let layout = self.gpu.attempt(|| self.shade.get_bind_group_layout(0))?;
-        let group = self.gpu.bind_group(
-            &layout,
-            [
-                (0, samples.uniform.as_entire_binding()),
-                (5, wgpu::BindingResource::TextureView(&samples.faces.view)),
-                (8, lamp.as_entire_binding()),
-                (15, found.as_entire_binding()),
-            ],
-        )?;
-        self.gpu.submit(|encoder| {
-            everywhere(visibility.0.begin(encoder, true), &self.shade, Some(&group));
-        })?;
-        Ok(visibility)
+        self.shade.draw(&self.gpu, samples, map, &soft.lamp, &[(15, found.as_entire_binding())])
     }
 
     /// The receivers of all samples.
@@ -180,13 +158,16 @@ impl SearchPass {
         let receivers = self.gpu.upload("receivers of a search", &placed)?;
         let found = self.search(&receivers, placed.len(), &map, &soft)?;
         let found: Vec<Found> = self.gpu.download(&found, placed.len())?;
-        Ok(Visibility::of_indexed(request.samples, request.light(), Claim::Approximate, |index, hit| {
+        let (samples, claim) = (request.samples, Claim::Approximate);
+        let mut visibility = Visibility::of_indexed(samples, request.light(), claim, |index, hit| {
             let is_round = request.lamp.patch(hit.point).is_some_and(|patch| patch.is_round);
             let change = found[index];
             let distance = change.distance();
             let value = profile(is_round, if change.is_inner != 0 { -distance } else { distance });
             Answer { is_outside: placed[index].is_there == 0, ..Answer::of(value.clamp(0.0, 1.0) as f32) }
-        }))
+        });
+        above_horizon(&mut visibility, samples, request.lamp);
+        Ok(visibility)
     }
 }
 

@@ -254,12 +254,17 @@ fn search(@builtin(global_invocation_id) global: vec3u, @builtin(num_workgroups)
 @fragment
 fn single_sample(@builtin(position) position: vec4f) -> @location(0) f32 {
     let pixel = vec2u(position.xy);
-    if textureLoad(faces, pixel, 0).x == 0u { return 0.0; }
-    let found = changes[pixel.y * u32(frame.width) + pixel.x];
+    let seen = textureLoad(faces, pixel, 0).x;
+    if seen == 0u { return 0.0; }
+    let lit = lit_by_change(changes[pixel.y * u32(frame.width) + pixel.x]);
+    return min(lit, share_above(receiver_of(position.xy, seen - 1u)));
+}
+
+fn lit_by_change(found: Found) -> f32 {
     let distance = min(sqrt(f32(found.gap) / f32(found.width)), 1.0);
     let x = select(distance, -distance, found.is_inner != 0u);
     // Exact for a straight edge.
     if lamp.is_round == 0u { return 0.5 + 0.5 * x; }
     // asin is approximate: at the ends of its range the sum may leave that of a share.
-    return clamp(0.5 + (asin(x) + x * sqrt(max(1.0 - x * x, 0.0))) / 3.14159265, 0.0, 1.0);
+    return clamp(0.5 + (asin(x) + x * sqrt(max(1.0 - x * x, 0.0))) / PI, 0.0, 1.0);
 }

@@ -1,5 +1,6 @@
 // A shadow map under a lamp with an extent: its pyramid, and a visible point with its penumbra scale.
-// raster.wgsl and map.wgsl come before it. Twins: pyramid.rs, light_map.rs; lamp.rs mirrors the struct.
+// raster.wgsl and map.wgsl come before it. Twins: pyramid.rs, light_map.rs, scene/lamp/horizon.rs; lamp.rs
+// mirrors the struct.
 
 struct SoftLamp {
     // Half the edges of a lamp with a fixed surface, in units of the light's space.
@@ -9,12 +10,15 @@ struct SoftLamp {
     along: vec3f,
     // Half-width of the penumbra in texels, per difference of depth, of a lamp of half-size 1.
     per_extent: f32,
+    // From the light's origin; of a sun the direction towards it.
+    center: vec3f,
     is_round: u32,
     // Points that are looked at for blockers, and by the filter; 0 for all texels.
     blockers: u32,
     taps: u32,
     // 1 over the side of the map.
     per_size: f32,
+    spare: u32,
 }
 
 @group(0) @binding(8) var<uniform> lamp: SoftLamp;
@@ -23,6 +27,7 @@ struct SoftLamp {
 @group(0) @binding(10) var<storage, read_write> built: array<vec2f>;
 @group(0) @binding(11) var<uniform> built_level: u32;
 
+const PI: f32 = 3.14159265;
 const TILE: i32 = 8;
 // Bound of the ratio between a point's depths in two neighboring layers of a cube.
 const MOST_RATIO: f32 = 3.0;
@@ -156,4 +161,38 @@ fn standing(receiver: Receiver) -> Standing {
     let is_there = receiver.is_there && is_on_map && is_sound;
     let k = penumbra_scale(receiver.layer, receiver.q);
     return Standing(receiver.layer, receiver.at, receiver.depth, slope, bias, k, is_there);
+}
+
+// The share of a disk beyond a chord.
+fn disk_below(height: f32, radius: f32) -> f32 {
+    if !(height < radius) { return 0.0; }
+    let x = height / radius;
+    return (acos(x) - x * sqrt(max(1.0 - x * x, 0.0))) / PI;
+}
+
+// The share of the square from -1 to 1 where height + a x + b y is below 0.
+fn square_below(height: f32, a: f32, b: f32) -> f32 {
+    let long = max(a, b);
+    let short = min(a, b);
+    let depth = long + short - height;
+    if !(depth > 0.0) { return 0.0; }
+    if depth < 2.0 * short { return depth / long * (depth / short) / 8.0; }
+    return (depth - short) / long / 2.0;
+}
+
+// The share of the lamp above the plane of the sample's own face: no visible share is greater. A sample that
+// is asked faces the middle of the lamp, so that the part below is the smaller one.
+fn share_above(receiver: Receiver) -> f32 {
+    let normal = receiver.normal;
+    var toward = lamp.center;
+    if light.is_central != 0u { toward -= receiver.corner; }
+    let height = abs(dot(normal, toward));
+    if lamp.radius > 0.0 {
+        let reach = lamp.radius * length(cross(normal, receiver.q / length(receiver.q)));
+        return 1.0 - disk_below(height, reach);
+    }
+    let a = abs(dot(normal, lamp.across));
+    let b = abs(dot(normal, lamp.along));
+    if lamp.is_round != 0u { return 1.0 - disk_below(height, length(vec2f(a, b))); }
+    return 1.0 - square_below(height, a, b);
 }

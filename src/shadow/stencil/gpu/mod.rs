@@ -250,11 +250,46 @@ struct Counter<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::pipelines::Behind;
     use super::*;
     use crate::caster::Caster;
     use crate::gpu::tests::limited_gpu;
+    use crate::mesh::Mesh;
+    use crate::shadow::stencil::StencilMethod;
     use crate::testing::shapes;
     use crate::view::{Camera, ProjectionKind, Up};
+
+    /// Byte for byte. The light cap is as deep as what is seen: with a strict test it is lost.
+    #[test]
+    fn zpass_reversed_on_a_device_equals_zfail_and_a_strict_test_does_not() {
+        use wgpu::CompareFunction::{Always, Less, LessEqual};
+        let Some(gpu) = limited_gpu(|_| {}) else { return };
+        let floor = shapes::cuboid([-6.0, -2.0, -6.0], [6.0, -1.0, 6.0]);
+        for solid in [shapes::torus(24, 12, 1.5, 0.5), shapes::open_cube()] {
+            let caster = Caster::new(Mesh::concat(&[solid, floor.clone()]).unwrap());
+            let receivers = GpuCaster::upload(&gpu, &caster).unwrap();
+            let size = Size::new(64, 48).unwrap();
+            let camera = Camera::look_at([3.0, 4.0, 5.0], [0.0; 3], 1.0, Up::Y).unwrap();
+            let projection = camera.projection(size, 0.1);
+            for light in ["point:1,6,2", "directional:0.3,-1,0.2"] {
+                let light = light.parse().unwrap();
+                let volume =
+                    GpuVolume::upload(&gpu, &caster.volume(&light, crate::shadow::volume::Caps::Both));
+                let volume = volume.unwrap();
+                let draw = [Draw { volume: &volume, method: StencilMethod::ZFail }];
+                let counts = |behind| {
+                    let pipelines = Pipelines::behind(&gpu, Depth::Plane, behind).unwrap();
+                    let pass = StencilPass { gpu: gpu.clone(), depth: Depth::Plane, pipelines };
+                    let mask = pass.mask(&projection, size, &receivers, &draw, Counting::Stencil).unwrap();
+                    mask.raw().to_vec()
+                };
+                let zfail = counts(Behind::Fails);
+                assert!(zfail.iter().filter(|&&count| count != 0).count() > 50);
+                assert_eq!(counts(Behind::Passes { sides: LessEqual, caps: Always }), zfail);
+                assert_ne!(counts(Behind::Passes { sides: Less, caps: Less }), zfail);
+            }
+        }
+    }
 
     #[test]
     fn stencil_picture_beyond_the_limits_is_refused_with_a_smaller_size_as_the_remedy() {

@@ -26,6 +26,17 @@ pub(super) struct Pipelines {
     pub(super) lit_by_count: wgpu::RenderPipeline,
 }
 
+/// The state that counts fragments behind the visible point.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Behind {
+    /// They fail the depth test.
+    Fails,
+    /// They pass its complement, `LessEqual` for sides and `Always` for caps. (William Bilodeau and Michael
+    /// Songy, *Real Time Shadows*, 1999.)
+    #[cfg(test)]
+    Passes { sides: CompareFunction, caps: CompareFunction },
+}
+
 const KEEP: StencilFaceState = StencilFaceState::IGNORE;
 
 impl Pipelines {
@@ -40,6 +51,11 @@ impl Pipelines {
     }
 
     pub(super) fn new(gpu: &Gpu, depth: Depth) -> Result<Self, GpuError> {
+        Self::behind(gpu, depth, Behind::Fails)
+    }
+
+    /// With a given state for what lies behind the visible point.
+    pub(super) fn behind(gpu: &Gpu, depth: Depth, behind: Behind) -> Result<Self, GpuError> {
         use StencilOperation::{DecrementWrap, IncrementWrap};
         let source = format!("{}\n{}", raster::SOURCE, include_str!("../stencil.wgsl"));
         let module = Shader::new("stencil", &source).module(gpu)?;
@@ -76,11 +92,15 @@ impl Pipelines {
         };
         let greater = CompareFunction::Greater;
         // z-fail counts what is behind the visible point: −1 where a volume ends there, +1 where one begins.
-        let (out, into) = (fails(DecrementWrap), fails(IncrementWrap));
+        let ([out, into], sides, caps) = match behind {
+            Behind::Fails => ([DecrementWrap, IncrementWrap].map(fails), greater, CompareFunction::Never),
+            #[cfg(test)]
+            Behind::Passes { sides, caps } => ([DecrementWrap, IncrementWrap].map(passes), sides, caps),
+        };
         Ok(Self {
-            zfail_sides: build(side, of_side, greater, out, into)?,
+            zfail_sides: build(side, of_side, sides, out, into)?,
             zpass_sides: build(side, of_side, greater, passes(IncrementWrap), passes(DecrementWrap))?,
-            caps: build("volume_vertex", None, CompareFunction::Never, out, into)?,
+            caps: build("volume_vertex", None, caps, out, into)?,
             count_all: count("volume_vertex", "count_all")?,
             count_behind: count("volume", "count_behind")?,
             count_before: count("volume", "count_before")?,

@@ -1,0 +1,54 @@
+//! What is proven about each point, in false colors.
+
+use umbrage::caster::CasterGroup;
+use umbrage::light_grid::{Chain, GridVerdict, LightGrid, SoftGrid, SoftVerdict};
+use umbrage::oracle::PrimaryHit;
+use umbrage::render::{Knowledge, MemoryError, Picture, knowledge};
+use umbrage::scene::Lamp;
+use umbrage::shadow::{Claim, Samples, Visibility};
+
+/// Cells along each side of the grid that proves.
+const SIDE: u32 = 256;
+
+/// The picture and its legend. Of several lamps, the one of most doubt decides the color of a point.
+pub(super) fn draw(
+    casters: &CasterGroup<'_>,
+    lamps: &[Lamp],
+    samples: &Samples,
+) -> Result<(Picture, String), MemoryError> {
+    let mut all = vec![Knowledge::Irrelevant; samples.len()];
+    for lamp in lamps {
+        // Whether each sample faces the lamp.
+        let asked = Visibility::from_values(samples, lamp.light(), vec![0.0; samples.len()], Claim::Exact);
+        let hits = samples.hits().iter().zip(asked.asked());
+        let hits: Vec<Option<&PrimaryHit>> =
+            hits.map(|(hit, asked)| hit.as_ref().filter(|_| *asked)).collect();
+        let points = || hits.iter().flatten().map(|hit| hit.point);
+        let chain = Chain::of(casters, lamp.light());
+        let hard = LightGrid::build(&chain, points(), SIDE);
+        let soft = lamp.has_extent().then(|| SoftGrid::build(&chain, lamp, points(), SIDE));
+        for (known, hit) in all.iter_mut().zip(&hits) {
+            let Some(hit) = hit else { continue };
+            let found = match &soft {
+                Some(grid) => match grid.verdict(hit) {
+                    SoftVerdict::Lit => Knowledge::Lit,
+                    SoftVerdict::Dark => Knowledge::Dark,
+                    SoftVerdict::Maybe => Knowledge::Penumbra,
+                },
+                None => match hard.verdict(hit) {
+                    GridVerdict::Lit => Knowledge::Lit,
+                    GridVerdict::Dark => Knowledge::Dark,
+                    GridVerdict::Undecided => Knowledge::Undecided,
+                },
+            };
+            *known = (*known).max(found);
+        }
+    }
+    let legend = |known: &Knowledge| {
+        let count = all.iter().filter(|other| *other == known).count();
+        (count > 0).then(|| format!("{} {}: {count}", known.color().0, known.name()))
+    };
+    let legend: Vec<String> = Knowledge::ALL.iter().filter_map(legend).collect();
+    let legend = format!("colors, from the left, with the number of samples: {}", legend.join(", "));
+    Ok((knowledge(samples, &all)?, legend))
+}

@@ -12,20 +12,20 @@ use crate::oracle::Oracle;
 use crate::oracle::area::SoftOracle;
 use crate::testing::shapes;
 
-const UP: [f32; 3] = [0.0, 0.0, 1.0];
+pub(super) const UP: [f32; 3] = [0.0, 0.0, 1.0];
 
 /// Rays in these tests: their error is about 1.3e-3 where an outline crosses the hemisphere.
-const RAYS: u32 = 2048;
-const CLOSE: f64 = 4e-3;
+pub(super) const RAYS: u32 = 2048;
+pub(super) const CLOSE: f64 = 4e-3;
 
 /// A mesh of quads, each cut into two faces.
-fn quads(corners: &[[[f32; 3]; 4]]) -> Mesh {
+pub(super) fn quads(corners: &[[[f32; 3]; 4]]) -> Mesh {
     let faces = (0..corners.len() as u32)
         .flat_map(|i| [[4 * i, 4 * i + 1, 4 * i + 2], [4 * i, 4 * i + 2, 4 * i + 3]]);
     Mesh::new(corners.as_flattened().to_vec(), faces.collect()).unwrap()
 }
 
-fn exactly(rays: u32) -> RayOptions {
+pub(super) fn exactly(rays: u32) -> RayOptions {
     RayOptions { effort: Effort::Rays(rays), ring: Ring::Off, ..RayOptions::default() }
 }
 
@@ -33,18 +33,18 @@ fn cast(meshes: &[&Mesh], receivers: &Receivers, options: &RayOptions) -> Ambien
     Ambient::by_rays(&Oracle::over(meshes), receivers, options, &|_| {}).0
 }
 
-fn one(point: [f32; 3], normal: [f32; 3], face: Option<FaceId>) -> Receivers {
+pub(super) fn one(point: [f32; 3], normal: [f32; 3], face: Option<FaceId>) -> Receivers {
     let list = vec![Receiver { point, normal: Some(normal), face }];
     Receivers { list, ..Receivers::default() }
 }
 
 /// Openness of one receiver.
-fn open(mesh: &Mesh, point: [f32; 3], normal: [f32; 3]) -> f64 {
+pub(super) fn open(mesh: &Mesh, point: [f32; 3], normal: [f32; 3]) -> f64 {
     f64::from(cast(&[mesh], &one(point, normal, None), &exactly(RAYS)).openness[0])
 }
 
 /// The mean of what rays find that are drawn evenly from the hemisphere, without the cosine.
-fn open_evenly(mesh: &Mesh, point: [f32; 3], normal: [f32; 3]) -> f64 {
+pub(super) fn open_evenly(mesh: &Mesh, point: [f32; 3], normal: [f32; 3]) -> f64 {
     let oracle = Oracle::build(mesh);
     let start = Start::at(&oracle, &one(point, normal, None), 0);
     let above = |d: &[f32; 3]| (0..3).map(|i| d[i] * normal[i]).sum::<f32>() > 0.0;
@@ -54,7 +54,7 @@ fn open_evenly(mesh: &Mesh, point: [f32; 3], normal: [f32; 3]) -> f64 {
     1.0 - hidden / f64::from(RAYS)
 }
 
-fn is_close(found: f64, expected: f64) {
+pub(super) fn is_close(found: f64, expected: f64) {
     assert!((found - expected).abs() < CLOSE, "{found} is not {expected}");
 }
 

@@ -7,6 +7,7 @@ mod at_point;
 pub mod disks;
 mod exact;
 mod fan;
+mod fit;
 mod inside;
 mod lattice;
 mod rays;
@@ -18,10 +19,13 @@ mod sides;
 mod smooth;
 mod start;
 #[cfg(test)]
+mod bound_tests;
+#[cfg(test)]
 mod closed_tests;
 
 pub use at_point::PointRays;
 pub use exact::{Exact, exact, exact_part};
+pub use fit::{Ask, InsideError, MOST_INSIDE};
 pub use rays::{Cast, Effort, MOST_RAYS, RayOptions, Reach, Ring};
 pub use receivers::{Per, Receiver, Receivers};
 

@@ -26,6 +26,13 @@ pub(super) struct Seen {
     pub(super) towards: DVec3,
 }
 
+impl std::ops::AddAssign for Seen {
+    fn add_assign(&mut self, other: Self) {
+        self.hidden += other.hidden;
+        self.towards += other.towards;
+    }
+}
+
 /// A node of the tree, or a disk.
 #[derive(Clone, Copy, Debug, Default)]
 struct Node {
@@ -122,20 +129,20 @@ impl Tree {
         while let Some((level, number)) = stack.pop() {
             let Some(block) = self.levels[level].get(number) else { continue };
             let view = block.from(p, normal);
-            for lane in 0..WIDTH {
-                let (radius, distance) = (block.radius[lane], view.distance[lane]);
-                if view.height[lane] <= -radius || block.area[lane] == 0.0 {
-                    continue;
-                }
-                if level > 0 && radius > theta * distance {
-                    stack.push((level - 1, WIDTH * number + lane));
-                    continue;
-                }
-                if distance > 0.0 {
-                    let hidden = block.hidden(lane, &view, level > 0);
-                    seen.hidden += hidden;
-                    seen.towards += hidden * view.towards(lane);
-                }
+            // Without branches: which are above the horizon, and which of these are too near to count as one.
+            let (mut counts, mut near) = ([0.0; WIDTH], [false; WIDTH]);
+            for i in 0..WIDTH {
+                let (radius, distance) = (block.radius[i], view.distance[i]);
+                let above = (view.height[i] > -radius) & (block.area[i] > 0.0);
+                let wide = (level > 0) & (radius > theta * distance);
+                near[i] = above & wide;
+                counts[i] = if above & !wide & (distance > 0.0) { 1.0 } else { 0.0 };
+            }
+            for lane in (0..WIDTH).filter(|&lane| near[lane]) {
+                stack.push((level - 1, WIDTH * number + lane));
+            }
+            if counts != [0.0; WIDTH] {
+                seen += block.hidden(&view, level > 0, &counts);
             }
         }
         seen
@@ -147,11 +154,11 @@ impl Tree {
         let mut seen = Seen::default();
         for block in &self.levels[0] {
             let view = block.from(p, normal);
-            for lane in (0..WIDTH).filter(|&lane| block.area[lane] > 0.0 && view.distance[lane] > 0.0) {
-                let hidden = block.hidden(lane, &view, false);
-                seen.hidden += hidden;
-                seen.towards += hidden * view.towards(lane);
-            }
+            let counts: [f64; WIDTH] =
+                std::array::from_fn(
+                    |i| if block.area[i] > 0.0 && view.distance[i] > 0.0 { 1.0 } else { 0.0 },
+                );
+            seen += block.hidden(&view, false, &counts);
         }
         seen
     }
@@ -190,13 +197,6 @@ struct View {
     has_horizon: bool,
 }
 
-impl View {
-    /// Of length 1.
-    fn towards(&self, lane: usize) -> DVec3 {
-        DVec3::from(self.across.map(|axis| axis[lane])) / self.distance[lane]
-    }
-}
-
 impl Block {
     fn of(nodes: &[Node]) -> Self {
         let lanes =
@@ -222,34 +222,49 @@ impl Block {
         View { height: normal.map_or(distance, dot), across, distance, has_horizon: normal.is_some() }
     }
 
-    /// The form factor of a disk, or of the disks of a node taken as one:
+    /// The sum of form factors of the disks, or of the disks of nodes taken as one, that count:
     /// A·cosE·cosR / (πr² + A), exact for a disk that faces the receiver straight on, and never above 1.
     ///
     /// A·cosE of many disks is the area of their fronts as the receiver sees it: half of Σ a·|cos| + Σ a·cos.
     /// The first sum is not known. By Cauchy and Schwarz it is at most √(Σ a · Σ a·cos²), which stands for
     /// it.
-    fn hidden(&self, lane: usize, view: &View, is_node: bool) -> f64 {
-        let distance = view.distance[lane];
-        let d = view.towards(lane);
-        let area = self.area[lane];
-        let facing = -d.dot(DVec3::from(self.normal.map(|axis| axis[lane])));
-        let front = if is_node {
-            let [xx, yy, zz, xy, yz, zx] = self.square.map(|entry| entry[lane]);
-            let square = d.x * d.x * xx
-                + d.y * d.y * yy
-                + d.z * d.z * zz
-                + 2.0 * (d.x * d.y * xy + d.y * d.z * yz + d.z * d.x * zx);
-            0.5 * (facing.abs().max((area * square.max(0.0)).sqrt()) + facing)
-        } else {
-            facing.max(0.0)
-        };
-        if view.has_horizon {
-            front * (view.height[lane] / distance).max(0.0) / (PI * distance * distance + area)
-        } else {
-            // Of all directions: half of them close to the disk.
-            front / (4.0 * PI * distance * distance + 2.0 * area)
+    ///
+    /// All eight are worked out without branches, two or more by each instruction. `counts` is 1 for those
+    /// that count, else 0.
+    fn hidden(&self, view: &View, is_node: bool, counts: &[f64; WIDTH]) -> Seen {
+        let nodes = if is_node { 1.0 } else { 0.0 };
+        let (share, share_area) = if view.has_horizon { (1.0, 1.0) } else { (0.25, 0.5) };
+        let [across_x, across_y, across_z] = &view.across;
+        let [nx, ny, nz] = &self.normal;
+        let [xx, yy, zz, xy, yz, zx] = &self.square;
+        let (mut x, mut y, mut z, mut hidden) = ([0.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]);
+        for i in 0..WIDTH {
+            let (distance, area) = (view.distance[i], self.area[i]);
+            let per = 1.0 / distance;
+            (x[i], y[i], z[i]) = (across_x[i] * per, across_y[i] * per, across_z[i] * per);
+            let facing = -(x[i] * nx[i] + y[i] * ny[i] + z[i] * nz[i]);
+            let square = x[i] * x[i] * xx[i]
+                + y[i] * y[i] * yy[i]
+                + z[i] * z[i] * zz[i]
+                + 2.0 * (x[i] * y[i] * xy[i] + y[i] * z[i] * yz[i] + z[i] * x[i] * zx[i]);
+            // A lone disk has no such second side.
+            let both = nodes * (area * square.abs()).sqrt();
+            let front = 0.5 * (larger(facing.abs(), both) + facing);
+            let cosine = larger(view.height[i] * per, 0.0) * share;
+            hidden[i] = front * cosine / (PI * distance * distance + share_area * area);
         }
+        let mut seen = Seen::default();
+        for i in (0..WIDTH).filter(|&i| counts[i] > 0.0) {
+            seen.hidden += hidden[i];
+            seen.towards += hidden[i] * DVec3::new(x[i], y[i], z[i]);
+        }
+        seen
     }
+}
+
+/// As `f64::max`, in one instruction: it need not tell what is not a number.
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// Morton curve through the box of some disks, 2²¹ cells along each axis.

@@ -1,12 +1,13 @@
 //! Openness by the method that was asked for.
 
 use umbrage::ambient::disks::{Disks, Emitters, Passes};
-use umbrage::ambient::{Ambient, Effort, RayOptions, Reach, Receivers, exact_part};
+use umbrage::ambient::{Ambient, Ask, Effort, RayOptions, Reach, Receivers, Ring, exact_part};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::Oracle;
 use umbrage::oracle::area::SoftOracle;
 
 use super::input::Input;
+use super::inside::Worst;
 use super::{Args, FalloffArg, Found, Method, PerArg, note};
 use crate::cli::progress::Progress;
 use crate::cli::{Failure, output};
@@ -18,6 +19,7 @@ pub(super) struct Values {
     rays: Option<u32>,
     ring: bool,
     asks_inside: bool,
+    pub(super) worst: Option<Worst>,
 }
 
 pub(super) fn values(args: &Args, input: &Input) -> Result<Values, Failure> {
@@ -26,14 +28,18 @@ pub(super) fn values(args: &Args, input: &Input) -> Result<Values, Failure> {
     let progress = Progress::bar("ambient occlusion", list.len() as u64);
     let casting: Vec<&Mesh> = input.casting.iter().collect();
     let (mut rays, mut ring) = (None, false);
-    let ambient = match args.method {
+    let mut ambient;
+    // The openness of further points, by the same method.
+    let mut inside: Box<dyn FnMut(&Receivers) -> Vec<f32>>;
+    match args.method {
         Method::Rays => {
-            let (ambient, cast) =
-                Ambient::by_rays(&Oracle::over(&casting), &receivers, &options(args), &|count| {
-                    progress.done(count);
-                });
-            (rays, ring) = (Some(cast.rays), cast.ring);
-            ambient
+            let (oracle, options) = (Oracle::over(&casting), options(args));
+            let cast;
+            (ambient, cast) = Ambient::by_rays(&oracle, &receivers, &options, &|count| progress.done(count));
+            (rays, ring) = (Some(cast.rays), cast.ring && !args.fit);
+            let options =
+                RayOptions { effort: Effort::Rays(cast.rays), ring: Ring::Off, bent: false, ..options };
+            inside = Box::new(move |points| Ambient::by_rays(&oracle, points, &options, &|_| {}).0.openness);
         }
         Method::Exact => {
             let soft = SoftOracle::over(&casting);
@@ -44,25 +50,47 @@ pub(super) fn values(args: &Args, input: &Input) -> Result<Values, Failure> {
                 let found = exact_part(&soft, &receivers, part);
                 openness.extend(found.openness.into_iter().map(|open| open as f32));
             }
-            Ambient { openness, ..Ambient::default() }
+            ambient = Ambient { openness, ..Ambient::default() };
+            inside = Box::new(move |points| {
+                Ambient::from(exact_part(&soft, points, 0..points.list().len())).openness
+            });
         }
         Method::Disks => {
             let mut disks = Disks::of(&casting, Emitters::Vertices);
             disks.run(&Passes::default());
-            disks.openness(list)
+            ambient = disks.openness(list);
+            inside = Box::new(move |points| disks.openness(points.list()).openness);
         }
-    };
+    }
     drop(progress);
+    let worst = look_inside(args, input, &receivers, &mut ambient, &mut *inside);
+    drop(inside);
     let mut corners = vec![[0; 3]; input.order.len()];
     for (&face, own) in input.order.iter().zip(receivers.corners()) {
         corners[face as usize] = *own;
     }
     let asks_inside = args.method == Method::Rays;
-    if !ambient.inside.is_empty() {
+    if !ambient.inside.is_empty() && !args.fit {
         let inside = output::counted(ambient.inside.len(), "point is", "points are");
         note(args, format_args!("{inside} inside another solid, and dark"));
     }
-    Ok(Values { corners, ambient, rays, ring, asks_inside })
+    Ok(Values { corners, ambient, rays, ring, asks_inside, worst })
+}
+
+/// Fits the values to what is inside faces, and finds the worst error there, where this is asked for.
+fn look_inside(
+    args: &Args,
+    input: &Input,
+    receivers: &Receivers,
+    ambient: &mut Ambient,
+    ask: Ask<'_>,
+) -> Option<Worst> {
+    let pieces = args.inside()?;
+    if args.fit {
+        ambient.openness = receivers.fit(&ambient.openness, pieces, &mut *ask);
+    }
+    let error = receivers.inside_error(&ambient.openness, pieces, ask)?;
+    Worst::of(input, error)
 }
 
 /// Receivers between two steps of progress.

@@ -2,6 +2,7 @@
 
 mod compute;
 mod input;
+mod inside;
 mod json;
 mod save;
 mod text;
@@ -9,7 +10,7 @@ mod text;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use umbrage::ambient::{MOST_RAYS, Per};
+use umbrage::ambient::{MOST_INSIDE, MOST_RAYS, Per};
 use umbrage::write::{Form, Target};
 
 use super::input::CastArgs;
@@ -35,6 +36,7 @@ use input::Input;
     umbrage ambient model.glb -o baked.glb\n  \
     umbrage ambient model.glb -o baked.glb --error 0.005 --as attribute --bent\n  \
     umbrage ambient scan.stl -o scan.ply --rays 256\n  \
+    umbrage ambient hall.glb -o baked.glb --fit --inside 20000\n  \
     umbrage ambient room.glb -o baked.glb --distance 2 --ambient-falloff linear")]
 pub(crate) struct Args {
     /// A mesh file, or - for standard input: obj, gltf, glb, stl, ply, off, md2, 3mf; also in gzip or ZIP;
@@ -72,6 +74,22 @@ pub(crate) struct Args {
     /// What has one value
     #[arg(long, value_enum, default_value_t = PerArg::Corner)]
     per: PerArg,
+
+    /// Choose the values that fit what is inside faces best, not what is at their corners alone
+    ///
+    /// Viewers draw values linearly over a face, so the middle of a large face shows nothing that its corners
+    /// do not see. The fit is by least squares, over three points in each of the --inside triangles; it takes
+    /// some six times as long on a fine mesh. The worst error that is left is reported, with its face: one
+    /// that is still large asks for smaller faces there.
+    #[arg(long)]
+    fit: bool,
+
+    /// Cut the faces into about N triangles of even size, ask in the middle of each, and report the error of
+    /// the values there, and the face with the worst one [default with --fit: 4096]
+    ///
+    /// A face is one triangle at least. With rays the error has their noise in it.
+    #[arg(long, value_name = "N", value_parser = inside, allow_negative_numbers = true)]
+    inside: Option<u32>,
 
     /// What the values are written as, in a GLB [default: texture]
     #[arg(long = "as", value_enum, value_name = "FORM")]
@@ -174,6 +192,13 @@ fn rays(text: &str) -> Result<u32, String> {
     }
 }
 
+fn inside(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(pieces) if (1..=MOST_INSIDE).contains(&pieces) => Ok(pieces),
+        _ => Err(format!("write a whole number from 1 to {MOST_INSIDE}")),
+    }
+}
+
 fn error(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(error) if error > 0.0 && error < 1.0 => Ok(error),
@@ -205,9 +230,9 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let found = values.found(seconds);
     let mut out = Output::new();
     if args.json {
-        out.json(&json::document(&args, &input, &found))?;
+        out.json(&json::document(&args, &input, &found, values.worst.as_ref()))?;
     } else {
-        out.text(text::report(&args, &found))?;
+        out.text(text::report(&args, &found, values.worst.as_ref()))?;
     }
     out.flush()?;
     Ok(Outcome::Sound)
@@ -245,9 +270,19 @@ impl Args {
         if self.ambient_falloff == FalloffArg::Linear && self.distance.is_none() {
             return Err(Failure::new("--ambient-falloff linear has no end", "add --distance"));
         }
+        if self.per == PerArg::Face && self.inside().is_some() {
+            let flag = if self.fit { "--fit" } else { "--inside" };
+            let problem = format!("{flag}: with --per face nothing is drawn between corners");
+            return Err(Failure::new(problem, "leave one of them out"));
+        }
         refuse_overwriting("--output", Some(&self.output), &self.file)?;
         require_folder(&self.output)?;
         Ok(target)
+    }
+
+    /// The number of triangles to ask in, if any.
+    fn inside(&self) -> Option<u32> {
+        self.inside.or(self.fit.then_some(4096))
     }
 
     fn form(&self) -> Form {

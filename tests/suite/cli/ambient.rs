@@ -58,7 +58,8 @@ fn glb(folder: &Folder, name: &str) -> (Value, Vec<u8>) {
 fn ambient_json_has_the_agreed_keys_in_order() {
     let folder = Folder::with_cubes();
     let document = folder.json("ambient cube.obj -o a.glb");
-    let wanted = "file format receivers method rays mean_openness standard_error inside seconds";
+    let wanted =
+        "file format receivers method rays mean_openness standard_error inside fit worst_inside seconds";
     assert_eq!(keys(&document), wanted);
     // Nothing hides the sky from the outside of a convex solid.
     let found = ["receivers", "method", "rays", "mean_openness", "inside"].map(|key| document[key].clone());
@@ -66,6 +67,37 @@ fn ambient_json_has_the_agreed_keys_in_order() {
     let exact = folder.json("ambient cube.obj -o a.glb --method exact");
     assert_eq!((keys(&exact).as_str(), &exact["rays"]), (wanted, &Value::Null));
     assert!((exact["mean_openness"].as_f64().unwrap() - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn ambient_fit_lowers_the_error_inside_faces_and_names_the_worst_one() {
+    let folder = Folder::new();
+    // A floor that is one polygon of four corners, after a box that hovers over its middle.
+    let block = shapes::cuboid([-2.0, -2.0, 1.0], [2.0, 2.0, 3.0]);
+    let text = |p: &[f32; 3]| format!("v {} {} {}\n", p[0], p[1], p[2]);
+    let mut obj: String = block.positions().iter().map(text).collect();
+    obj += "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\n";
+    block.triangles().iter().for_each(|[a, b, c]| obj += &format!("f {} {} {}\n", a + 1, b + 1, c + 1));
+    obj += "f 9 10 11 12\n";
+    fs::write(folder.path("a.obj"), obj).unwrap();
+    let asked = |flags: &str| folder.json(&format!("ambient a.obj -o a.glb {flags}"));
+    assert_eq!(asked("--rays 32")["worst_inside"], Value::Null);
+    let (plain, fit) = (asked("--rays 32 --inside 300"), asked("--rays 32 --inside 300 --fit"));
+    for found in [&plain, &fit] {
+        let worst = &found["worst_inside"];
+        assert_eq!((worst["polygon"].as_u64(), worst["line"].as_u64()), (Some(12), Some(25)), "{worst}");
+        assert!(worst["face"].as_u64() >= Some(12) && worst["samples"].as_u64() > Some(200), "{worst}");
+    }
+    let mean = |of: &Value| of["worst_inside"]["mean_error"].as_f64().unwrap();
+    assert!(mean(&fit) < 0.7 * mean(&plain), "{plain} {fit}");
+    assert_eq!((&plain["fit"], &fit["fit"]), (&json!(false), &json!(true)));
+    for method in ["exact", "disks"] {
+        assert!(asked(&format!("--fit --inside 50 --method {method}"))["worst_inside"].is_object());
+    }
+    let run = folder.run("ambient a.obj -o a.glb --fit --rays 16 --inside 99");
+    assert!(run.stdout.contains("line 25"), "{}", run.stdout);
+    let run = folder.run("ambient a.obj -o a.glb --fit --per face");
+    assert!(run.code == 2 && run.stderr.contains("--per face"), "{}", run.stderr);
 }
 
 #[test]

@@ -58,3 +58,19 @@ fi
 cargo test --locked --lib --bins --tests -- "$@"
 cargo test --locked --doc -- "$@"
 cargo test --locked --no-default-features --lib -- "$@"
+
+# Whether three.js, in Chromium, shows the occlusion that `umbrage ambient` writes. Without node, Chromium or three.js
+# it is skipped; not part of a run of some tests.
+three_js() {
+    command -v node >/dev/null || { echo "SKIPPED three.js: no node"; return; }
+    local code=0
+    TMPDIR="$scratch" timeout 30 node tests/three/check.mjs "${CARGO_TARGET_DIR:-target}/debug/umbrage" || code=$?
+    # A machine under load, or a network that does not answer.
+    [ "$code" != 124 ] || { echo "SKIPPED three.js: not done after 30 seconds"; return; }
+    return "$code"
+}
+if [ $# = 0 ]; then
+    said="$(three_js)" || { echo "$said"; exit 1; }
+    echo "$said"
+    echo "$said" | sed -n 's/^SKIPPED //p' >>"$UMBRAGE_SKIPPED"
+fi

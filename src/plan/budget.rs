@@ -28,8 +28,8 @@ pub struct Budget {
     pub level: f64,
     /// Time of one picture. A wish: the error is a wall.
     pub time: Option<Duration>,
-    /// Whether the error is no wall, but to be as small as the time allows: so a text that gives a time and no
-    /// error.
+    /// Whether the error is no wall, but to be as small as the time allows. A text that gives a time and
+    /// no error asks for this.
     pub least_error: bool,
 }
 

@@ -6,7 +6,7 @@
 
 /// Number of kinds of shared costs.
 pub(super) const SHARED: usize = 4;
-/// Most states that are kept; fewer if there are so many lamps that the work would exceed [`MOST_WORK`].
+/// Most states that are kept; fewer where many lamps would make the work exceed [`MOST_WORK`].
 const MOST_STATES: usize = 4096;
 const FEWEST_STATES: usize = 64;
 const MOST_WORK: usize = 1 << 18;

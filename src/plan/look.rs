@@ -245,7 +245,7 @@ impl Planner<'_> {
     /// or the time for it is spent.
     fn try_some(&self, lamp: &Lamp, allowance: f64, candidates: &mut [Candidate]) {
         let most = if self.budget.least_error { 1.0 } else { self.budget.error };
-        // So many right ones show that no more than this fraction is wrong; a third more let one be wrong.
+        // If all are right, three times the inverse shows that no more are wrong; one more lets one be wrong.
         let count = ((4.0 / most) as usize).clamp(300, MOST);
         let light = self.budget.light_of(lamp.has_extent());
         let time_of = |candidate: &Candidate| self.time_with_tree(candidate);

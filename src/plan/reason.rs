@@ -26,7 +26,7 @@ pub(super) fn percent(fraction: f64) -> String {
     format!("{} %", (percent * scale * (1.0 - 4.0 * f64::EPSILON)).ceil() / scale)
 }
 
-/// A candidate that could have been chosen, with its time if it took the place of the chosen one.
+/// A candidate that could have been chosen, with its time if it stood for the chosen one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rival<'a> {
     pub(super) candidate: &'a Candidate,
@@ -35,8 +35,8 @@ pub(super) struct Rival<'a> {
 
 /// Why this candidate.
 ///
-/// `allowed` is the error that the budget allows; `None` if there is no wall. `rivals` could have taken its
-/// place within the error, and are in the order of their times.
+/// `allowed` is the error that the budget allows; `None` if there is no wall. `rivals` could have stood for it
+/// within the error, and are in the order of their times.
 pub(super) fn chosen(
     chosen: Rival<'_>,
     penumbra: Option<Share>,

@@ -3,8 +3,8 @@
 use super::{CostKey, Costs, Step};
 use crate::plan::Evidence;
 
-/// Nanoseconds for each feature of a step, on one thread: fitted to a record of three meshes on a shared virtual
-/// machine of two cores, and rounded.
+/// Nanoseconds for each feature of a step, on one thread: fitted to a record of three meshes on a shared
+/// virtual machine of two cores, and rounded.
 fn assumed(step: Step) -> &'static [f64] {
     match step {
         Step::Tree => &[10e3, 490.0],

@@ -235,10 +235,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         Renderer::Rays => by_rays(source, view(RAYS_SAMPLES), ambient)?,
         Renderer::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &casting, ambient, &args.adapter)?,
         #[cfg(feature = "gpu")]
-        Renderer::Device(gpu) => match by_stencil(&gpu, &source, view(STENCIL_SAMPLES), &casting) {
-            Ok(picture) => picture,
-            Err(error) => return Err(error.into()),
-        },
+        Renderer::Device(gpu) => by_stencil(&gpu, &source, view(STENCIL_SAMPLES), &casting)?,
         Renderer::Planned => unreachable!("a plan is run above"),
     };
     picture.write_png(&args.output)?;

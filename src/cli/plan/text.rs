@@ -71,7 +71,10 @@ impl Planned<'_> {
     fn truths(&self, lamp: &LampPlan) -> String {
         let Some(every) = self.every else { return String::new() };
         let mut table =
-            Table::new(&["technique", "error predicted", "at most", "true", "ms predicted", "measured", ""]);
+            Table::new(&["technique", "error predicted", "at most", "true", "ms predicted", "measured"]);
+        let mut whys = vec![String::new()];
+        // Those that could not be predicted, by the reason.
+        let mut others: Vec<(&str, Vec<String>)> = Vec::new();
         let chosen = lamp.groups.iter().map(|group| (group.technique, Some(&group.prediction), "chosen"));
         let rejected = lamp.groups.iter().flat_map(|group| &group.rejected);
         let rejected = rejected.map(|it| (it.technique, it.prediction.as_ref(), it.why.as_str()));
@@ -81,19 +84,31 @@ impl Planned<'_> {
                 continue;
             }
             seen.push(technique);
-            let trial = every.trial(lamp.lamp, technique);
-            let dash = || "-".to_owned();
+            let (Some(predicted), Some(trial)) = (predicted, every.trial(lamp.lamp, technique)) else {
+                match others.iter_mut().find(|(other, _)| *other == why) {
+                    Some((_, names)) => names.push(technique.to_string()),
+                    None => others.push((why, vec![technique.to_string()])),
+                }
+                continue;
+            };
             table.row(vec![
                 technique.to_string(),
-                predicted.map_or_else(dash, |it| percent(it.error)),
-                predicted.map_or_else(dash, |it| percent(it.bound)),
-                trial.map_or_else(dash, |it| percent(it.error)),
-                predicted.map_or_else(dash, |it| bare_ms(it.time.as_secs_f64() * 1e3)),
-                trial.map_or_else(dash, |it| bare_ms(it.ms())),
-                why.to_owned(),
+                percent(predicted.error),
+                percent(predicted.bound),
+                percent(trial.error),
+                bare_ms(predicted.time.as_secs_f64() * 1e3),
+                bare_ms(trial.ms()),
             ]);
+            whys.push(format!("  {why}"));
         }
-        format!("light {}, every technique:\n{table}\n", lamp.lamp + 1)
+        let mut text = format!("light {}, every technique:\n", lamp.lamp + 1);
+        for (line, why) in table.to_string().lines().zip(whys) {
+            let _ = writeln!(text, "{line}{why}");
+        }
+        for (why, names) in others {
+            let _ = writeln!(text, "  {why}: {}", names.join(", "));
+        }
+        text
     }
 }
 

@@ -162,10 +162,8 @@ fn plan_is_not_changed_by_what_cannot_matter() {
         // A caster below the floor, which nothing sees and nothing is behind.
         let below = shapes::translated(&shapes::cube(), [0.0, -5.0, 0.0]);
         let both = Mesh::concat(&[shapes::torus(24, 12, 2.0, 0.7), below]).unwrap();
-        let more = Set {
-            camera: set.camera.clone(),
-            ..Set::over_floor(both, &["point:3,9,5", "directional:0.3,-1,0.2"])
-        };
+        let more =
+            Set { camera: set.camera, ..Set::over_floor(both, &["point:3,9,5", "directional:0.3,-1,0.2"]) };
         let found = more.plan(budget, &costs);
         assert_eq!(choice(&found, 2), choice(&plain, 2));
         assert_eq!((found.lamps[0].pieces, plain.lamps[0].pieces), (3, 2));
@@ -214,8 +212,8 @@ fn plan_gives_reasons_in_figures() {
     let reason = &plan.lamps[0].groups[0].reason;
     assert!(reason.starts_with("rays: ") && reason.contains(" ms; "), "{reason}");
     let why = |technique: &str| {
-        let rejected = plan.lamps[0].groups[0].rejected.iter();
-        let found = rejected.filter(|rejected| rejected.technique.to_string() == technique).last();
+        let mut rejected = plan.lamps[0].groups[0].rejected.iter();
+        let found = rejected.rfind(|rejected| rejected.technique.to_string() == technique);
         found.unwrap_or_else(|| panic!("{technique}")).why.clone()
     };
     assert_eq!(why("stencil"), "no graphics adapter");
@@ -258,8 +256,7 @@ fn plan_of_nothing_is_defined() {
     }
     // No faces at all.
     let empty = Mesh::new(Vec::new(), Vec::new()).unwrap();
-    let set =
-        Set { camera: none.camera.clone(), ..Set::new(empty, Some(none.camera.clone()), &["point:1,2,3"]) };
+    let set = Set { camera: none.camera, ..Set::new(empty, Some(none.camera), &["point:1,2,3"]) };
     assert_eq!(set.plan("", &costs).samples, 0);
 }
 

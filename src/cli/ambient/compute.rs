@@ -22,6 +22,9 @@ pub(super) struct Values {
     pub(super) worst: Option<Worst>,
 }
 
+/// The openness of points.
+type Openness = Box<dyn FnMut(&Receivers) -> Vec<f32>>;
+
 pub(super) fn values(args: &Args, input: &Input) -> Result<Values, Failure> {
     let receivers = receivers(args, input);
     let list = receivers.list();
@@ -30,7 +33,7 @@ pub(super) fn values(args: &Args, input: &Input) -> Result<Values, Failure> {
     let (mut rays, mut ring) = (None, false);
     let mut ambient;
     // The openness of further points, by the same method.
-    let mut inside: Box<dyn FnMut(&Receivers) -> Vec<f32>>;
+    let mut inside: Openness;
     match args.method {
         Method::Rays => {
             let (oracle, options) = (Oracle::over(&casting), options(args));

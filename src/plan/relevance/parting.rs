@@ -208,7 +208,7 @@ impl Parting {
     }
 
     /// Whether a plane parts the shadow volume of `bounds` from a view, as it is drawn.
-    pub(super) fn from_view(&mut self, frustum: &Frustum, bounds: &Aabb) -> bool {
+    pub(super) fn parts_view(&mut self, frustum: &Frustum, bounds: &Aabb) -> bool {
         let volume = Centered::of(bounds).minus(frustum.eye);
         let lamp = match self.lamp.is_directional {
             true => self.lamp,
@@ -235,7 +235,7 @@ impl Parting {
     }
 
     /// Whether a plane parts the shadow volume of `bounds` from all points of a box.
-    pub(super) fn from_box(&mut self, tile: &Aabb, bounds: &Aabb) -> bool {
+    pub(super) fn parts_box(&mut self, tile: &Aabb, bounds: &Aabb) -> bool {
         if tile.overlaps(bounds) {
             return false;
         }
@@ -293,12 +293,12 @@ impl Parting {
             receivers.rays[..receivers.ray_count].iter().for_each(|&ray| ask(ray));
             let step = normal - worst.1;
             let length = step.length_squared();
-            if !(length > 0.0) {
+            if length == 0.0 {
                 return None;
             }
             normal -= step * (normal.dot(step) / length).clamp(0.0, 1.0);
             // Only its direction matters; the length falls as the gap does.
-            if !(normal.length_squared() > f64::MIN_POSITIVE) {
+            if normal.length_squared() <= f64::MIN_POSITIVE {
                 return None;
             }
         }

@@ -167,11 +167,11 @@ impl Answer {
         if self.tests.has(RelevanceTest::Parted) {
             let frustum = Frustum::of(samples.projection(), samples.size(), &casters.bounds());
             let mut parting = Parting::new(light, faults.has(Fault::BoxInView));
-            self.test(RelevanceTest::Parted, |piece| parting.from_view(&frustum, bounds(piece)));
+            self.test(RelevanceTest::Parted, |piece| parting.parts_view(&frustum, bounds(piece)));
         }
         let mut parting = Parting::new(light, faults.has(Fault::NoExtruded));
         self.test(RelevanceTest::Tiles, |piece| {
-            receivers.tiles.all_apart(|tile| parting.from_box(tile, bounds(piece)))
+            receivers.tiles.all_apart(|tile| parting.parts_box(tile, bounds(piece)))
         });
     }
 

@@ -149,8 +149,8 @@ mod tests {
         let is_dark: Vec<bool> =
             asked.iter().map(|&index| verdicts[index as usize] == Some(Verdict::Shadowed)).collect();
         let values = pass.resolve(&marked, &asked, &is_dark).unwrap().download(gpu).unwrap();
-        let mut found = Count::default();
-        found.asked = asked.iter().filter(|&&index| verdicts[index as usize].is_some()).count();
+        let front_lit = asked.iter().filter(|&&index| verdicts[index as usize].is_some());
+        let mut found = Count { asked: front_lit.count(), ..Count::default() };
         for ((&value, &on_cpu), verdict) in values.iter().zip(cpu.values()).zip(verdicts) {
             assert!(value == 0.0 || value == 1.0, "{value}");
             found.front_lit += usize::from(verdict.is_some());

@@ -56,15 +56,15 @@ pub(crate) struct Args {
     #[command(flatten)]
     shadow: ShadowArgs,
 
-    /// What of the shadows may be wrong, and how long a picture may take: error=F,light=F,level=N,time=16ms; for
-    /// --shadow auto, as in umbrage plan [default: exact, in the least time]
+    /// What of the shadows may be wrong, and how long a picture may take: error=F,light=F,level=N,time=16ms;
+    /// for --shadow auto, as in umbrage plan [default: exact, in the least time]
     ///
     /// With --shadow TECHNIQUE the error is compared with this, and said.
     #[arg(long, value_name = "BUDGET")]
     budget: Option<Budget>,
 
-    /// How many points are compared with the exact ray cast after --shadow auto or a plan, at first; more if they
-    /// do not tell; 0 for no check [default: 3000]
+    /// How many points are compared with the exact ray cast after --shadow auto or a plan, at first; more if
+    /// they do not tell; 0 for no check [default: 3000]
     #[arg(long, value_name = "N", value_parser = large, allow_negative_numbers = true)]
     check: Option<u64>,
 
@@ -126,9 +126,10 @@ fn counts(technique: Option<Technique>) -> bool {
 }
 
 impl ShadowArgs {
-    /// A plan if any lamp leaves it to us. Otherwise a stencil pass if any lamp asks for one, and no other asks for
-    /// a technique of the CPU. Where some lamps count and others cast rays, or one asks for a technique of the
-    /// CPU, all is done on the CPU, on the same samples; ambient light by rays is of the CPU, too.
+    /// A plan if any lamp leaves it to us. Otherwise a stencil pass if any lamp asks for one, and no other
+    /// asks for a technique of the CPU. Where some lamps count and others cast rays, or one asks for a
+    /// technique of the CPU, all is done on the CPU, on the same samples; ambient light by rays is of the
+    /// CPU, too.
     fn settle(&self, adapter: &AdapterArgs, ambient: bool) -> Result<Renderer, Failure> {
         if self.asks_for(|technique| technique.is_none()) {
             adapter.unused("--shadow auto and plans are of the CPU");

@@ -17,12 +17,12 @@ pub(crate) struct ShadowArgs {
     /// `rays`: exact ray cast. `stencil`: a stencil pass on a graphics adapter, z-pass for each shell for
     /// which it is proven right, else z-fail; `zfail`: right everywhere; `zpass`: wrong where the eye is in a
     /// shadow. `none`: light passes through everything; `dark`: the light is off. `auto`: what umbrage plan
-    /// chooses within --budget, on the CPU. A name that ends in `.json` is a plan that umbrage plan -o saved, for
-    /// all lights. For example: --shadow zfail --shadow 2=none.
+    /// chooses within --budget, on the CPU. A name that ends in `.json` is a plan that umbrage plan -o saved,
+    /// for all lights. For example: --shadow zfail --shadow 2=none.
     ///
     /// Exact shadow volumes on the CPU: `counter` (drawn in tiles, each counted from the side with less to
-    /// count), `zpass-plus` (z-pass, right also where the eye is in a shadow), `zpass-reversed` (z-fail by the
-    /// complement of its depth test).
+    /// count), `zpass-plus` (z-pass, right also where the eye is in a shadow), `zpass-reversed` (z-fail by
+    /// the complement of its depth test).
     ///
     /// Hard shadows on the CPU from a shadow map: `map`, `pcf` (filtered), `map-ids` (with an exact test of
     /// the faces), `hybrid-3x3` and `hybrid-2x2` (an exact ray where nine or four texels differ),

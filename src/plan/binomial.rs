@@ -9,8 +9,8 @@
 //!
 //! A term of the sum is computed through the logarithms of factorials. For at most 2²⁶ draws these are below
 //! 2³¹, and the few of them that are added err by less than 2³¹ · 2⁻⁵² together with the series' remainder.
-//! So a probability is off by less than the factor 1 ± [`SLACK`]. The bounds are those of `alpha` made smaller
-//! by it, and are rounded outwards by one step of the search.
+//! So a probability is off by less than the factor 1 ± [`SLACK`]. The bounds are those of `alpha` made
+//! smaller by it, and are rounded outwards by one step of the search.
 
 /// See the head of this file.
 const SLACK: f64 = 1.0 / (1 << 20) as f64;

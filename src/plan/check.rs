@@ -6,8 +6,8 @@
 //! exact technique. Otherwise twice as many samples are drawn, and in the end all are compared. A wrong
 //! prediction costs time then, and not truth.
 //!
-//! **Surely**: by the bounds of Clopper and Pearson. All looks at all lamps together err with a probability of
-//! at most 1 %, since each has its part of it.
+//! **Surely**: by the bounds of Clopper and Pearson. All looks at all lamps together err with a probability
+//! of at most 1 %, since each has its part of it.
 
 use std::time::Instant;
 

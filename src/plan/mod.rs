@@ -1,13 +1,14 @@
 //! The planner: which shadows a scene calls for, by which technique, and why.
 //!
-//! A [`Budget`] says how many samples may be wrong, and how long a picture may take. The plan names a technique
-//! for each lamp and each group of receivers, with a bound of its error, the [`Evidence`] of this bound, a
-//! predicted time, and the reason of the choice. What is left out is listed with the bound that allows it.
+//! A [`Budget`] says how many samples may be wrong, and how long a picture may take. The plan names a
+//! technique for each lamp and each group of receivers, with a bound of its error, the [`Evidence`] of this
+//! bound, a predicted time, and the reason of the choice. What is left out is listed with the bound that
+//! allows it.
 //!
-//! **Called for**: an effect (a lamp, its casters, its receivers; the penumbra of a lamp; ambient occlusion) is
-//! called for under a budget if switching it off, together with all else that is switched off, changes more
-//! samples than the budget allows. Each effect that is dropped is charged its bound, and the bounds are added
-//! up, so that many small ones cannot add up unseen.
+//! **Called for**: an effect (a lamp, its casters, its receivers; the penumbra of a lamp; ambient occlusion)
+//! is called for under a budget if switching it off, together with all else that is switched off, changes
+//! more samples than the budget allows. Each effect that is dropped is charged its bound, and the bounds are
+//! added up, so that many small ones cannot add up unseen.
 
 mod binomial;
 mod budget;

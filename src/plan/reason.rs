@@ -35,8 +35,8 @@ pub(super) struct Rival<'a> {
 
 /// Why this candidate.
 ///
-/// `allowed` is the error that the budget allows; `None` if there is no wall. `rivals` could have stood for it
-/// within the error, and are in the order of their times.
+/// `allowed` is the error that the budget allows; `None` if there is no wall. `rivals` could have stood for
+/// it within the error, and are in the order of their times.
 pub(super) fn chosen(
     chosen: Rival<'_>,
     penumbra: Option<Share>,

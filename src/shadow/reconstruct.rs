@@ -1,10 +1,10 @@
 //! Shadow volumes of the surface that a shadow map shows: the technique `reconstruct`.
 //!
 //! (Michael McCool, *Shadow Volume Reconstruction from Depth Maps*, ACM Transactions on Graphics, 2000.) The
-//! map needs no mesh that can be extruded, and the volume needs no lookup. McCool finds the edges of the map and
-//! extrudes these. Here the map becomes a mesh, a sheet, and the extruder takes any mesh: its silhouette has
-//! those edges. The errors are about twice those of the map: between a near and a far texel the sheet hides
-//! what lies behind, up to the far texel's center.
+//! map needs no mesh that can be extruded, and the volume needs no lookup. McCool finds the edges of the map
+//! and extrudes these. Here the map becomes a mesh, a sheet, and the extruder takes any mesh: its silhouette
+//! has those edges. The errors are about twice those of the map: between a near and a far texel the sheet
+//! hides what lies behind, up to the far texel's center.
 
 use super::map::{DepthSource, LightSpace, MapError, PolygonOffset, ShadowMap, wide};
 use super::options::{Key, Options, set_number};

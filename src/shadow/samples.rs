@@ -54,7 +54,8 @@ impl Samples {
         Ok(Self { projection: *projection, size, per_side, hits })
     }
 
-    /// Some visible points, as samples of the same camera: in rows of 256, the last one filled up with nothing.
+    /// Some visible points, as samples of the same camera: in rows of 256, the last one filled up with
+    /// nothing.
     ///
     /// What looks at neighbors in the picture finds others.
     pub(crate) fn of_points(&self, points: &[PrimaryHit]) -> Self {

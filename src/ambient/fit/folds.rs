@@ -15,8 +15,8 @@ pub(super) struct Fold {
 }
 
 impl Fold {
-    /// Those of all edges that have two faces with an area. A fold counts as `share` of the area of both: so a
-    /// thin face weighs no more than its area, and the unit of length does not matter.
+    /// Those of all edges that have two faces with an area. A fold counts as `share` of the area of both: so
+    /// a thin face weighs no more than its area, and the unit of length does not matter.
     pub(super) fn all(cut: &Pieces<'_>, share: f64) -> Vec<Self> {
         let mut sides: Vec<([u32; 2], u32, u32)> = Vec::new();
         for (face, [a, b, c]) in cut.faces().filter(|&(face, _)| cut.area(face) > 0.0) {

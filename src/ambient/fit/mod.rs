@@ -41,10 +41,10 @@ pub const MOST_INSIDE: u32 = 1 << 24;
 pub type Ask<'a> = &'a mut dyn FnMut(&Receivers) -> Vec<f32>;
 
 impl Receivers {
-    /// The values that fit the openness inside faces best, from 0 to 1. `known` has a value for each receiver;
-    /// it is where the search begins, and stays where a receiver has no face with an area. `ask` gives the
-    /// openness of further receivers, inside faces: three for each of some `pieces` triangles of even size
-    /// that faces are cut into; a small face is one piece. They come in lots of at most 65,536.
+    /// The values that fit the openness inside faces best, from 0 to 1. `known` has a value for each
+    /// receiver; it is where the search begins, and stays where a receiver has no face with an area. `ask`
+    /// gives the openness of further receivers, inside faces: three for each of some `pieces` triangles of
+    /// even size that faces are cut into; a small face is one piece. They come in lots of at most 65,536.
     ///
     /// For receivers per vertex or per corner. Memory: about 100 bytes a face, and one lot.
     ///

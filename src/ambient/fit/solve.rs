@@ -11,7 +11,8 @@ const ENOUGH: f64 = 1.0 / (1_u64 << 32) as f64;
 /// of steps.
 const MOST_STEPS: usize = 500;
 
-/// Solves (M + R) x = `right` from a first x. One thread, in a fixed order: the result is the same everywhere.
+/// Solves (M + R) x = `right` from a first x. One thread, in a fixed order: the result is the same
+/// everywhere.
 pub(super) fn solve(cut: &Pieces<'_>, folds: &[Fold], right: &[f64], x: &mut [f64]) {
     let diagonal = diagonal(cut, folds);
     let mut product = vec![0.0; x.len()];

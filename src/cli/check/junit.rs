@@ -1,4 +1,5 @@
-//! The crack report as JUnit XML, which build servers show as tests: one suite for a file, one case for a mesh.
+//! The crack report as JUnit XML, which build servers show as tests: one suite for a file, one case for a
+//! mesh.
 
 use std::path::PathBuf;
 

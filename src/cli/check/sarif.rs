@@ -109,7 +109,8 @@ fn result(report: &FileReport, index: usize, mesh: &MeshReport, found: &Found, a
     })
 }
 
-/// A file as a relative address: with slashes, and what a URI does not allow as percent and hexadecimal digits.
+/// A file as a relative address: with slashes, and what a URI does not allow as percent and hexadecimal
+/// digits.
 fn artifact(file: &Path) -> Value {
     let path = file.to_string_lossy().replace('\\', "/");
     let mut uri = String::with_capacity(path.len());

@@ -47,8 +47,8 @@ impl Identity {
     }
 }
 
-/// Faces, and a number that depends on every index and every bit of a coordinate: the hash of Fowler, Noll and
-/// Vo. Two scenes that were not made to collide share one with a probability of 2⁻⁶⁴.
+/// Faces, and a number that depends on every index and every bit of a coordinate: the hash of Fowler, Noll
+/// and Vo. Two scenes that were not made to collide share one with a probability of 2⁻⁶⁴.
 fn fingerprint(mesh: &Mesh) -> String {
     let indices = mesh.triangles().iter().flatten().copied();
     let coordinates = mesh.positions().iter().flatten().map(|x| x.to_bits());

@@ -15,10 +15,11 @@ use crate::cli::plan::{FalloffArg, Identity, Saved, as_drawn, check_words, requi
 use crate::cli::progress::Progress;
 use crate::cli::{Failure, Outcome, lights, output};
 
-/// Draws the lamps that are left to the planner by its plan, and the others by the technique that they ask for.
+/// Draws the lamps that are left to the planner by its plan, and the others by the technique that they ask
+/// for.
 ///
-/// All of it is checked, and what is found wrong falls back to exact shadows. Exit code 1: the budget is not met,
-/// or an exact technique was wrong.
+/// All of it is checked, and what is found wrong falls back to exact shadows. Exit code 1: the budget is not
+/// met, or an exact technique was wrong.
 pub(super) fn run(
     args: &Args,
     source: &Source,

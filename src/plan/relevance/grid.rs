@@ -20,8 +20,8 @@ pub(super) struct Grid<'a> {
 }
 
 impl<'a> Grid<'a> {
-    /// The grid of the pieces that are still `kept`: of all faces that a ray crosses the nearest to the lamp is
-    /// among theirs. `None` if a sample has no certain place in the grid.
+    /// The grid of the pieces that are still `kept`: of all faces that a ray crosses the nearest to the lamp
+    /// is among theirs. `None` if a sample has no certain place in the grid.
     pub(super) fn build(
         question: &'a Question<'a>,
         chain: &'a Chain<'a>,

@@ -15,8 +15,8 @@
 //!
 //! # Effect of rounding
 //!
-//! Each expression has fewer than 16 roundings of at most 2⁻⁵³ of its terms; [`ERROR`] is 2⁷ roundings. A view
-//! is enlarged by one pixel on each side, and its eye by the roundings of the visible points. So what is
+//! Each expression has fewer than 16 roundings of at most 2⁻⁵³ of its terms; [`ERROR`] is 2⁷ roundings. A
+//! view is enlarged by one pixel on each side, and its eye by the roundings of the visible points. So what is
 //! dropped also draws no fragment, if the clip coordinates of the drawn volume err by at most
 //! `2⁻²⁰·Σ|rowᵢ·qᵢ|` each; [`DRAWN`] is twice that, and [`FLUSH`] is what is lost where small numbers are
 //! flushed to zero. (The derivation is that of the light pyramid of the stencil pass.)
@@ -182,8 +182,8 @@ impl Frustum {
         Self { eye, receivers: Receivers { points, rays, ray_count }, rows, inverse }
     }
 
-    /// How much a drawn clip coordinate may err, as a bound of `slack·|q|` for the function with the normal n;
-    /// and what may be lost to flushed numbers, times a bound of the coordinates.
+    /// How much a drawn clip coordinate may err, as a bound of `slack·|q|` for the function with the normal
+    /// n; and what may be lost to flushed numbers, times a bound of the coordinates.
     fn slack(&self, n: DVec3) -> (DVec3, f64) {
         let weights = [0, 1, 2].map(|i| n.dot(self.inverse.col(i)).abs());
         let slack = (0..3).map(|i| weights[i] * self.rows[i].abs()).sum::<DVec3>();

@@ -2,8 +2,8 @@
 //!
 //! (Eric Chan and Frédo Durand, *An Efficient Hybrid Shadow Rendering Algorithm*, EGSR 2004; Pradeep Sen,
 //! Mike Cammarano and Pat Hanrahan, *Shadow Silhouette Maps*, SIGGRAPH 2003.) What errs are occluders that
-//! fall between texel centers: their shadows are lost. `hybrid-2x2` is the rule as published in 2004: the four
-//! texels around a sample agree.
+//! fall between texel centers: their shadows are lost. `hybrid-2x2` is the rule as published in 2004: the
+//! four texels around a sample agree.
 
 use super::neighborhood::{Around, Neighborhood, Seen};
 use super::options::{ExactOptions, NearestOptions};

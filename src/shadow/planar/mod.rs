@@ -6,7 +6,7 @@
 //!
 //! Of all that is seen one plane receives these shadows: the one with most samples, or a given one
 //! ([`Ground`]). All other samples are passed to the exact ray cast, and counted
-//! ([`Visibility::asked_exactly`]).
+//! ([`Visibility::asked_exactly`](crate::shadow::Visibility::asked_exactly)).
 
 mod blob;
 mod blur;

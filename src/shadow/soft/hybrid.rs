@@ -195,8 +195,8 @@ mod tests {
         }
     }
 
-    /// A wide floor casts nothing: the map of the knot ends on it. Beside that of a sun nothing casts a shadow;
-    /// beside that of a spot something may.
+    /// A wide floor casts nothing: the map of the knot ends on it. Beside that of a sun nothing casts a
+    /// shadow; beside that of a spot something may.
     #[test]
     fn soft_hybrid_asks_little_beside_the_map_of_a_sun() {
         let floor = shapes::translated(&shapes::scaled(&shapes::sheet(1), 24.0), [-12.0, -12.0, -3.0]);

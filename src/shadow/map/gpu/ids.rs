@@ -162,8 +162,8 @@ mod tests {
         found
     }
 
-    /// Both twins test the same faces, but where the coverage of a texel turns by rounding, and where a device
-    /// asks the ray cast, which knows more faces than the texels name.
+    /// Both twins test the same faces, but where the coverage of a texel turns by rounding, and where a
+    /// device asks the ray cast, which knows more faces than the texels name.
     #[test]
     fn ids_on_a_device_answer_as_the_cpu_form_and_faults_are_found() {
         let Some(gpu) = gpu() else { return };

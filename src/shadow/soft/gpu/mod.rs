@@ -1,8 +1,8 @@
 //! Soft shadows on a device: what techniques read beside a [`GpuMap`], and the techniques.
 //!
 //! [`SoftPass`] makes the pyramid of a map: least and greatest depths of squares of texels, the same numbers
-//! as on the CPU. [`PcssPass`] and [`SearchPass`] fill a visibility texture from it, and cut each value at the
-//! share of the lamp above the plane of the sample's own face. A device computes positions and depths of
+//! as on the CPU. [`PcssPass`] and [`SearchPass`] fill a visibility texture from it, and cut each value at
+//! the share of the lamp above the plane of the sample's own face. A device computes positions and depths of
 //! receivers in `f32`, the CPU in `f64`.
 
 mod lamp;

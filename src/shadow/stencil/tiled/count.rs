@@ -46,8 +46,8 @@ impl Counter {
 
     /// The count of each sample that is asked; `None` where a point lies on a volume.
     ///
-    /// Memory: some 220 bytes per triangle that is in the picture, part by part, and 8 per triangle and tile of a
-    /// row.
+    /// Memory: some 220 bytes per triangle that is in the picture, part by part, and 8 per triangle and tile
+    /// of a row.
     pub(in crate::shadow) fn counts<'v>(
         &self,
         samples: &Samples,

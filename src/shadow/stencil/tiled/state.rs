@@ -36,8 +36,8 @@ impl State {
         self == Self::ZPASS
     }
 
-    /// What a triangle adds to the count of a sample: `None` if it does not count. `is_own` says whether it is
-    /// a cap that is the visible face itself, at the same depth.
+    /// What a triangle adds to the count of a sample: `None` if it does not count. `is_own` says whether it
+    /// is a cap that is the visible face itself, at the same depth.
     pub(super) fn update(self, meeting: Meeting, is_own: impl FnOnce() -> bool) -> Option<i32> {
         let (order, value) = match meeting {
             Meeting::Before(value) => (Ordering::Greater, value),

@@ -191,7 +191,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     refuse_overwriting("--output", Some(&args.output), &args.source.file)?;
     require_folder(&args.output)?;
     args.view.refuse()?; // before the file is read
-    let renderer = args.shadow.settle(&args.adapter, args.ambient)?;
+    let mut renderer = args.shadow.settle(&args.adapter, args.ambient)?;
     args.threads.apply()?;
 
     let saved = args.shadow.plan()?.map(|path| Ok::<_, Failure>((path, Saved::read(path)?))).transpose()?;
@@ -205,6 +205,11 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     } else {
         None
     };
+    // Without faces there is nothing to plan: the rays of the picture meet nothing, and cost as little.
+    let is_empty = source.seen().mesh().face_count() == 0;
+    if matches!(renderer, Renderer::Planned) && is_empty && saved.is_none() {
+        renderer = Renderer::Rays;
+    }
     if matches!(renderer, Renderer::Planned) {
         return planned::run(&args, &source, camera, ground, &techniques, saved);
     }

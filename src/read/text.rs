@@ -138,7 +138,7 @@ impl<'a> Line<'a> {
     #[inline]
     fn coordinate(&mut self) -> Result<(f64, f32), ReadError> {
         let Some(word) = self.word() else { return Err(self.error("a position needs three numbers")) };
-        let Some((wide, value)) = decimal(word) else {
+        let Some((wide, value)) = loose(word) else {
             return Err(self.error(format!("{} is not a number", quote(word))));
         };
         if value.is_finite() {

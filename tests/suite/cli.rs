@@ -162,8 +162,18 @@ fn cli_usage_errors_exit_with_two() {
 fn cli_help_names_every_default() {
     let folder = Folder::new();
     assert!(folder.run("--help").stdout.contains("Exit codes: 0 sound"));
-    let commands =
-        ["check", "prepare", "silhouette", "volume", "verify", "render", "ambient", "torture", "accuracy"];
+    let commands = [
+        "check",
+        "prepare",
+        "silhouette",
+        "volume",
+        "verify",
+        "render",
+        "ambient",
+        "plan",
+        "torture",
+        "accuracy",
+    ];
     for command in commands {
         let run = folder.run(&format!("{command} --help"));
         assert_eq!(run.code, 0);
@@ -180,7 +190,7 @@ fn cli_help_names_every_default() {
         let valued: Vec<&String> = blocks.iter().filter(|block| block.contains('<')).collect();
         assert!(valued.len() > 4, "{}", run.stdout);
         for block in valued {
-            let said = ["[default: ", "(required)"];
+            let said = ["[default: ", "[default with ", "(required)"];
             assert!(said.iter().any(|words| block.contains(words)), "{command}: {block}");
         }
     }

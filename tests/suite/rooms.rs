@@ -99,7 +99,10 @@ fn sources() -> BTreeMap<String, String> {
     let library = |name: &str| !name.starts_with("cli/") && !matches!(name, "main.rs" | "lib.rs");
     // Files compiled for tests only.
     let tests = |name: &str| {
-        name.ends_with("tests.rs") || name.ends_with("test_support.rs") || name.ends_with("emulation.rs")
+        name.contains("/tests/")
+            || name.ends_with("tests.rs")
+            || name.ends_with("test_support.rs")
+            || name.ends_with("emulation.rs")
     };
     paths.iter().map(read).filter(|(name, _)| library(name) && !tests(name)).collect()
 }

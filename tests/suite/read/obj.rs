@@ -141,12 +141,15 @@ fn obj_errors_name_the_line() {
         &[
             (
                 b"# c\nv 1 2 nan\nf 1 1 1\n",
-                ", line 2 (obj): a face has vertex 1, whose coordinate NaN is not",
+                ", line 2 (obj): a face has vertex 1, whose coordinate NaN is not a finite number of 32 bits",
             ),
-            (b"v 1 -inf 2\nf -1 1 1\n", ", line 1 (obj): a face has vertex 1, whose coordinate -inf is not"),
+            (
+                b"v 1 -inf 2\nf -1 1 1\n",
+                ", line 1 (obj): a face has vertex 1, whose coordinate -inf is not a finite number of 32 bits",
+            ),
             (
                 b"v 0 0 0\nv 1 2 1e39\nf 1 1 2\n",
-                ", line 2 (obj): a face has vertex 2, whose coordinate 1e39 is not",
+                ", line 2 (obj): a face has vertex 2, whose coordinate 1e39 is not a finite number of 32 bits",
             ),
             (b"v 1 2 3,5\n", ", line 1 (obj): `3,5` is not a number"),
             (b"v 1 \\\n2\n", ", line 1 (obj): a position needs three numbers"),

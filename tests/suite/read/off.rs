@@ -175,7 +175,7 @@ fn off_text_errors_name_the_line() {
             (&with("1 1.5e0 -.25", "1 1.5e0"), ", line 7 (off): a position needs three numbers"),
             (
                 &with("1 1.5e0", "1 1e39"),
-                ", line 7 (off): a face has vertex 2, whose coordinate inf is not a finite number of 32 bits",
+                ", line 7 (off): a face has vertex 2, whose coordinate 1e39 is not a finite number of 32 bits",
             ),
             (&with("4 0 1 2 3", "4 0 1 2"), ", line 10 (off): the face counts 4 corners, but its line has 3"),
             (

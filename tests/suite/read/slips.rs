@@ -61,7 +61,8 @@ fn obj_words_behind_a_position_need_be_no_numbers() {
         }
     }
     // Negative test: what is needed.
-    assert!(error("v 0 0 nan 1 1 1\n", "a.obj").contains("line 1 (obj): the coordinate `nan`"));
+    let message = error("v 0 0 nan 1 1 1\nf 1 1 1\n", "a.obj");
+    assert!(message.contains("line 1 (obj): a face has vertex 1, whose coordinate NaN is not"), "{message}");
     assert!(error("v 0 0 0 v 1 1 1\n", "a.obj").contains("line 1 (obj): `v` follows the position"));
 }
 

@@ -1,6 +1,6 @@
 //! Groups of casters that share one ray cast.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::Caster;
 use crate::geom::Aabb;
@@ -40,7 +40,7 @@ pub struct CasterGroup<'a> {
     casters: Vec<&'a Caster>,
     /// All that is seen, if that is more than the casters.
     seen: Option<&'a Caster>,
-    oracle: OnceLock<Oracle>,
+    oracle: OnceLock<Arc<Oracle>>,
 }
 
 impl<'a> CasterGroup<'a> {
@@ -57,6 +57,23 @@ impl<'a> CasterGroup<'a> {
         Self { seen: Some(seen), ..self }
     }
 
+    /// The same group with a ray cast that was built before, over casters of the same positions in the same
+    /// order.
+    #[must_use]
+    pub(crate) fn with_oracle(self, oracle: Arc<Oracle>) -> Self {
+        Self { oracle: OnceLock::from(oracle), ..self }
+    }
+
+    /// The exact ray cast over all casters, to be kept for another group.
+    pub(crate) fn shared_oracle(&self) -> Arc<Oracle> {
+        self.oracle.get_or_init(|| Arc::new(self.build())).clone()
+    }
+
+    fn build(&self) -> Oracle {
+        let meshes: Vec<&Mesh> = self.casters.iter().map(|caster| caster.mesh()).collect();
+        Oracle::over(&meshes)
+    }
+
     /// The casters, in the order given.
     #[must_use]
     pub fn casters(&self) -> &[&'a Caster] {
@@ -66,12 +83,10 @@ impl<'a> CasterGroup<'a> {
     /// The exact ray cast over all casters, built on first use.
     #[must_use]
     pub fn oracle(&self) -> &Oracle {
-        match self.casters[..] {
-            [caster] => caster.oracle(),
-            _ => self.oracle.get_or_init(|| {
-                let meshes: Vec<&Mesh> = self.casters.iter().map(|caster| caster.mesh()).collect();
-                Oracle::over(&meshes)
-            }),
+        match (self.oracle.get(), &self.casters[..]) {
+            (Some(oracle), _) => oracle,
+            (None, [caster]) => caster.oracle(),
+            (None, _) => self.oracle.get_or_init(|| Arc::new(self.build())),
         }
     }
 

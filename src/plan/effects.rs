@@ -9,9 +9,9 @@ use super::relevance::{Outcome, Pieces, RelevanceTest, Triple};
 use super::{Budget, Effect, Evidence, Scenery};
 use crate::scene::Lamp;
 
-/// The name of a lamp, or its number.
+/// The name of a lamp, or its number, from 1 as on the command line.
 pub(super) fn lamp_name(lamp: &Lamp, number: usize) -> String {
-    if lamp.name.is_empty() { format!("light {number}") } else { lamp.name.clone() }
+    if lamp.name.is_empty() { format!("light {}", number + 1) } else { lamp.name.clone() }
 }
 
 /// Why something is left out, by the test that says so.
@@ -22,12 +22,12 @@ pub(super) fn because(test: RelevanceTest) -> &'static str {
         RelevanceTest::Faint => "its strongest contribution is below the level of the budget",
         RelevanceTest::Enclosed => "a watertight shell encloses the lamp, and nothing seen",
         RelevanceTest::Unblocked => "no caster's shadow reaches anything seen",
-        RelevanceTest::Parted => "their shadow reaches nothing seen (planes)",
-        RelevanceTest::Tiles => "their shadow reaches nothing seen (tiles)",
+        RelevanceTest::Parted => "casting on nothing seen (planes)",
+        RelevanceTest::Tiles => "casting on nothing seen (tiles)",
         RelevanceTest::OutOfReach => "beyond the range or outside the cone of the lamp",
         RelevanceTest::Nested => "within other casters",
         RelevanceTest::Shadowed => "in the shadow of other casters",
-        RelevanceTest::NothingBehind => "their shadow reaches nothing seen (light grid)",
+        RelevanceTest::NothingBehind => "casting on nothing seen (light grid)",
         RelevanceTest::Copy => "copies of other casters",
         RelevanceTest::TurnedAway => "turned away from the lamp, or out of its reach",
         RelevanceTest::Sky => "nothing is seen there",
@@ -62,6 +62,13 @@ fn penumbra(name: String, looked: &Looked, pick: &Candidate, budget: &Budget) ->
     let allowed =
         if budget.least_error { String::new() } else { format!(", {} allowed", percent(budget.error)) };
     let called = pick.technique.is_soft();
+    let tried =
+        pick.error.filter(|(error, _)| !called && looked.penumbra.is_some_and(|it| error.bound < it.bound));
+    if let Some((share, evidence)) = tried {
+        let reason =
+            format!("at most {} of samples are wrong without it, as tried{allowed}", percent(share.bound));
+        return Effect { name, called, bound: share.bound, evidence, reason };
+    }
     match looked.penumbra {
         Some(share) if share.bound == 0.0 => {
             let reason = "every sample sees all of the lamp, or nothing of it".to_owned();

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::candidates::{Candidate, Known, PROOFS, TREE};
 use super::costs::{Step, Work};
 use super::effects;
-use super::planner::{LEAST_PLANNING, MOST_PLANNING, PLANNING_SHARE, Planner, tree_time};
+use super::planner::{OF_GRIDS, OF_RELEVANCE, OF_TRIALS, PLANNING_SHARE, Planner, tree_time};
 use super::probe::{FEWEST, GridProbe, LampProbe, MOST, Share};
 use super::relevance::{Dropped, Outcome, Question, Relevance, RelevanceTest, TestSet, Triple, relevant};
 use super::run::can_be_reduced;
@@ -19,6 +19,14 @@ use crate::shadow::{Technique, is_front_lit};
 /// Sides of the grids that are built for the choice.
 const COARSE: u32 = 64;
 const FINE: u32 = 256;
+/// Times of the relevance tests, in nanoseconds: those by boxes and tiles, for each sample and piece; those
+/// by solids, shadows and the light grid, for each sample, face and piece. Measured on `many-cubes` and a
+/// city.
+const BOX_SAMPLE: f64 = 40.0;
+const BOX_PIECE: f64 = 3e3;
+const GRID_SAMPLE: f64 = 500.0;
+const GRID_FACE: f64 = 700.0;
+const SOLID_PIECE: f64 = 50e3;
 /// Time to copy a face that is kept, and to join it with its neighbors, in nanoseconds.
 const COPYING: f64 = 250.0;
 
@@ -74,17 +82,23 @@ impl Planner<'_> {
             level: self.budget.level / self.scenery.lamps.len().max(1) as f64,
             tests,
         };
-        // Some 10 ns for each sample, and 1 µs for each piece.
-        let time = 10.0 * all.len() as f64 + 1e3 * self.pieces.len() as f64;
-        // The tests are cheap against a picture, and a picture is worth more than the least planning time.
-        if time <= self.allowance.max(LEAST_PLANNING)
-            && self.scenery.lamps.len() as f64 * time <= MOST_PLANNING
-        {
-            return relevant(&question(all, TestSet::ALL));
+        let (samples, pieces, faces) = (all.len() as f64, self.pieces.len() as f64, self.work.faces);
+        let by_boxes = [RelevanceTest::Nested, RelevanceTest::Shadowed, RelevanceTest::NothingBehind];
+        let by_boxes =
+            by_boxes.into_iter().fold(TestSet::ALL.without(RelevanceTest::Known), TestSet::without);
+        // The strongest tests that the time is enough for.
+        let boxes = BOX_SAMPLE * samples + BOX_PIECE * pieces;
+        let dear = GRID_SAMPLE * samples + GRID_FACE * faces + SOLID_PIECE * pieces;
+        let sets = [(TestSet::ALL, boxes + dear), (by_boxes, boxes)];
+        let fitting = sets.into_iter().find(|(_, time)| *time <= OF_RELEVANCE * self.allowance);
+        match fitting.filter(|_| self.pieces.are_shells()) {
+            Some((tests, _)) => relevant(&question(all, tests)),
+            None => {
+                // Whether the lamp shines does not depend on the samples.
+                let none = all.of_points(&[]);
+                relevant(&question(&none, TestSet::only(RelevanceTest::Zero)))
+            }
         }
-        // Whether the lamp shines does not depend on the samples.
-        let none = all.of_points(&[]);
-        relevant(&question(&none, TestSet::only(RelevanceTest::Zero)))
     }
 
     /// Whether rays for the probe cost little: the tree is there, or built soon.
@@ -137,7 +151,7 @@ impl Planner<'_> {
         };
         let allowance = self.allowance.max(PLANNING_SHARE * exact / self.scenery.lamps.len() as f64);
         let (mut found, mut soft) = (None, None);
-        if facing > 0.0 && grid_time(COARSE) <= 0.5 * allowance {
+        if facing > 0.0 && grid_time(COARSE) <= OF_GRIDS * allowance {
             let chain = Chain::of(self.scenery.casters, lamp.light());
             let look = |side| {
                 let soft = lamp.has_extent().then(|| self.probe.soft(probe, &chain, lamp, side));
@@ -151,7 +165,7 @@ impl Planner<'_> {
             let is_needed = share.is_some_and(|share| {
                 share.bound > self.budget.error && share.of_probe <= 8.0 * self.budget.error
             });
-            if (is_cheap || is_needed) && grid_time(FINE) <= 0.5 * allowance {
+            if (is_cheap || is_needed) && grid_time(FINE) <= OF_GRIDS * allowance {
                 let (fine, maybe) = look(FINE);
                 (found, soft) = (Some(fine), maybe);
             }
@@ -255,7 +269,7 @@ impl Planner<'_> {
         };
         let mut order: Vec<usize> = (0..candidates.len()).collect();
         order.sort_by(|&a, &b| candidates[a].time.total_cmp(&candidates[b].time));
-        let mut left = 0.5 * allowance;
+        let mut left = OF_TRIALS * allowance;
         let exact = candidates.iter().find(|candidate| candidate.technique == Trials::exact(lamp));
         let truth =
             exact.map_or(f64::INFINITY, |exact| Trials::time(self.costs, exact, self.probe.seen, count));

@@ -18,6 +18,7 @@ mod choose;
 mod costs;
 mod effects;
 mod evidence;
+mod frame_cache;
 mod look;
 mod planner;
 mod probe;
@@ -37,6 +38,7 @@ pub use check::{Check, Checked, FIRST_LOOK, Judgment, check, count_wrong, exact_
 pub use costs::CostsError;
 pub use costs::{CostKey, Costs, Step, Work};
 pub use evidence::Evidence;
+pub use frame_cache::{Frame, FrameCache, FrameError, Made, Moment, Posed};
 pub use planner::plan;
 pub use run::{Run, Task, run};
 pub use scenery::Scenery;

@@ -16,12 +16,23 @@ pub(super) const LEAST_PLANNING: f64 = 5e6;
 pub(super) const MOST_PLANNING: f64 = 2e9;
 /// Part of the picture's predicted time that a plan may take.
 pub(super) const PLANNING_SHARE: f64 = 0.1;
+/// Parts of the planning time: of the probe, of relevance, of the light grids, of trials. The rest is for
+/// pieces and candidates.
+const OF_PROBE: f64 = 0.2;
+pub(super) const OF_RELEVANCE: f64 = 0.3;
+pub(super) const OF_GRIDS: f64 = 0.2;
+pub(super) const OF_TRIALS: f64 = 0.2;
+/// Time of the first hit of a sample on one thread, and time to find the pieces, for each face, in
+/// nanoseconds.
+const FIRST_HIT: f64 = 350.0;
+const PIECES: f64 = 100.0;
 
 /// Chooses a technique for each lamp.
 ///
 /// The plan depends on nothing but its arguments; only [`ShadowPlan::planning`] and the grids' times are
-/// measured. Planning is kept, by the costs, to the larger one of 5 ms and a tenth of the picture's time, and
-/// to about 2 s: a lamp that cannot be looked at within its part of that gets an exact technique.
+/// measured. Planning is kept, by the costs, to the larger one of 5 ms and a tenth of the picture's time, its
+/// first hits included, and to about 2 s: tests that would take longer are left out, and a lamp that cannot
+/// be looked at within its part of that gets an exact technique.
 #[must_use]
 pub fn plan(scenery: &Scenery<'_>, budget: &Budget, costs: &Costs) -> ShadowPlan {
     let start = Instant::now();
@@ -56,16 +67,25 @@ impl<'a> Planner<'a> {
             faces: faces as f64,
             ..Work::default()
         };
-        let picture = lamps * costs.nanoseconds(Step::Rays, &work) + tree_time(scenery, costs, &work);
-        let allowance = (PLANNING_SHARE * picture).clamp(LEAST_PLANNING, MOST_PLANNING) / lamps;
-        // A quarter for the probe: a side and a ray for each sample.
+        let first_hits = FIRST_HIT * work.samples / costs.key.threads.max(1) as f64;
+        let picture =
+            first_hits + lamps * costs.nanoseconds(Step::Rays, &work) + tree_time(scenery, costs, &work);
+        let all = (PLANNING_SHARE * picture).clamp(LEAST_PLANNING, MOST_PLANNING);
+        let allowance = all / lamps;
+        // A side and a ray for each sample.
         let one = costs.nanoseconds(Step::Rays, &Work { samples: 1e3, facing: 1e3, ..work }) / 1e3;
-        let most = ((0.25 * allowance / one.max(1.0)) as usize).clamp(FEWEST, MOST);
+        let most = ((OF_PROBE * allowance / one.max(1.0)) as usize).clamp(FEWEST, MOST);
         let probe = Probe::of(scenery, most);
+        // Looking for the shells of a large mesh takes longer than a picture by rays.
+        let pieces = if PIECES * work.faces <= OF_RELEVANCE * all {
+            Pieces::of(scenery.casters)
+        } else {
+            Pieces::whole(scenery.casters)
+        };
         let seen = Aabb::around(scenery.samples.hits().iter().flatten().map(|hit| hit.point));
         let widening = (scenery.casters.bounds().diagonal() / seen.diagonal()).max(1.0);
         let widening = if widening.is_finite() { widening } else { 1.0 };
-        Self { scenery, budget, costs, probe, pieces: Pieces::of(scenery.casters), allowance, work, widening }
+        Self { scenery, budget, costs, probe, pieces, allowance, work, widening }
     }
 
     /// Chooses among the candidates of all lamps.

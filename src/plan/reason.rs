@@ -51,8 +51,12 @@ pub(super) fn chosen(
     if let Some(penumbra) = penumbra
         && !candidate.technique.is_soft()
     {
-        let at_most = percent(penumbra.bound);
-        text += &format!("hard: at most {at_most} of samples can be in penumbra{allows}; ");
+        text += &match bound < penumbra.bound {
+            true => format!("hard: at most {} of samples are wrong, as tried{allows}; ", percent(bound)),
+            false => {
+                format!("hard: at most {} of samples can be in penumbra{allows}; ", percent(penumbra.bound))
+            }
+        };
     } else if bound > 0.0 {
         text += &format!("at most {} of samples wrong{allows}; ", percent(bound));
     }

@@ -229,10 +229,10 @@ fn plan_gives_reasons_in_figures() {
         reason.starts_with("hard: at most ") && reason.contains("can be in penumbra, 50 % allowed; "),
         "{reason}"
     );
-    assert!(plan.effects.iter().any(|effect| effect.name == "penumbra of light 0" && !effect.called));
-    assert!(plan.not_computed.iter().any(|line| line.starts_with("penumbra of light 0: at most ")));
+    assert!(plan.effects.iter().any(|effect| effect.name == "penumbra of light 1" && !effect.called));
+    assert!(plan.not_computed.iter().any(|line| line.starts_with("penumbra of light 1: at most ")));
     let exact = soft.plan("", &Costs::default());
-    assert!(exact.effects.iter().any(|effect| effect.name == "penumbra of light 0" && effect.called));
+    assert!(exact.effects.iter().any(|effect| effect.name == "penumbra of light 1" && effect.called));
 }
 
 #[test]

@@ -54,6 +54,7 @@ pub struct Pieces {
     of_face: Vec<u32>,
     /// Number of the first face of each caster.
     first_faces: Vec<u32>,
+    are_shells: bool,
     tree: OnceLock<Bvh>,
     pub(super) copies: OnceLock<Vec<bool>>,
 }
@@ -67,15 +68,7 @@ impl Pieces {
     /// bytes per face, and 72 per piece.
     #[must_use]
     pub fn of(casters: &CasterGroup<'_>) -> Self {
-        let mut pieces = Self {
-            list: Vec::new(),
-            starts: vec![0],
-            faces: Vec::new(),
-            of_face: Vec::new(),
-            first_faces: Vec::new(),
-            tree: OnceLock::new(),
-            copies: OnceLock::new(),
-        };
+        let mut pieces = Self::none();
         for (number, caster) in casters.casters().iter().enumerate() {
             pieces.add(number, caster);
         }
@@ -104,6 +97,48 @@ impl Pieces {
                 nothing_behind,
             });
         }
+    }
+
+    /// Each caster as one piece, whatever its shells. Costs the boxes of the meshes.
+    pub(in crate::plan) fn whole(casters: &CasterGroup<'_>) -> Self {
+        let mut pieces = Self::none();
+        for (number, caster) in casters.casters().iter().enumerate() {
+            let (mesh, first) = (caster.mesh(), pieces.of_face.len() as u32);
+            pieces.first_faces.push(first);
+            pieces.of_face.extend(std::iter::repeat_n(number as u32, mesh.face_count()));
+            pieces.faces.extend((0..mesh.face_count()).map(FaceId::new));
+            pieces.starts.push(pieces.faces.len() as u32);
+            let [low, high] = mesh.bounds().unwrap_or_default();
+            pieces.list.push(Piece {
+                caster: number,
+                shell: 0,
+                faces: mesh.face_count(),
+                bounds: Aabb { low, high },
+                watertight: false,
+                nothing_in_front: false,
+                nothing_behind: false,
+            });
+        }
+        pieces.are_shells = false;
+        pieces
+    }
+
+    fn none() -> Self {
+        Self {
+            list: Vec::new(),
+            starts: vec![0],
+            faces: Vec::new(),
+            of_face: Vec::new(),
+            first_faces: Vec::new(),
+            are_shells: true,
+            tree: OnceLock::new(),
+            copies: OnceLock::new(),
+        }
+    }
+
+    /// Whether the pieces are shells: not made by [`Pieces::whole`].
+    pub(in crate::plan) fn are_shells(&self) -> bool {
+        self.are_shells
     }
 
     /// How many pieces there are.

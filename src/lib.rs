@@ -109,6 +109,41 @@
 //! - `testing`: strategies for property tests of shadows, with proptest; promises nothing between versions.
 //!
 //! `--no-default-features` leaves a lean geometry library: at most 20 crates, itself included.
+//!
+//! # Limits
+//!
+//! - Everything is exact with respect to the `f32` positions after transforms are applied; what happens
+//!   before that, in the modelling program or in the transform, is rounded.
+//! - A skinned mesh is read in its bind pose, as its file stores it.
+//! - Textures are not read. What a material makes invisible everywhere (a mask below its cutoff, a blend with
+//!   alpha 0) neither is drawn nor casts, and a note says so; what a texture cuts out casts, and a note says
+//!   that.
+//! - Lights with an extent (`,radius=R`, `,angle=DEG`, `rect:…`) cast hard shadows from their center unless a
+//!   soft technique is asked for; the command says so.
+//! - Orthographic cameras are refused by the stencil pass as not built yet, while rays draw them.
+//! - Pictures have plain falloff, the same light at every distance, unless `--falloff physical` asks for that
+//!   of KHR_lights_punctual.
+//! - Whether a shell may cast with half its faces is proven only for watertight shells that do not meet
+//!   themselves; all others, sound or not, cast with all faces.
+//! - A stencil pass is as good as its rasterizer: a count may differ from the exact one where that changes
+//!   within 1/256 pixel or within the derived error of two depths (`umbrage::verify::pixels`), and nowhere
+//!   else; `verify --gpu` looks. Single pixels that nothing explains are known in odd views (twelve of 30,000
+//!   for `openscad_nonmanifold.obj` with the eye 0.15 units above a wall; the counts differ, in or out does
+//!   not).
+//! - Far from the origin the points that a ray-cast picture shades are as coarse as `f32` is there; the
+//!   stencil pass and its comparison work relative to the eye and to the mesh.
+//! - Buffers are not split: a mesh whose vertices, faces or volume do not fit one storage buffer of the
+//!   adapter (128 MiB on Mesa's software driver, about 10 million triangles) is refused by name and stays
+//!   with the processor.
+//! - In real-time mode, without read-back, a face that the shader is not sure of keeps the sign that `f32`
+//!   gave it: the volume is closed all the same, and the number of such faces can be read later.
+//! - The verification abstains where a point lies exactly on the volume, and reports how often.
+//! - The methods share their predicates; what guards those is integer arithmetic on a sample and in their own
+//!   tests.
+//! - A file larger than memory can still end the process in a stage after reading; counts that a file only
+//!   claims cannot.
+//! - No code here is `unsafe`, and lints forbid it; dependencies are another matter, and fuzzing runs them
+//!   under AddressSanitizer.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod geom;

@@ -9,6 +9,7 @@ mod input;
 mod machine;
 mod plan;
 mod prepare;
+mod readme;
 mod render;
 mod scene;
 mod silhouette;

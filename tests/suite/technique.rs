@@ -41,7 +41,9 @@ fn lamps() -> [Lamp; 3] {
 fn small() -> impl Iterator<Item = Technique> {
     Technique::ALL.into_iter().map(|technique| {
         let has_size = technique.parameters().iter().any(|(key, _)| *key == "size");
-        if has_size { format!("{}:size=64", technique.name()).parse().unwrap() } else { technique }
+        // The volume of a map's surface has two faces for each texel.
+        let size = if matches!(technique, Technique::Reconstruct(_)) { 16 } else { 64 };
+        if has_size { format!("{}:size={size}", technique.name()).parse().unwrap() } else { technique }
     })
 }
 

@@ -19,6 +19,7 @@ use crate::topology::has_collapsed;
 pub struct Chain<'a> {
     light: Light,
     parts: Vec<Part<'a>>,
+    edge_count: usize,
     /// The same corners in the chain, for each face that is seen: `None` if what is seen is what casts.
     of_seen: Option<Vec<Option<u32>>>,
 }
@@ -57,7 +58,7 @@ impl<'a> Chain<'a> {
             first_edge += caster.topology().edge_count() as u32; // at most three per face, which fits
             parts.push(part);
         }
-        let mut chain = Self { light: *light, parts, of_seen: None };
+        let mut chain = Self { light: *light, parts, edge_count: first_edge as usize, of_seen: None };
         chain.of_seen = casters.seen_caster().map(|seen| chain.faces_of(seen.mesh()));
         chain
     }
@@ -72,6 +73,11 @@ impl<'a> Chain<'a> {
     #[must_use]
     pub fn face_count(&self) -> usize {
         self.parts.iter().map(|part| part.signs.len()).sum()
+    }
+
+    /// Number of edges: their numbers are below it.
+    pub(super) fn edge_count(&self) -> usize {
+        self.edge_count
     }
 
     /// Memory in bytes.

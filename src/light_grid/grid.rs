@@ -178,7 +178,7 @@ impl ViewGrid {
             // With a side of one cell there is at most one pair per face, which is never too many.
             if let Some(pairs) = pairs(faces(), view, &cells, &occupied, most, faults) {
                 let (pairs, starts) = by_cell(&pairs, occupied.count(), |pair| pair.slot);
-                let (mut uniting, mut sheets) = (Uniting::default(), Vec::new());
+                let (mut uniting, mut sheets) = (Uniting::of(chain), Vec::new());
                 let (mut sheet_of, mut sheet_starts) = (Vec::with_capacity(pairs.len()), vec![0]);
                 for range in starts.windows(2) {
                     let pairs = &pairs[range[0] as usize..range[1] as usize];

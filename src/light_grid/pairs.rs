@@ -48,7 +48,7 @@ pub(super) fn pairs(
 ) -> Option<Vec<Pair>> {
     let (mut pairs, mut looks) = (Vec::new(), LOOKS.saturating_mul(most));
     for face in faces {
-        let Some([columns, rows]) = view.see(face.corners).and_then(|seen| cells.of(&seen.rectangle)) else {
+        let Some([columns, rows]) = view.bounds(face.corners).and_then(|bounds| cells.of(&bounds)) else {
             continue;
         };
         let [width, height] = [columns, rows].map(|[first, last]| (last - first) as usize + 1);

@@ -141,6 +141,34 @@ impl View {
         self.light.map_or(1.0, |l| self.sign * (x - l))
     }
 
+    /// Bounds `[low, high]` of both coordinates over all of a triangle's points that the view holds; `None` if
+    /// it holds none. As [`View::see`], in a quarter of the time where all corners are ahead.
+    ///
+    /// One quotient for each corner, times bounds of both numerators: two roundings more than a quotient each,
+    /// 12ε of the 32ε of [`ERROR`], and two for the bound itself.
+    #[inline]
+    pub(super) fn bounds(&self, corners: [[f32; 3]; 3]) -> Option<[[f64; 2]; 2]> {
+        let [k, a, b] = self.axes;
+        let mut rectangle = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for p in corners {
+            let z = self.depth(f64::from(p[k]));
+            if z <= 0.0 {
+                return self.see(corners).map(|seen| seen.rectangle);
+            }
+            let (inverse, along) = (1.0 / z, f64::from(p[k]) - self.pivot[k]);
+            for (i, axis) in [a, b].into_iter().enumerate() {
+                let across = f64::from(p[axis]) - self.pivot[axis];
+                let numerator = across - self.slope[i] * along;
+                let error = ERROR * (across.abs() + along.abs());
+                let [low, high] = &mut rectangle[i];
+                *low = low.min((numerator - error) * inverse);
+                *high = high.max((numerator + error) * inverse);
+            }
+        }
+        let is_held = rectangle.iter().all(|[low, high]| *low <= self.window && *high >= -self.window);
+        is_held.then(|| rectangle.map(|[low, high]| [low.max(-self.window), high.min(self.window)]))
+    }
+
     /// The projection of a triangle; `None` if the view holds none of the triangle's points.
     #[inline]
     pub(crate) fn see(&self, corners: [[f32; 3]; 3]) -> Option<Seen> {
@@ -234,5 +262,51 @@ impl Projected {
             let error = ERROR * self.size[i];
             [(self.at[i] - error) / self.at[2], (self.at[i] + error) / self.at[2]]
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::SplitMix64;
+
+    /// The bounds hold the corners as `see` projects them, wherever these may be within their error, and are
+    /// no wider than a few errors. With errors of nothing they would not.
+    #[test]
+    fn bounds_of_a_triangle_are_those_of_its_projection_and_hold_its_corners() {
+        let mut random = SplitMix64(11);
+        let (mut ahead, mut seen_none, mut tight) = (0, 0, 0);
+        for _ in 0..20_000 {
+            let mut coordinate = || (random.below(2001) as f32 - 1000.0) * 0.013;
+            let corners = [(); 3].map(|()| [(); 3].map(|()| coordinate()));
+            let at = [(); 3].map(|()| coordinate() * 2.0);
+            let light = if at[0] > 0.0 { Light::point(at) } else { Light::directional(at) };
+            let Ok(light) = light else { continue };
+            let bounds = Aabb { low: [-9.0; 3], high: [9.0; 3] };
+            for view in View::all(&bounds, &light) {
+                let (seen, found) = (view.see(corners), view.bounds(corners));
+                let (Some(seen), Some(found)) = (seen, found) else {
+                    assert_eq!(found.is_some(), view.see(corners).is_some(), "{corners:?} {light}");
+                    seen_none += 1;
+                    continue;
+                };
+                if seen.corners.is_none() {
+                    assert_eq!(found, seen.rectangle);
+                    continue;
+                }
+                ahead += 1;
+                for (i, p) in [0, 1].into_iter().flat_map(|i| corners.map(|p| (i, p))) {
+                    let ([low, high], window) = (found[i], view.window());
+                    let projected = view.project(p);
+                    // A corner errs by a third of this at most.
+                    let error = ERROR * projected.size[i] / projected.at[2];
+                    let place = (projected.at[i] / projected.at[2]).clamp(-window, window);
+                    assert!(low <= place - 0.4 * error || low == -window, "{place} {low} {error}");
+                    assert!(place + 0.4 * error <= high || high == window, "{place} {high} {error}");
+                    tight += usize::from(low > place - 1.5 * error);
+                }
+            }
+        }
+        assert!(ahead > 5000 && seen_none > 100 && tight > 5000, "{ahead} {seen_none} {tight}");
     }
 }

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Builds the wheel of the Python package and tests it, in a virtual environment of its own: python/test.sh [ARGUMENTS]
+#
+# Needs Python 3.9 or newer ($PYTHON, or python3) with venv, and the packages of requirements.txt, which pip brings.
+# Where they cannot be had, the last line says "SKIPPED python: " and why, and that is no failure. Arguments go to
+# pytest. The command is compared with where $UMBRAGE_COMMAND names it.
+set -euo pipefail
+cd "$(dirname "$0")"
+
+skip() {
+    echo "SKIPPED python: $1"
+    exit 0
+}
+python="${PYTHON:-python3}"
+command -v "$python" >/dev/null || skip "no $python"
+"$python" -c 'import sys; sys.exit(sys.version_info < (3, 9))' || skip "$("$python" -V) is older than 3.9"
+
+export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:+$CARGO_TARGET_DIR/python}"
+export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
+venv="$CARGO_TARGET_DIR/venv"
+pip=("$venv/bin/python" -m pip --disable-pip-version-check --quiet)
+if ! "$venv/bin/python" -c 'import hypothesis, maturin, numpy, pytest, trimesh' 2>/dev/null; then
+    rm -rf "$venv"
+    "$python" -m venv "$venv" || skip "$python has no venv (Debian and Ubuntu: python3-venv)"
+    "${pip[@]}" install --only-binary :all: --requirement requirements.txt || skip "pip cannot install its packages"
+fi
+
+# The profile `dev`, which is optimized a little.
+wheels="$CARGO_TARGET_DIR/wheels"
+rm -rf "$wheels"
+"$venv/bin/maturin" build --quiet --locked --out "$wheels"
+"${pip[@]}" install --force-reinstall --no-deps "$wheels"/*.whl
+# Without python -m, which would find the sources beside the tests before the wheel.
+"$venv/bin/pytest" -p no:cacheprovider --quiet "$@"

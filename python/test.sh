@@ -19,7 +19,7 @@ export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:+$CARGO_TARGET_DIR/python}"
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
 venv="$CARGO_TARGET_DIR/venv"
 pip=("$venv/bin/python" -m pip --disable-pip-version-check --quiet)
-if ! "$venv/bin/python" -c 'import hypothesis, maturin, numpy, pytest, trimesh' 2>/dev/null; then
+if ! "$venv/bin/python" -c 'import hypothesis, maturin, numpy, pytest, rtree, trimesh' 2>/dev/null; then
     rm -rf "$venv"
     "$python" -m venv "$venv" || skip "$python has no venv (Debian and Ubuntu: python3-venv)"
     "${pip[@]}" install --only-binary :all: --requirement requirements.txt || skip "pip cannot install its packages"

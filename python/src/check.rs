@@ -43,7 +43,7 @@ impl Asked {
 ///     distance in mesh units.
 /// scope : "mesh" (default), "primitive" or "scene"
 ///     What counts as one mesh.
-/// require : sequence of str, default ["sound"]
+/// require : sequence of str, by default ["sound"]
 ///     "sound", "watertight", "balanced", "even", "manifold", "no-self-intersections"; "not-empty" always.
 /// self_intersections : bool
 ///     Also look for faces that intersect, about a microsecond per face, and require that there are none.
@@ -74,8 +74,8 @@ impl Asked {
 /// ('cracked', 3)
 #[pyfunction]
 #[pyo3(
-    signature = (path, *, weld=None, scope="mesh", require=None, self_intersections=false, limit=5),
-    text_signature = "(path, *, weld='exact', scope='mesh', require=('sound',), self_intersections=False, limit=5)"
+    signature = (path, *, weld=None, scope="mesh", require=None, self_intersections=false, limit=None),
+    text_signature = "(path, *, weld='exact', scope='mesh', require=None, self_intersections=False, limit=5)"
 )]
 pub(crate) fn check<'py>(
     py: Python<'py>,
@@ -84,11 +84,11 @@ pub(crate) fn check<'py>(
     scope: &str,
     require: Option<Vec<String>>,
     self_intersections: bool,
-    limit: usize,
+    limit: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let scope = options::scope(py, scope)?;
     let requirements = options::requirements(py, require, self_intersections)?;
-    let asked = Asked { weld: options::weld(weld)?, requirements, limit };
+    let asked = Asked { weld: options::weld(weld)?, requirements, limit: options::limit(limit)? };
     let document = py.detach(|| file(&path, scope, &asked)).map_err(|failure| match failure {
         Failure::Read(error) => error::read(py, &error),
         Failure::Mesh(error) => error::mesh(py, "path", &error),
@@ -132,8 +132,8 @@ pub(crate) fn check<'py>(
 /// ('cracked', [('boundary_loop', 1)])
 #[pyfunction]
 #[pyo3(
-    signature = (vertices, faces, *, weld=None, require=None, self_intersections=false, limit=5),
-    text_signature = "(vertices, faces, *, weld='exact', require=('sound',), self_intersections=False, limit=5)"
+    signature = (vertices, faces, *, weld=None, require=None, self_intersections=false, limit=None),
+    text_signature = "(vertices, faces, *, weld='exact', require=None, self_intersections=False, limit=5)"
 )]
 pub(crate) fn check_arrays<'py>(
     py: Python<'py>,
@@ -142,10 +142,10 @@ pub(crate) fn check_arrays<'py>(
     weld: Option<&Bound<'_, PyAny>>,
     require: Option<Vec<String>>,
     self_intersections: bool,
-    limit: usize,
+    limit: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let requirements = options::requirements(py, require, self_intersections)?;
-    let asked = Asked { weld: options::weld(weld)?, requirements, limit };
+    let asked = Asked { weld: options::weld(weld)?, requirements, limit: options::limit(limit)? };
     let (mesh, rounding) = arrays::mesh(vertices, faces)?;
     let document = py.detach(|| {
         let of = OwnSpace { mesh, world_from_mesh: Mat4::IDENTITY };

@@ -1,5 +1,7 @@
 //! Options and lights.
 
+use std::ops::RangeInclusive;
+
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 use umbrage::check::Requirement;
@@ -58,6 +60,29 @@ pub(crate) fn distance_of(py: Python<'_>, argument: &'static str, distance: f64)
     Err(Problem::new(argument, format!("{distance} is no distance"), remedy).raise(py))
 }
 
+/// An integer in a range; `otherwise` where none is given.
+pub(crate) fn integer(
+    argument: &'static str,
+    value: Option<&Bound<'_, PyAny>>,
+    range: RangeInclusive<u64>,
+    otherwise: u64,
+) -> PyResult<u64> {
+    let Some(value) = value else { return Ok(otherwise) };
+    match value.extract::<u64>() {
+        Ok(number) if range.contains(&number) => Ok(number),
+        _ => {
+            let problem = format!("{} is out of range", value.repr()?);
+            let remedy = format!("pass an integer from {} to {}", range.start(), range.end());
+            Err(Problem::new(argument, problem, remedy).raise(value.py()))
+        }
+    }
+}
+
+/// How many defects are listed.
+pub(crate) fn limit(value: Option<&Bound<'_, PyAny>>) -> PyResult<usize> {
+    Ok(integer("limit", value, 0..=u64::from(u32::MAX), 5)? as usize)
+}
+
 /// What counts as one mesh.
 pub(crate) fn scope(py: Python<'_>, name: &str) -> PyResult<Scope> {
     let all = [("mesh", Scope::Mesh), ("primitive", Scope::Primitive), ("scene", Scope::Scene)];
@@ -82,7 +107,6 @@ pub(crate) fn requirements(
 }
 
 /// A light without an extent, for hard shadows.
-#[expect(dead_code, reason = "for what comes next")]
 pub(crate) fn hard_light(value: &Bound<'_, PyAny>) -> PyResult<Light> {
     let lamp = lamp(value)?;
     if lamp.has_extent() {

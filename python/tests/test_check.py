@@ -8,7 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given, settings
+from hypothesis import given
 
 import umbrage
 from umbrage import strategies
@@ -96,7 +96,6 @@ def edges_by_direction(mesh):
     return counts
 
 
-@settings(max_examples=150, deadline=None)
 @given(strategies.meshes())
 def test_edges_of_hard_meshes_are_those_that_trimesh_lists(mesh):
     vertices, faces = mesh

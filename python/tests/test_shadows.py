@@ -6,12 +6,10 @@ import threading
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 
 import umbrage
 from umbrage import Verdict, strategies
-
-LIMITS = settings(max_examples=150, deadline=None)
 
 
 def winding_number(volume, point):
@@ -33,7 +31,6 @@ def winding_number(volume, point):
     return total, clear
 
 
-@LIMITS
 @given(strategies.cases())
 def test_oracle_and_volume_agree(case):
     volume = umbrage.volume(case.vertices, case.faces, case.light)
@@ -60,7 +57,6 @@ def test_oracle_and_volume_would_not_agree_if_one_were_wrong():
     assert disagree(wrong) > 10
 
 
-@LIMITS
 @given(strategies.cases(strategies.soups()))
 def test_boundary_of_any_volume_cancels(case):
     volume = umbrage.volume(case.vertices, case.faces, case.light, casting="all")
@@ -148,7 +144,6 @@ def test_ties_are_grazing():
     assert verdicts.dtype == np.uint8
 
 
-@settings(max_examples=60, deadline=None)
 @given(strategies.cases())
 def test_visible_fraction_is_within_its_bound_of_many_rays(case):
     x, y, z, w = case.light
@@ -191,7 +186,6 @@ def test_visible_fraction_of_half_a_light_is_a_half():
     assert np.isnan(in_plane.fraction[0]) and np.isnan(in_plane.bound[0])
 
 
-@LIMITS
 @given(strategies.at_scale(strategies.closed()))
 def test_scale_by_a_power_of_two_changes_no_count(mesh):
     vertices, faces = mesh

@@ -3,9 +3,15 @@
 #
 # Needs Python 3.9 or newer ($PYTHON, or python3) with venv, and the packages of requirements.txt, which pip brings.
 # Where they cannot be had, the last line says "SKIPPED python: " and why, and that is no failure. Arguments go to
-# pytest. The command is compared with where $UMBRAGE_COMMAND names it.
+# pytest. Reports are compared with those of the command where $UMBRAGE_COMMAND names it.
 set -euo pipefail
+
+# Paths are those of the caller.
+absolute() { case "$1" in /*) echo "$1" ;; *) echo "$PWD/$1" ;; esac; }
+[ -z "${UMBRAGE_COMMAND:-}" ] || UMBRAGE_COMMAND="$(absolute "$UMBRAGE_COMMAND")"
+[ -z "${CARGO_TARGET_DIR:-}" ] || CARGO_TARGET_DIR="$(absolute "$CARGO_TARGET_DIR")/python"
 cd "$(dirname "$0")"
+export UMBRAGE_COMMAND CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
 
 skip() {
     echo "SKIPPED python: $1"
@@ -15,15 +21,19 @@ python="${PYTHON:-python3}"
 command -v "$python" >/dev/null || skip "no $python"
 "$python" -c 'import sys; sys.exit(sys.version_info < (3, 9))' || skip "$("$python" -V) is older than 3.9"
 
-export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:+$CARGO_TARGET_DIR/python}"
-export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
 venv="$CARGO_TARGET_DIR/venv"
 pip=("$venv/bin/python" -m pip --disable-pip-version-check --quiet)
 if ! "$venv/bin/python" -c 'import hypothesis, maturin, numpy, pytest, rtree, trimesh' 2>/dev/null; then
     rm -rf "$venv"
     "$python" -m venv "$venv" || skip "$python has no venv (Debian and Ubuntu: python3-venv)"
-    "${pip[@]}" install --only-binary :all: --requirement requirements.txt || skip "pip cannot install its packages"
+    "${pip[@]}" install --retries 1 --timeout 10 --only-binary :all: --requirement requirements.txt ||
+        skip "pip cannot install its packages"
 fi
+# A lock file that is out of date is a failure; a network that is not there is none.
+fetched="$(cargo fetch --locked 2>&1)" || case "$fetched" in
+*--locked*) printf '%s\n' "$fetched" >&2 && exit 1 ;;
+*) skip "cargo cannot fetch its crates" ;;
+esac
 
 # The profile `dev`, which is optimized a little.
 wheels="$CARGO_TARGET_DIR/wheels"

@@ -35,8 +35,8 @@ use crate::{arrays, options, results};
 /// Returns
 /// -------
 /// Prepared
-///     ``vertices`` (k, 3) float32; ``faces`` (j, 3) uint32; ``steps``, one dictionary a step with the keys of
-///     ``umbrage prepare --json``: ``name``, ``count``, ``left``, ``changes`` (at most 1000),
+///     ``vertices`` (k, 3) float32; ``faces`` (j, 3) uint32; ``steps``, one dictionary a step with the keys
+///     of ``umbrage prepare --json``: ``name``, ``count``, ``left``, ``changes`` (at most 1000),
 ///     ``largest_move``; ``rounding`` as in `check_arrays`.
 ///
 /// Examples

@@ -126,7 +126,7 @@ def test_unreadable_files_are_exceptions_with_fields(tmp_path):
     assert caught.value.line is None
     with pytest.raises(umbrage.ReadError, match="directory"):
         umbrage.read(tmp_path)
-    with pytest.raises(TypeError, match="path"):
+    with pytest.raises(TypeError, match="os.PathLike"):
         umbrage.check(7)
 
 

@@ -4,6 +4,7 @@ import ast
 import doctest
 import inspect
 import pathlib
+import sys
 
 import pytest
 
@@ -82,7 +83,8 @@ def test_stubs_have_the_signatures_that_there_are():
     assert set(members) - {"__new__"} == there
     for name in ["verdicts", "visible_fraction"]:
         assert stub_of(members[name]) == signature_of(getattr(_umbrage.Oracle, name)), name
-    assert stub_of(members["__new__"]) == signature_of(_umbrage.Oracle)
+    if sys.version_info >= (3, 10):  # where classes have signatures
+        assert stub_of(members["__new__"]) == signature_of(_umbrage.Oracle)
 
 
 def test_everything_has_a_docstring_and_results_say_their_shapes():

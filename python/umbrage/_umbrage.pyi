@@ -11,6 +11,18 @@ _Light = Union[str, Sequence[float], NDArray[Any]]
 _Weld = Union[Literal["exact", "none"], float]
 _Scope = Literal["mesh", "primitive", "scene"]
 
+__all__ = [
+    "Oracle",
+    "__version__",
+    "ambient",
+    "check",
+    "check_arrays",
+    "prepare",
+    "read",
+    "silhouette",
+    "visible_fraction",
+    "volume",
+]
 __version__: str
 
 @final

@@ -20,7 +20,7 @@ Your own shadows against the exact ray cast::
 
 from __future__ import annotations
 
-from typing import NamedTuple, Optional
+from typing import Any, NamedTuple, Optional
 
 import numpy as np
 from hypothesis import strategies as st
@@ -68,7 +68,7 @@ class Case(NamedTuple):
     """Shape (k, 3), k at least 1."""
 
 
-def _mesh(vertices: list, faces: list) -> _Mesh:
+def _mesh(vertices: list[Any], faces: list[Any]) -> _Mesh:
     return (
         np.array(vertices, np.float32).reshape(-1, 3),
         np.array(faces, np.uint32).reshape(-1, 3),
@@ -180,6 +180,12 @@ def lights(largest: int = 8) -> st.SearchStrategy[_Light]:
     return st.one_of(place.map(lambda xyz: (*map(float, xyz), 1.0)), directions)
 
 
+def _at(point: NDArray[np.float32]) -> _Light:
+    """A light at a point."""
+    x, y, z = map(float, point)
+    return (x, y, z, 1.0)
+
+
 @st.composite
 def _spot(draw: st.DrawFn, mesh: _Mesh) -> NDArray[np.float32]:
     """A point at a vertex, at the middle of an edge or of a face, or anywhere."""
@@ -189,7 +195,7 @@ def _spot(draw: st.DrawFn, mesh: _Mesh) -> NDArray[np.float32]:
         return np.array(draw(_places(2 * _LARGEST)), np.float32) / np.float32(2)
     a, b, c = vertices[faces[draw(st.integers(0, len(faces) - 1))]].astype(np.float64)
     corners = {"vertex": [a], "edge": [a, b], "face": [a, b, c]}[kind]
-    return np.mean(corners, axis=0).astype(np.float32)
+    return np.array(sum(corners) / len(corners), np.float32)
 
 
 @st.composite
@@ -200,7 +206,7 @@ def lights_at(draw: st.DrawFn, mesh: _Mesh) -> _Light:
     if kind == "anywhere" or not len(faces):
         return draw(lights())
     if kind == "on":
-        return (*map(float, draw(_spot(mesh))), 1.0)
+        return _at(draw(_spot(mesh)))
     if kind == "far":
         power = draw(st.integers(10, 40))
         x, y, z, w = draw(lights())
@@ -210,7 +216,7 @@ def lights_at(draw: st.DrawFn, mesh: _Mesh) -> _Light:
     light = (a + u * (b - a) + v * (c - a)).astype(np.float32)
     axis, ulps = draw(st.integers(0, 2)), draw(st.integers(-2, 2))
     light[axis] += np.float32(ulps) * np.spacing(light[axis])
-    return (*map(float, light), 1.0)
+    return _at(light)
 
 
 def points(max_points: int = 8) -> st.SearchStrategy[NDArray[np.float32]]:

@@ -89,10 +89,12 @@ def soups(draw: st.DrawFn, max_faces: int = 12) -> _Mesh:
     >>> faces.tolist()
     [[0, 0, 0], [0, 0, 0]]
     """
-    vertices = draw(st.lists(_places(), min_size=1, max_size=10))
-    corner = st.integers(0, len(vertices) - 1)
-    faces = draw(st.lists(st.tuples(corner, corner, corner), max_size=max_faces))
-    return _mesh(vertices, faces)
+    corner = st.integers(0, 9)
+    drawn = draw(st.lists(st.tuples(corner, corner, corner), max_size=max_faces))
+    # A place for each vertex that there is, so that fewer faces have fewer vertices; and some of no face.
+    used = list(dict.fromkeys(corner for face in drawn for corner in face))
+    vertices = [draw(_places()) for _ in used] + draw(st.lists(_places(), max_size=2))
+    return _mesh(vertices, [[used.index(corner) for corner in face] for face in drawn])
 
 
 # The four corners of a voxel's side, counter-clockwise seen from outside, for each direction.

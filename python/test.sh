@@ -35,10 +35,11 @@ fetched="$(cargo fetch --locked 2>&1)" || case "$fetched" in
 *) skip "cargo cannot fetch its crates" ;;
 esac
 
-# The profile `dev`, which is optimized a little.
 wheels="$CARGO_TARGET_DIR/wheels"
 rm -rf "$wheels"
-"$venv/bin/maturin" build --quiet --locked --out "$wheels"
+"$venv/bin/maturin" build --quiet --locked --profile quick --out "$wheels"
 "${pip[@]}" install --force-reinstall --no-deps "$wheels"/*.whl
+# Nothing is left among the sources.
+export HYPOTHESIS_STORAGE_DIRECTORY="$CARGO_TARGET_DIR/hypothesis" PYTHONDONTWRITEBYTECODE=1
 # Without python -m, which would find the sources beside the tests before the wheel.
 "$venv/bin/pytest" -p no:cacheprovider --quiet "$@"

@@ -1,6 +1,6 @@
 //! Arrays of numpy, and whatever numpy makes an array of, into positions and faces.
 //!
-//! `float32` in C order is read where it lies. Anything else is copied once: other steps between the numbers,
+//! `float32` in C order is read where it lies. Anything else is copied: other steps between the numbers,
 //! another type, another order of bytes. What rounding to `float32` does to a coordinate is measured.
 
 use std::fmt::Display;
@@ -61,7 +61,7 @@ pub(crate) fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyR
 const NEGLIGIBLE: f64 = 1.0 / (1 << 20) as f64;
 
 /// Whether rounding is worth a word beside the extent of a mesh.
-pub(crate) fn is_notable(rounding: f64, mesh: &Mesh) -> bool {
+fn is_notable(rounding: f64, mesh: &Mesh) -> bool {
     let Some([low, high]) = mesh.bounds() else { return false };
     let diagonal = (0..3).map(|i| (f64::from(high[i]) - f64::from(low[i])).powi(2)).sum::<f64>().sqrt();
     rounding > NEGLIGIBLE * diagonal

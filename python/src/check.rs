@@ -66,10 +66,11 @@ impl Asked {
 ///
 /// Examples
 /// --------
-/// >>> import tempfile, pathlib
-/// >>> path = pathlib.Path(tempfile.mkdtemp()) / "triangle.off"
-/// >>> _ = path.write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
-/// >>> report = umbrage.check(path)
+/// >>> import pathlib, tempfile
+/// >>> with tempfile.TemporaryDirectory() as folder:
+/// ...     path = pathlib.Path(folder, "triangle.off")
+/// ...     _ = path.write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+/// ...     report = umbrage.check(path)
 /// >>> report["verdict"], report["meshes"][0]["boundary_edges"]
 /// ('cracked', 3)
 #[pyfunction]

@@ -7,30 +7,26 @@ use umbrage::read::{Place, ReadError};
 /// A bad argument: which one, where in it, what is wrong, what to do.
 pub(crate) struct Problem {
     pub(crate) argument: &'static str,
-    /// Row, or row and column, of an array.
-    pub(crate) index: Vec<usize>,
+    /// Row and column of an array.
+    pub(crate) index: Option<(usize, usize)>,
     pub(crate) problem: String,
     pub(crate) remedy: String,
 }
 
 impl Problem {
     pub(crate) fn new(argument: &'static str, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { argument, index: Vec::new(), problem: problem.into(), remedy: remedy.into() }
+        Self { argument, index: None, problem: problem.into(), remedy: remedy.into() }
     }
 
     /// The same problem, at a row and column of the array.
     pub(crate) fn at(mut self, row: usize, column: usize) -> Self {
-        self.index = vec![row, column];
+        self.index = Some((row, column));
         self
     }
 
     pub(crate) fn raise(self, py: Python<'_>) -> PyErr {
-        let place = match self.index[..] {
-            [row, column] => Some(format!("row {row}, column {column}")),
-            _ => None,
-        };
-        let index = place.as_ref().map(|_| (self.index[0], self.index[1]));
-        raise(py, "ArgumentError", (self.argument, place, index, self.problem, self.remedy))
+        let place = self.index.map(|(row, column)| format!("row {row}, column {column}"));
+        raise(py, "ArgumentError", (self.argument, place, self.index, self.problem, self.remedy))
     }
 }
 

@@ -226,7 +226,7 @@ import resource, sys
 import numpy as np
 import umbrage
 oracle = umbrage.Oracle(*umbrage.shapes.cube())
-count = 4_000_000
+count = 1_000_000
 points = np.zeros((count, 3), sys.argv[1])
 points[:] = 9
 peak = lambda: 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

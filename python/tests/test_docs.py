@@ -94,5 +94,10 @@ def test_everything_has_a_docstring_and_results_say_their_shapes():
         assert "shape (" in inspect.getdoc(getattr(umbrage, name)) or name == "check"
 
 
+def test_version_is_that_of_the_crate():
+    manifest = (HERE.parents[1] / "Cargo.toml").read_text(encoding="utf-8")
+    assert f'\nversion = "{umbrage.__version__}"\n' in manifest
+
+
 def test_typed_package_says_so():
     assert STUBS.exists() and STUBS.with_name("py.typed").exists()

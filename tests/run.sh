@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Every test: the default build, the examples in the documentation, and the lean library without features.
+# Every test: the default build, the examples in the documentation, and the lean library without features; three.js and the
+# Python package where what they need can be had.
 #
 # Tests on a graphics adapter run on whatever there is, a software driver included. Where Linux has neither a graphics
 # card nor a software Vulkan driver, Mesa's is installed (Debian and Ubuntu, as root or with sudo). Without an adapter
@@ -69,8 +70,14 @@ three_js() {
     [ "$code" != 124 ] || { echo "SKIPPED three.js: not done after 30 seconds"; return; }
     return "$code"
 }
-if [ $# = 0 ]; then
-    said="$(three_js)" || { echo "$said"; exit 1; }
+# What is tested beside the crate, where that can be: lines that begin with SKIPPED say what cannot.
+beside() {
+    local said
+    said="$("$@")" || { echo "$said"; exit 1; }
     echo "$said"
     echo "$said" | sed -n 's/^SKIPPED //p' >>"$UMBRAGE_SKIPPED"
+}
+if [ $# = 0 ]; then
+    beside three_js
+    beside env UMBRAGE_COMMAND="${CARGO_TARGET_DIR:-target}/debug/umbrage" bash python/test.sh # the Python package
 fi

@@ -141,11 +141,11 @@ impl View {
         self.light.map_or(1.0, |l| self.sign * (x - l))
     }
 
-    /// Bounds `[low, high]` of both coordinates over all of a triangle's points that the view holds; `None` if
-    /// it holds none. As [`View::see`], in a quarter of the time where all corners are ahead.
+    /// Bounds `[low, high]` of both coordinates over all of a triangle's points that the view holds; `None`
+    /// if it holds none. As [`View::see`], in a quarter of the time where all corners are ahead.
     ///
-    /// One quotient for each corner, times bounds of both numerators: two roundings more than a quotient each,
-    /// 12ε of the 32ε of [`ERROR`], and two for the bound itself.
+    /// One quotient for each corner, times bounds of both numerators: two roundings more than a quotient
+    /// each, 12ε of the 32ε of [`ERROR`], and two for the bound itself.
     #[inline]
     pub(super) fn bounds(&self, corners: [[f32; 3]; 3]) -> Option<[[f64; 2]; 2]> {
         let [k, a, b] = self.axes;

@@ -111,6 +111,8 @@ fn ambient(scenery: &Scenery<'_>, pieces: &Pieces) -> Effect {
     Effect { name, called: true, bound: 1.0, evidence: Evidence::Exact, reason }
 }
 
+const UNSEARCHED: &str = "not looked for, which would take longer than it may save";
+
 /// What is left out, grouped by lamp and reason, and the penumbrae that are not worked out.
 pub(super) fn not_computed(scenery: &Scenery<'_>, looked: &[Looked], effects: &[Effect]) -> Vec<String> {
     let mut lines = Vec::new();
@@ -147,6 +149,12 @@ pub(super) fn not_computed(scenery: &Scenery<'_>, looked: &[Looked], effects: &[
     }
     for (test, count) in lamps {
         lines.push(format!("shadows of {count} lamps: {}", because(test)));
+    }
+    let unsearched = looked.iter().filter(|looked| !looked.is_searched && !looked.relevance.kept.is_empty());
+    match (unsearched.count(), looked.len()) {
+        (0, _) => {}
+        (1, 1) => lines.push(format!("which casters matter: {UNSEARCHED}")),
+        (count, _) => lines.push(format!("which casters matter to {count} of the lights: {UNSEARCHED}")),
     }
     let left_out = effects.iter().filter(|effect| !effect.called);
     lines.extend(left_out.map(|effect| format!("{}: {}", effect.name, effect.reason)));

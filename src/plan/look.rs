@@ -33,6 +33,8 @@ const COPYING: f64 = 250.0;
 /// What was found out about a lamp.
 pub(super) struct Looked {
     pub(super) relevance: Relevance,
+    /// Whether it was looked for which pieces matter.
+    pub(super) is_searched: bool,
     pub(super) facing: Share,
     pub(super) shadowed: f64,
     pub(super) penumbra: Option<Share>,
@@ -47,12 +49,13 @@ pub(super) struct Looked {
 impl Planner<'_> {
     /// Looks at a lamp, for as long as it is worth it.
     pub(super) fn look(&self, number: usize, lamp: &Lamp) -> Looked {
-        let relevance = self.relevance(number, lamp);
+        let (relevance, is_searched) = self.relevance(number, lamp);
         let casts = relevance.outcome == Outcome::Shadows && self.can_cast();
         let probe = self.probe.lamp(self.scenery, lamp, casts);
         let facing = self.probe.share(probe.facing.len());
         let mut looked = Looked {
             relevance,
+            is_searched,
             facing,
             shadowed: self.shadowed(&probe, None),
             penumbra: (!lamp.has_extent()).then_some(Share::NONE),
@@ -68,8 +71,8 @@ impl Planner<'_> {
         looked
     }
 
-    /// Which pieces matter; all of them if the tests would take too long.
-    fn relevance(&self, number: usize, lamp: &Lamp) -> Relevance {
+    /// Which pieces matter, and whether that was looked for: all of them if the tests would take too long.
+    fn relevance(&self, number: usize, lamp: &Lamp) -> (Relevance, bool) {
         let all = self.scenery.samples;
         let question = |samples, tests| Question {
             casters: self.scenery.casters,
@@ -90,13 +93,14 @@ impl Planner<'_> {
         let boxes = BOX_SAMPLE * samples + BOX_PIECE * pieces;
         let dear = GRID_SAMPLE * samples + GRID_FACE * faces + SOLID_PIECE * pieces;
         let sets = [(TestSet::ALL, boxes + dear), (by_boxes, boxes)];
-        let fitting = sets.into_iter().find(|(_, time)| *time <= OF_RELEVANCE * self.allowance);
+        let allowed = if self.scenery.thorough { f64::INFINITY } else { OF_RELEVANCE * self.allowance };
+        let fitting = sets.into_iter().find(|(_, time)| *time <= allowed);
         match fitting.filter(|_| self.pieces.are_shells()) {
-            Some((tests, _)) => relevant(&question(all, tests)),
+            Some((tests, _)) => (relevant(&question(all, tests)), true),
             None => {
                 // Whether the lamp shines does not depend on the samples.
                 let none = all.of_points(&[]);
-                relevant(&question(&none, TestSet::only(RelevanceTest::Zero)))
+                (relevant(&question(&none, TestSet::only(RelevanceTest::Zero))), false)
             }
         }
     }

@@ -77,7 +77,7 @@ impl<'a> Planner<'a> {
         let most = ((OF_PROBE * allowance / one.max(1.0)) as usize).clamp(FEWEST, MOST);
         let probe = Probe::of(scenery, most);
         // Looking for the shells of a large mesh takes longer than a picture by rays.
-        let pieces = if PIECES * work.faces <= OF_RELEVANCE * all {
+        let pieces = if scenery.thorough || PIECES * work.faces <= OF_RELEVANCE * all {
             Pieces::of(scenery.casters)
         } else {
             Pieces::whole(scenery.casters)

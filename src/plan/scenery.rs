@@ -46,6 +46,8 @@ pub struct Scenery<'a> {
     pub prove: bool,
     /// Whether the picture has an ambient term, so that ambient occlusion could change it.
     pub ambient: bool,
+    /// Whether all relevance tests run, also where they take longer than they may save.
+    pub thorough: bool,
 }
 
 impl<'a> Scenery<'a> {
@@ -63,6 +65,7 @@ impl<'a> Scenery<'a> {
             device: None,
             prove: false,
             ambient: true,
+            thorough: false,
         }
     }
 }

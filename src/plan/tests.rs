@@ -291,3 +291,20 @@ fn plan_for_ten_thousand_lamps_takes_seconds() {
         eprintln!("{budget}: {:.1} s, {} lamps", start.elapsed().as_secs_f64(), plan.lamps.len());
     }
 }
+
+#[test]
+fn plan_looks_for_what_matters_where_that_is_quick_and_says_where_not() {
+    let said = |count: usize, thorough: bool| {
+        let city = city(3, count);
+        let set = Set::new(city.scene(), Some(city.camera(Place::Street)), &["directional:0.5,-0.8,0.3"]);
+        set.with(|casters, samples| {
+            let scenery = Scenery { thorough, ..Scenery::new(casters, &set.lamps, samples) };
+            let plan = plan(&scenery, &Budget::default(), &Costs::default());
+            let is_unsearched = plan.not_computed.iter().any(|line| line.starts_with("which casters matter"));
+            (is_unsearched, plan.dropped.iter().any(|dropped| matches!(dropped.what, Triple::Piece(_))))
+        })
+    };
+    assert_eq!(said(40, false), (false, true));
+    assert_eq!(said(1000, false), (true, false));
+    assert_eq!(said(1000, true), (false, true));
+}

@@ -39,7 +39,7 @@ use every::Every;
 const EXAMPLES: &str = "\
 Examples:
   umbrage plan city.glb
-  umbrage plan city.glb --budget error=0.01,time=16ms --all
+  umbrage plan city.glb --budget error=0.01,time=16ms --all --thorough
   umbrage plan city.glb -o plan.json && umbrage render city.glb --shadow plan.json -o city.png
   umbrage plan --calibrate -o costs.json && umbrage plan city.glb --costs costs.json";
 
@@ -104,6 +104,12 @@ pub(crate) struct Args {
     /// How many pictures share what does not depend on the lights
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     frames: u32,
+
+    /// Look for all that cannot matter, also where that takes longer than a tenth of the picture
+    ///
+    /// Without it such tests are left out, and the plan says so.
+    #[arg(long)]
+    thorough: bool,
 
     /// Run every technique that the plan considered, and print the truth beside each prediction
     #[arg(long)]
@@ -201,6 +207,7 @@ impl Args {
         scenery.physical_falloff = physical;
         scenery.frames = self.frames;
         scenery.prove = self.prove;
+        scenery.thorough = self.thorough;
         let plan = plan(&scenery, &self.budget, costs);
         drop(progress);
         let every = self.all.then(|| Every::run(&scenery, &plan)).transpose()?;

@@ -1,5 +1,7 @@
 //! What a step of repair did: its changes, one by one.
 
+use super::index_map::IndexMap;
+
 /// What happened to a vertex, a face, a hole or a shell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
@@ -105,6 +107,8 @@ pub struct Patch {
 pub enum Left {
     /// It has more edges than was asked for.
     TooLong,
+    /// It is longer around than was asked for.
+    TooFarAround,
     /// Its edges do not close to a loop: windings disagree, or edges of more than two faces interrupt it.
     NoLoop,
     /// The patch would meet other faces where it should not.
@@ -121,6 +125,7 @@ impl Left {
     pub fn name(self) -> &'static str {
         match self {
             Self::TooLong => "more edges than the limit",
+            Self::TooFarAround => "longer around than the limit",
             Self::NoLoop => "its edges do not close to a loop",
             Self::Meets => "the patch would meet other faces",
             Self::EdgeInUse => "an edge of the patch would have more than two faces",
@@ -143,6 +148,10 @@ pub struct Step {
     pub changes: Vec<Change>,
     /// How far a vertex moved at most, in mesh units, in any frame.
     pub largest_move: f64,
+    /// Where the vertices are after the step; `None` if each kept its index, but for new ones at the end.
+    pub vertices: Option<IndexMap>,
+    /// Where the faces are after the step; `None` if each kept its index, but for new ones at the end.
+    pub faces: Option<IndexMap>,
 }
 
 impl Step {
@@ -150,7 +159,7 @@ impl Step {
     pub const LISTED: usize = 1000;
 
     pub(super) fn new(name: &'static str) -> Self {
-        Self { name, count: 0, left: 0, changes: Vec::new(), largest_move: 0.0 }
+        Self { name, count: 0, left: 0, changes: Vec::new(), largest_move: 0.0, vertices: None, faces: None }
     }
 
     pub(super) fn add(&mut self, kind: ChangeKind, old: Option<u32>, new: Option<u32>, at: [f32; 3]) {

@@ -1,6 +1,7 @@
 //! The step that takes fans apart.
 
 use super::change::{ChangeKind, Step};
+use super::index_map::IndexMap;
 use super::radial;
 use crate::mesh::{HalfEdgeId, Mesh, MeshError};
 use crate::topology::{Components, Topology};
@@ -52,6 +53,10 @@ pub fn split(mesh: Mesh) -> Result<(Mesh, Step), MeshError> {
             }
         }
         triangles.as_flattened_mut()[corner as usize] = vertex_of[fan];
+    }
+    if !copied.is_empty() {
+        let old_of: Vec<u32> = (0..mesh.vertex_count() as u32).chain(copied.iter().copied()).collect();
+        step.vertices = Some(IndexMap::backward(&old_of, mesh.vertex_count()));
     }
     let mesh = with_copies(mesh, &copied, triangles)?;
     let topology = Topology::of(&mesh);

@@ -1,6 +1,7 @@
 //! The step that makes vertices one.
 
 use super::change::{ChangeKind, Step};
+use super::index_map::IndexMap;
 use crate::mesh::{Mesh, VertexId, Weld, weld_in_place};
 
 /// Makes vertices one by the rule `how`, and drops those that no face uses.
@@ -27,6 +28,8 @@ pub fn weld(mesh: Mesh, how: Weld) -> (Mesh, Step) {
     if welded.mesh.vertex_count() == old {
         return (welded.mesh, step);
     }
+    let new_of = (0..old as u32).map(|vertex| welded.vertex_of(VertexId(vertex)).map(|new| new.0));
+    step.vertices = Some(IndexMap::forward(new_of));
     let mut next = 0;
     for vertex in 0..old as u32 {
         let at = positions[vertex as usize];

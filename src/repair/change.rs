@@ -8,6 +8,8 @@ use super::index_map::IndexMap;
 pub enum ChangeKind {
     /// A vertex became one with another one.
     VertexMerged,
+    /// A vertex was left beside another one at the same position: a skin moves them differently.
+    KeptApart,
     /// A vertex that no face uses was dropped.
     VertexDropped,
     /// A face with two equal corners was dropped.
@@ -42,6 +44,7 @@ impl ChangeKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::VertexMerged => "vertex_merged",
+            Self::KeptApart => "kept_apart",
             Self::VertexDropped => "vertex_dropped",
             Self::CollapsedDropped => "collapsed_dropped",
             Self::DuplicateDropped => "duplicate_dropped",
@@ -61,8 +64,8 @@ impl ChangeKind {
     /// Whether the mesh was changed; `false` for what a step found and left.
     #[must_use]
     pub fn is_change(self) -> bool {
-        use ChangeKind::{EdgeLeft, HoleLeft, OppositeKept, ShellLeft, TJunctionLeft};
-        !matches!(self, OppositeKept | ShellLeft | TJunctionLeft | EdgeLeft | HoleLeft)
+        use ChangeKind::{EdgeLeft, HoleLeft, KeptApart, OppositeKept, ShellLeft, TJunctionLeft};
+        !matches!(self, KeptApart | OppositeKept | ShellLeft | TJunctionLeft | EdgeLeft | HoleLeft)
     }
 }
 

@@ -17,6 +17,7 @@ mod prepare;
 mod radial;
 mod rewrite;
 mod shadow_indices;
+mod skin;
 mod split;
 mod stitch;
 #[cfg(test)]

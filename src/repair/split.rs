@@ -92,13 +92,17 @@ fn fans(mesh: &Mesh, topology: &Topology) -> Components {
 /// The mesh with copies of some of its vertices at the end, and other faces in the old ones' stead.
 fn with_copies(mesh: Mesh, copied: &[u32], triangles: Vec<[u32; 3]>) -> Result<Mesh, MeshError> {
     let (name, origins) = (mesh.name.clone(), mesh.origins().cloned());
+    let skin = mesh.skin().map(|skin| {
+        let copies = copied.iter().map(|&vertex| skin[vertex as usize]);
+        skin.iter().copied().chain(copies).collect::<Vec<_>>()
+    });
     let (mut positions, _, parts, mut frames) = mesh.into_parts();
     for frame in frames.iter_mut().chain([&mut positions]) {
         let copies: Vec<[f32; 3]> = copied.iter().map(|&vertex| frame[vertex as usize]).collect();
         frame.extend(copies);
     }
     let mesh = Mesh::new(positions, triangles)?.with_name(name).with_parts(parts);
-    mesh.with_origins_of(origins).with_frames(frames)
+    mesh.with_origins_of(origins).with_skin(skin.map(Into::into)).with_frames(frames)
 }
 
 #[cfg(test)]

@@ -69,13 +69,17 @@ mod tests {
     fn listed(mesh: &Mesh) -> Edges {
         let topology = Topology::of(mesh);
         let ids = |faces: Vec<FaceId>| faces.into_iter().map(|face| face.0).collect();
-        topology.edge_list().map(|edge| ([edge.a.0, edge.b.0], (ids(edge.faces), edge.multiplicity))).collect()
+        topology
+            .edge_list()
+            .map(|edge| ([edge.a.0, edge.b.0], (ids(edge.faces), edge.multiplicity)))
+            .collect()
     }
 
     #[test]
     fn edge_list_is_that_of_the_triangles_one_by_one() {
         let mut random = SplitMix64(12);
-        let mut meshes = vec![shapes::open_cube(), shapes::book(5), shapes::mobius(9), shapes::double_sheet()];
+        let mut meshes =
+            vec![shapes::open_cube(), shapes::book(5), shapes::mobius(9), shapes::double_sheet()];
         meshes.extend((0..100).map(|_| {
             let faces = (0..12).map(|_| [(); 3].map(|()| random.below(8) as u32)).collect();
             Mesh::new((0..8).map(|k| [k as f32, 0.0, 0.0]).collect(), faces).unwrap()
@@ -84,8 +88,10 @@ mod tests {
         for mesh in &meshes {
             let edges = listed(mesh);
             assert_eq!(edges, naive(mesh.triangles()), "{}", mesh.name);
-            unbalanced += edges.values().filter(|(faces, sum)| sum.unsigned_abs() as usize != faces.len() % 2).count();
-            let order: Vec<[u32; 2]> = Topology::of(mesh).edge_list().map(|edge| [edge.a.0, edge.b.0]).collect();
+            unbalanced +=
+                edges.values().filter(|(faces, sum)| sum.unsigned_abs() as usize != faces.len() % 2).count();
+            let order: Vec<[u32; 2]> =
+                Topology::of(mesh).edge_list().map(|edge| [edge.a.0, edge.b.0]).collect();
             assert!(order.is_sorted());
         }
         assert!(unbalanced > 20, "{unbalanced}");

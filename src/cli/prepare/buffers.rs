@@ -38,7 +38,7 @@ pub(super) fn of(
     let Some(&mesh) = meshes.first() else { return Ok(buffers) };
     if let (Some(path), Some(original)) = (&args.shadow_indices, original) {
         let indices = shadow_indices(original, mesh).ok_or_else(|| {
-            let problem = "--shadow-indices: the file has frames, in which equal vertices may part";
+            let problem = "--shadow-indices: a vertex of the result is none of the file's";
             Failure::new(problem, "leave it out").in_file(&args.file)
         })?;
         buffers.push(Buffer::of(path, indices.as_flattened()));

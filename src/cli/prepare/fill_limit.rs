@@ -54,8 +54,23 @@ mod tests {
         assert_eq!(FillLimit::parse("length=2,edges=3"), limit(Some(3), Some(2.0)));
         assert_eq!(FillLimit::parse("3,length=1e-3"), limit(Some(3), Some(1e-3)));
         for text in [
-            "", "0.5", "-1", "0.5mm", "length=0", "length=-1", "length=nan", "length=inf", "length=", "edges=1.5",
-            "3,4", "3,edges=4", "length=1,length=2", "area=3", "scan.ply", "3,", "Length=1",
+            "",
+            "0.5",
+            "-1",
+            "0.5mm",
+            "length=0",
+            "length=-1",
+            "length=nan",
+            "length=inf",
+            "length=",
+            "edges=1.5",
+            "3,4",
+            "3,edges=4",
+            "length=1,length=2",
+            "area=3",
+            "scan.ply",
+            "3,",
+            "Length=1",
         ] {
             assert!(FillLimit::parse(text).is_err(), "{text}");
         }

@@ -31,6 +31,9 @@ use fill_limit::FillLimit;
 /// steps, taken in this order: orient, weld-within, stitch, split, fill; all but weld-within leave every
 /// position as it is.
 ///
+/// Vertices of one position that a skin or a morph target of a glTF moves differently stay apart: the report
+/// says how many a skin parts, and --shadow-indices does not mix them.
+///
 /// Never done: removing self-intersections, deleting shells, remeshing, decimating. Manifold and MeshLib do
 /// the first.
 ///
@@ -188,6 +191,12 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         steps.push((name, prepared.steps));
         map = prepared.map; // of one mesh, if at all
     }
+    let by_skin = steps.iter().any(|(_, steps)| steps.iter().any(keeps_apart));
+    let apart = match (args.split, by_skin) {
+        (true, _) => Some(text::Apart::Split),
+        (false, true) => Some(text::Apart::Skin),
+        (false, false) => None,
+    };
     let report = |meshes: &[WeldedMesh]| report_on(&args.file, baked.format, meshes, &args.require);
     let mut report = Report {
         file: args.file.clone(),
@@ -207,7 +216,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     if unmet.is_empty() {
         let meshes: Vec<&Mesh> = after.iter().map(|welded| &welded.mesh).collect();
         let buffers = buffers::of(&args, original.as_ref(), map.as_ref(), &meshes)?;
-        report.written = write_verified(&args, target, &meshes, &report.after)?;
+        report.written = write_verified(&args, target, apart.is_some(), &meshes, &report.after)?;
         report.verified = Some(report.written.is_some());
         if report.written.is_some() {
             buffers::write(buffers)?;
@@ -218,7 +227,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     if args.json {
         out.json(&json::document(&report))?;
     } else {
-        out.text(text::Text { report: &report, limit: args.limit, split: args.split })?;
+        out.text(text::Text { report: &report, limit: args.limit, apart })?;
     }
     out.flush()?;
     for asked in &unmet {
@@ -299,6 +308,11 @@ fn target(args: &Args) -> Result<Target, Failure> {
     Ok(target)
 }
 
+/// Whether a step left vertices of one position apart: a weld leaves nothing else.
+fn keeps_apart(step: &Step) -> bool {
+    step.name.starts_with("weld") && step.left > 0
+}
+
 /// A mesh that nothing is to be merged in.
 fn as_it_is(mesh: Mesh) -> WeldedMesh {
     WeldedMesh { vertices: mesh.vertex_count(), unreferenced: 0, mesh }
@@ -308,6 +322,7 @@ fn as_it_is(mesh: Mesh) -> WeldedMesh {
 fn write_verified(
     args: &Args,
     target: Target,
+    apart: bool,
     meshes: &[&Mesh],
     after: &FileReport,
 ) -> Result<Option<PathBuf>, Failure> {
@@ -315,7 +330,8 @@ fn write_verified(
     let model = Model { layers: meshes.iter().map(|&mesh| Layer::from(mesh)).collect() };
     let bytes = write::to_bytes(&model, target).map_err(|error| error.in_file(path))?;
     drop(model);
-    if !back::is_same(&bytes, path, args.reads_back_by(), meshes, after)? {
+    let how = if apart { Weld::None } else { args.reads_back_by() };
+    if !back::is_same(&bytes, path, how, meshes, after)? {
         return Ok(None);
     }
     write::write_atomic(path, |writer| writer.write_all(&bytes))?;

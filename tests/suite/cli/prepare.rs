@@ -191,7 +191,8 @@ fn prepare_writes_index_buffers_beside_the_mesh() {
 #[test]
 fn prepare_lists_edges_and_where_everything_went() {
     let folder = folder();
-    let json = |name: &str| -> Value { serde_json::from_slice(&fs::read(folder.path(name)).unwrap()).unwrap() };
+    let json =
+        |name: &str| -> Value { serde_json::from_slice(&fs::read(folder.path(name)).unwrap()).unwrap() };
     let words = |name: &str| -> Vec<u32> {
         let bytes = fs::read(folder.path(name)).unwrap();
         bytes.chunks_exact(4).map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect()
@@ -199,10 +200,15 @@ fn prepare_lists_edges_and_where_everything_went() {
     let numbers = |value: &Value| -> Vec<u32> {
         value.as_array().unwrap().iter().map(|number| number.as_u64().unwrap() as u32).collect()
     };
-    for (file, options) in [("soup.ply", ""), ("edge.obj", " --split"), ("open.obj", ""), ("junction.obj", " --stitch")] {
+    for (file, options) in
+        [("soup.ply", ""), ("edge.obj", " --split"), ("open.obj", ""), ("junction.obj", " --stitch")]
+    {
         let all = "--edges edges.json --map map.json";
         assert_eq!(folder.code(&format!("prepare {file} -o out.ply{options} {all}")), 0, "{file}");
-        assert_eq!(folder.code(&format!("prepare {file} -o out.ply{options} --edges edges.bin --map map.bin")), 0);
+        assert_eq!(
+            folder.code(&format!("prepare {file} -o out.ply{options} --edges edges.bin --map map.bin")),
+            0
+        );
         // The integers are those of the JSON.
         let (document, edges) = (json("edges.json"), words("edges.bin"));
         let listed = document["edges"].as_array().unwrap();

@@ -74,7 +74,7 @@ fn integers(asset: &Asset, index: usize) -> Result<Vec<[u32; 4]>, ReadError> {
         component @ (Component::U8 | Component::U16 | Component::U32) => component,
         _ => return Err(object.error("holds numbers that are not unsigned integers, but a joint is one")),
     };
-    if object.text("type")?.as_deref() != Some("VEC4") {
+    if object.text("type")? != Some("VEC4") {
         return Err(object.error("is no VEC4, but joints are four"));
     }
     let size = component.bytes();

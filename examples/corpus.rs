@@ -1,5 +1,5 @@
-//! Writes small files with known defects into a folder, and what was put into each: `cargo run --example corpus --
-//! FOLDER [COUNT]`. `benches/corpus.py` checks them all.
+//! Writes small files with known defects into a folder, and what was put into each:
+//! `cargo run --example corpus -- FOLDER [COUNT]`. `benches/corpus.py` checks them all.
 
 use std::error::Error;
 use std::fmt::Write as _;

@@ -17,8 +17,8 @@ impl Oracle {
     /// own, both at once. A directional light keeps its direction; only the point moves. 0 for
     /// [`Verdict::Grazing`], and for a point, or a light, on a face. Infinite without faces.
     ///
-    /// A tracer in `f32` can be held to it: where its errors move a ray by less than the margin, its answer has
-    /// to be the exact one. Where the margin is less, either answer may be right.
+    /// A tracer in `f32` can be held to it: where its errors move a ray by less than the margin, its answer
+    /// has to be the exact one. Where the margin is less, either answer may be right.
     ///
     /// ```
     /// use umbrage::geom::Light;
@@ -46,16 +46,16 @@ impl Oracle {
     ///   the margin is the least distance of the segment, its ends included, from any face. It is exact but
     ///   for rounding.
     /// - *Shadowed*: let a face be crossed before the move, and no longer after it. Move both ends along
-    ///   straight lines. At the first moment without a proper crossing, the segment meets an edge of the face,
-    ///   or one of its ends lies on the face. So one of these distances was at most e: of the segment from an
+    ///   straight lines. At the first moment without a proper crossing, the segment meets an edge of the
+    ///   face, or one of its ends lies on the face. So one of these distances was at most e: of the segment from an
     ///   edge, or of an end from the face. A face keeps its crossing within the least of them, and the
     ///   shadow stays within the largest such value of all faces that are crossed. Exact for one face; where
     ///   several are crossed, and one is left while another is still crossed, the true margin is larger.
     ///
-    /// Each distance is a lower bound by a separating plane: for any direction n, two convex sets are apart by
-    /// at least the gap between their projections on n. How n was found does not matter to the proof. Rounding
-    /// is subtracted: with all coordinates seen from `p`, and at most M, no more than 54 · 2⁻⁵³ · M, for which
-    /// 64 is taken. Beyond eight times the farthest face, segments are cut: the rest is at least seven times
+    /// Each distance is a lower bound by a separating plane: for any direction n, two convex sets are apart
+    /// by at least the gap between their projections on n. How n was found does not matter to the proof.
+    /// Rounding is subtracted: with all coordinates seen from `p`, and at most M, no more than
+    /// 54 · 2⁻⁵³ · M, for which 64 is taken. Beyond eight times the farthest face, segments are cut: the rest is at least seven times
     /// as far from `p` as any face, and `p` itself is nearer.
     ///
     /// Time: that of a verdict, and about 200 ns per face that is near the segment, of which there are few

@@ -187,8 +187,8 @@ mod tests {
     }
 
     /// What is wrong with the map of a mesh that was prepared without filling: old faces whose new ones were
-    /// not made of them, by the polygons that go with faces; new ones that nothing leads to; vertices at other
-    /// positions; corners that are none of the old face's.
+    /// not made of them, by the polygons that go with faces; new ones that nothing leads to; vertices at
+    /// other positions; corners that are none of the old face's.
     #[cfg(feature = "verify")]
     fn wrong_in_map(mesh: &Mesh, prepared: &Prepared, (vertices, faces): &(IndexMap, IndexMap)) -> usize {
         use crate::mesh::FaceId;

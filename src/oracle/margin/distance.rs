@@ -1,4 +1,5 @@
-//! A lower bound of the distance of two convex hulls: of a point or a segment, and of a segment or a triangle.
+//! A lower bound of the distance of two convex hulls: of a point or a segment, and of a segment or a
+//! triangle.
 //!
 //! Closest points are found as Christer Ericson, *Real-Time Collision Detection*, 2005, sections 5.1.5 and
 //! 5.1.9 has them, rounded. They only give a direction: the bound is the gap of the hulls along it.

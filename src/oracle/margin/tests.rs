@@ -158,8 +158,8 @@ fn margin_is_kept_by_every_move_within_it_and_a_larger_one_is_not() {
     let found = survey(1.0);
     assert_eq!(found.wrong, 0, "{found:?}");
     assert!(found.moves > 5000 && found.count.iter().all(|&count| count > 40), "{found:?}");
-    // Not vacuous: for most lit queries, and for those of one face unless a neighbor of it takes over, less than
-    // twice the margin changes the verdict.
+    // Not vacuous: for most lit queries, and for those of one face unless a neighbor of it takes over, less
+    // than twice the margin changes the verdict.
     let [lit, shadowed] = [0, 1].map(|kind| found.tight[kind] as f64 / found.count[kind] as f64);
     assert!(lit > 0.8 && shadowed > 0.4, "{found:?}");
     // Fault injected: half as much again.

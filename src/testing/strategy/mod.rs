@@ -65,8 +65,8 @@
 //! # Right wherever it can be
 //!
 //! A tracer in single precision may be wrong where the segment nearly touches something.
-//! [`Oracle::margin`](crate::oracle::Oracle::margin) says how nearly: hold it to the exact answer wherever the
-//! margin exceeds its error. Here the segment between two points, among several meshes, for a tracer whose
+//! [`Oracle::margin`](crate::oracle::Oracle::margin) says how nearly: hold it to the exact answer wherever
+//! the margin exceeds its error. Here the segment between two points, among several meshes, for a tracer whose
 //! ends lie on a grid; a case that fails is shrunk, and prints as an OBJ and as Rust to paste.
 //!
 //! ```
@@ -92,7 +92,8 @@
 //!         if oracle.margin(from, &light) > 3_f64.sqrt() / 2.0 / 1024.0 {
 //!             let case = Case { mesh, light, points: vec![from] };
 //!             let (obj, rust) = (case.to_obj(from), case.to_rust(from));
-//!             prop_assert_eq!(yours(&oracle, from, to, cells), oracle.verdict(from, &light), "{}{}", obj, rust);
+//!             let (yours, exact) = (yours(&oracle, from, to, cells), oracle.verdict(from, &light));
+//!             prop_assert_eq!(yours, exact, "{}{}", obj, rust);
 //!         }
 //!         Ok(())
 //!     })

@@ -47,16 +47,17 @@ impl Oracle {
     ///   for rounding.
     /// - *Shadowed*: let a face be crossed before the move, and no longer after it. Move both ends along
     ///   straight lines. At the first moment without a proper crossing, the segment meets an edge of the
-    ///   face, or one of its ends lies on the face. So one of these distances was at most e: of the segment from an
-    ///   edge, or of an end from the face. A face keeps its crossing within the least of them, and the
-    ///   shadow stays within the largest such value of all faces that are crossed. Exact for one face; where
-    ///   several are crossed, and one is left while another is still crossed, the true margin is larger.
+    ///   face, or one of its ends lies on the face. So one of these distances was at most e: of the segment
+    ///   from an edge, or of an end from the face. A face keeps its crossing within the least of them, and
+    ///   the shadow stays within the largest such value of all faces that are crossed. Exact for one face;
+    ///   where several are crossed, and one is left while another is still crossed, the true margin is
+    ///   larger.
     ///
     /// Each distance is a lower bound by a separating plane: for any direction n, two convex sets are apart
     /// by at least the gap between their projections on n. How n was found does not matter to the proof.
     /// Rounding is subtracted: with all coordinates seen from `p`, and at most M, no more than
-    /// 54 · 2⁻⁵³ · M, for which 64 is taken. Beyond eight times the farthest face, segments are cut: the rest is at least seven times
-    /// as far from `p` as any face, and `p` itself is nearer.
+    /// 54 · 2⁻⁵³ · M, for which 64 is taken. Beyond eight times the farthest face, segments are cut: the rest
+    /// is at least seven times as far from `p` as any face, and `p` itself is nearer.
     ///
     /// Time: that of a verdict, and about 200 ns per face that is near the segment, of which there are few
     /// unless the faces are about as far from it as each other.

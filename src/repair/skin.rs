@@ -8,8 +8,8 @@ use crate::mesh::{Mesh, VertexId, Weld, Welded, weld_in_place};
 /// Makes vertices one by the rule `how`, but only those with the same number in the skin of the mesh.
 ///
 /// The numbers become frames, in which vertices of different numbers are farther apart than any weld
-/// distance: the corners of a cube of the side 2 · `f32::MAX`, three bits of the number a frame. So every weld that
-/// compares frames keeps them apart.
+/// distance: the corners of a cube of the side 2 · `f32::MAX`, three bits of the number a frame. So every
+/// weld that compares frames keeps them apart.
 pub(super) fn weld(mut mesh: Mesh, how: Weld) -> Welded {
     let Some(skin) = mesh.skin().cloned() else { return weld_in_place(mesh, how) };
     let (name, origins) = (mesh.name.clone(), mesh.origins().cloned());

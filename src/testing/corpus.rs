@@ -60,8 +60,8 @@ impl Numbers {
 }
 
 /// File number `index` of the corpus: a closed surface of some hundred faces, with up to five defects far
-/// from each other. Formats take turns: OBJ, GLB, binary PLY and STL as they are written here; text PLY, STL, OFF
-/// and a glTF with its buffer inside.
+/// from each other. Formats take turns: OBJ, GLB, binary PLY and STL as they are written here; text PLY, STL,
+/// OFF and a glTF with its buffer inside.
 ///
 /// ```
 /// use umbrage::testing::corpus::specimen;

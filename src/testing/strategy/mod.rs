@@ -66,8 +66,8 @@
 //!
 //! A tracer in single precision may be wrong where the segment nearly touches something.
 //! [`Oracle::margin`](crate::oracle::Oracle::margin) says how nearly: hold it to the exact answer wherever
-//! the margin exceeds its error. Here the segment between two points, among several meshes, for a tracer whose
-//! ends lie on a grid; a case that fails is shrunk, and prints as an OBJ and as Rust to paste.
+//! the margin exceeds its error. Here the segment between two points, among several meshes, for a tracer
+//! whose ends lie on a grid; a case that fails is shrunk, and prints as an OBJ and as Rust to paste.
 //!
 //! ```
 //! use proptest::prelude::*;

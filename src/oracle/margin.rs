@@ -59,8 +59,8 @@ impl Oracle {
     /// 54 · 2⁻⁵³ · M, for which 64 is taken. Beyond eight times the farthest face, segments are cut: the rest
     /// is at least seven times as far from `p` as any face, and `p` itself is nearer.
     ///
-    /// Time: that of a verdict, and about 200 ns per face that is near the segment, of which there are few
-    /// unless the faces are about as far from it as each other.
+    /// Time: that of a verdict, and up to six distances for each face in boxes near the segment. There are
+    /// few such faces, unless most are about as far from it as the nearest one.
     #[must_use]
     pub fn margin(&self, p: [f32; 3], light: &Light) -> f64 {
         let Some(view) = View::of(self, p, light) else { return f64::INFINITY };

@@ -24,7 +24,7 @@ pub use weld::{Weld, Welded, weld, weld_in_place};
 /// (2⁻⁴⁴⁷ … 2³⁹³). The exact predicates rely on this range: they can neither overflow nor underflow.
 ///
 /// Two meshes are equal if they have the same name, positions, faces, parts and frames, wherever in a file
-/// their faces stand.
+/// their faces stand, and whatever skin moves them.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// Name of the mesh in its file; may be empty.
@@ -35,11 +35,13 @@ pub struct Mesh {
     frames: Vec<Vec<[f32; 3]>>,
     /// `None` if every face is the polygon of its own number.
     origins: Option<Arc<Origins>>,
+    /// `None` if no skin moves the mesh.
+    skin: Option<Arc<Vec<u32>>>,
 }
 
 impl PartialEq for Mesh {
     fn eq(&self, other: &Self) -> bool {
-        let Self { name, positions, triangles, parts, frames, origins: _ } = self;
+        let Self { name, positions, triangles, parts, frames, origins: _, skin: _ } = self;
         (name, positions, triangles, parts, frames)
             == (&other.name, &other.positions, &other.triangles, &other.parts, &other.frames)
     }
@@ -251,6 +253,22 @@ impl Mesh {
         self.origins.as_ref()
     }
 
+    /// Drops the frames after the first `count` of [`Mesh::frames`].
+    pub(crate) fn truncate_frames(&mut self, count: usize) {
+        self.frames.truncate(count);
+    }
+
+    /// The same mesh with a number for each vertex: two vertices have the same one if every pose of the skin
+    /// moves them alike. A list of another length is left out.
+    pub(crate) fn with_skin(mut self, skin: Option<Arc<Vec<u32>>>) -> Self {
+        self.skin = skin.filter(|skin| skin.len() == self.vertex_count());
+        self
+    }
+
+    pub(crate) fn skin(&self) -> Option<&Arc<Vec<u32>>> {
+        self.skin.as_ref()
+    }
+
     /// The polygon of the file that `face` is, or was cut from. Logarithmic in the changes of the number of
     /// corners from polygon to polygon.
     ///
@@ -443,8 +461,25 @@ impl Mesh {
                 parts.push(Part { name, faces, material: part.material });
             }
         }
-        Ok(Mesh::new(positions, triangles)?.with_parts(parts).with_origins(origins))
+        let skin = concatenated_skins(meshes);
+        Ok(Mesh::new(positions, triangles)?.with_parts(parts).with_origins(origins).with_skin(skin))
     }
+}
+
+/// The skins of meshes one after the other: numbers of different meshes differ. `None` if no mesh has one.
+fn concatenated_skins(meshes: &[Mesh]) -> Option<Arc<Vec<u32>>> {
+    if meshes.iter().all(|mesh| mesh.skin.is_none()) {
+        return None;
+    }
+    let (mut all, mut first) = (Vec::new(), 0);
+    for mesh in meshes {
+        match &mesh.skin {
+            Some(skin) => all.extend(skin.iter().map(|number| number.saturating_add(first))),
+            None => all.resize(all.len() + mesh.vertex_count(), first),
+        }
+        first = all.iter().max().map_or(0, |most| most.saturating_add(1));
+    }
+    Some(Arc::new(all))
 }
 
 /// Rejects coordinates that are not finite, and turns −0.0 into +0.0.

@@ -9,6 +9,7 @@
 pub mod area;
 mod batch;
 mod from_surface;
+mod margin;
 mod primary_hit;
 pub(crate) mod segment_filter;
 mod segment_triangle;

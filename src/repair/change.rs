@@ -1,11 +1,15 @@
 //! What a step of repair did: its changes, one by one.
 
+use super::index_map::IndexMap;
+
 /// What happened to a vertex, a face, a hole or a shell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum ChangeKind {
     /// A vertex became one with another one.
     VertexMerged,
+    /// A vertex was left beside another one at the same position: a skin moves them differently.
+    KeptApart,
     /// A vertex that no face uses was dropped.
     VertexDropped,
     /// A face with two equal corners was dropped.
@@ -40,6 +44,7 @@ impl ChangeKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::VertexMerged => "vertex_merged",
+            Self::KeptApart => "kept_apart",
             Self::VertexDropped => "vertex_dropped",
             Self::CollapsedDropped => "collapsed_dropped",
             Self::DuplicateDropped => "duplicate_dropped",
@@ -59,8 +64,8 @@ impl ChangeKind {
     /// Whether the mesh was changed; `false` for what a step found and left.
     #[must_use]
     pub fn is_change(self) -> bool {
-        use ChangeKind::{EdgeLeft, HoleLeft, OppositeKept, ShellLeft, TJunctionLeft};
-        !matches!(self, OppositeKept | ShellLeft | TJunctionLeft | EdgeLeft | HoleLeft)
+        use ChangeKind::{EdgeLeft, HoleLeft, KeptApart, OppositeKept, ShellLeft, TJunctionLeft};
+        !matches!(self, KeptApart | OppositeKept | ShellLeft | TJunctionLeft | EdgeLeft | HoleLeft)
     }
 }
 
@@ -105,6 +110,8 @@ pub struct Patch {
 pub enum Left {
     /// It has more edges than was asked for.
     TooLong,
+    /// It is longer around than was asked for.
+    TooFarAround,
     /// Its edges do not close to a loop: windings disagree, or edges of more than two faces interrupt it.
     NoLoop,
     /// The patch would meet other faces where it should not.
@@ -121,6 +128,7 @@ impl Left {
     pub fn name(self) -> &'static str {
         match self {
             Self::TooLong => "more edges than the limit",
+            Self::TooFarAround => "longer around than the limit",
             Self::NoLoop => "its edges do not close to a loop",
             Self::Meets => "the patch would meet other faces",
             Self::EdgeInUse => "an edge of the patch would have more than two faces",
@@ -143,6 +151,10 @@ pub struct Step {
     pub changes: Vec<Change>,
     /// How far a vertex moved at most, in mesh units, in any frame.
     pub largest_move: f64,
+    /// Where the vertices are after the step; `None` if each kept its index, but for new ones at the end.
+    pub vertices: Option<IndexMap>,
+    /// Where the faces are after the step; `None` if each kept its index, but for new ones at the end.
+    pub faces: Option<IndexMap>,
 }
 
 impl Step {
@@ -150,7 +162,7 @@ impl Step {
     pub const LISTED: usize = 1000;
 
     pub(super) fn new(name: &'static str) -> Self {
-        Self { name, count: 0, left: 0, changes: Vec::new(), largest_move: 0.0 }
+        Self { name, count: 0, left: 0, changes: Vec::new(), largest_move: 0.0, vertices: None, faces: None }
     }
 
     pub(super) fn add(&mut self, kind: ChangeKind, old: Option<u32>, new: Option<u32>, at: [f32; 3]) {

@@ -1,6 +1,7 @@
 //! The step that drops collapsed faces.
 
 use super::change::{ChangeKind, Step};
+use super::index_map::IndexMap;
 use super::rewrite::keep_faces;
 use crate::mesh::Mesh;
 use crate::topology::has_collapsed;
@@ -35,6 +36,7 @@ pub fn drop_collapsed(mesh: Mesh) -> (Mesh, Step) {
             from.push(face);
         }
     }
+    step.faces = Some(IndexMap::backward(&from, mesh.face_count()));
     (keep_faces(mesh, &from), step)
 }
 

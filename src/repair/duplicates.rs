@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 
 use super::change::{ChangeKind, Step};
+use super::index_map::IndexMap;
 use super::rewrite::keep_faces;
 use super::walls::inner_walls;
 use crate::mesh::Mesh;
@@ -51,6 +52,14 @@ pub fn drop_duplicates(mesh: Mesh) -> (Mesh, Step) {
     kept.sort_unstable();
     for face in kept {
         step.add(ChangeKind::OppositeKept, Some(face), new(face), at(face));
+    }
+    if !dropped.is_empty() {
+        let mut new_of = vec![None; mesh.face_count()];
+        (0..).zip(&from).for_each(|(new, &old)| new_of[old as usize] = Some(new));
+        for &(face, _, original) in &dropped {
+            new_of[face as usize] = original.and_then(new);
+        }
+        step.faces = Some(IndexMap::forward(new_of.into_iter()));
     }
     (if dropped.is_empty() { mesh } else { keep_faces(mesh, &from) }, step)
 }

@@ -109,13 +109,13 @@ fn with_turned(mesh: Mesh, turned: &[bool]) -> Mesh {
     if !turned.contains(&true) {
         return mesh;
     }
-    let (name, origins) = (mesh.name.clone(), mesh.origins().cloned());
+    let (name, origins, skin) = (mesh.name.clone(), mesh.origins().cloned(), mesh.skin().cloned());
     let (positions, mut triangles, parts, frames) = mesh.into_parts();
     for (corners, _) in triangles.iter_mut().zip(turned).filter(|(_, turned)| **turned) {
         corners.swap(1, 2);
     }
     let mesh = Mesh::new(positions, triangles).expect("the same corners in another order");
-    let mesh = mesh.with_name(name).with_parts(parts).with_origins_of(origins);
+    let mesh = mesh.with_name(name).with_parts(parts).with_origins_of(origins).with_skin(skin);
     mesh.with_frames(frames).expect("the frames are those that it had")
 }
 

@@ -2,6 +2,7 @@
 
 use super::change::Step;
 use super::fill::Fill;
+use super::index_map::IndexMap;
 use super::{drop_collapsed, drop_duplicates, drop_unreferenced, fill, orient, split, stitch, weld};
 use crate::mesh::{Mesh, MeshError, Weld};
 
@@ -21,6 +22,8 @@ pub struct Options {
     pub split: bool,
     /// Closes holes: [`fill`](fn@fill).
     pub fill: Option<Fill>,
+    /// Keeps [`Prepared::map`]: 8 bytes per vertex and face, and as much again while a step is taken.
+    pub map: bool,
 }
 
 /// A mesh, and what was done to it.
@@ -32,6 +35,9 @@ pub struct Prepared {
     /// The steps, in the order in which they were taken. The indices of each are those of the mesh that the
     /// step before it left.
     pub steps: Vec<Step>,
+    /// Where the vertices, and the faces, of the input are in [`Prepared::mesh`]; `None` unless
+    /// [`Options::map`] asks for it.
+    pub map: Option<(IndexMap, IndexMap)>,
 }
 
 /// Takes the steps that `options` ask for, in a fixed order: equal vertices become one; collapsed faces,
@@ -54,7 +60,9 @@ pub struct Prepared {
 ///
 /// [`MeshError::TooLarge`] if there come to be more faces or vertices than a mesh can have.
 pub fn prepare(mesh: Mesh, options: &Options) -> Result<Prepared, MeshError> {
-    let mut prepared = Prepared { mesh, steps: Vec::new() };
+    let map =
+        options.map.then(|| (IndexMap::identity(mesh.vertex_count()), IndexMap::identity(mesh.face_count())));
+    let mut prepared = Prepared { mesh, steps: Vec::new(), map };
     if options.weld != Weld::None {
         prepared.take(|mesh| Ok(weld(mesh, options.weld)))?;
     }
@@ -94,7 +102,16 @@ impl Prepared {
         &mut self,
         step: impl FnOnce(Mesh) -> Result<(Mesh, Step), MeshError>,
     ) -> Result<usize, MeshError> {
-        let (mesh, step) = step(std::mem::take(&mut self.mesh))?;
+        let (mesh, mut step) = step(std::mem::take(&mut self.mesh))?;
+        // Of the whole, not of each step: they would take too much memory together.
+        let taken = [step.vertices.take(), step.faces.take()];
+        if let Some((vertices, faces)) = &mut self.map {
+            for (map, next) in [vertices, faces].into_iter().zip(taken) {
+                if let Some(next) = next {
+                    *map = map.then(&next);
+                }
+            }
+        }
         let count = step.count;
         self.mesh = mesh;
         self.steps.push(step);
@@ -167,6 +184,76 @@ mod tests {
             let report = CrackReport::of(&prepared.mesh, &Topology::of(&prepared.mesh));
             assert!(report.counts.sound(), "{}: {}", mesh.name, report.counts.reasons());
         }
+    }
+
+    /// What is wrong with the map of a mesh that was prepared without filling: old faces whose new ones were
+    /// not made of them, by the polygons that go with faces; new ones that nothing leads to; vertices at
+    /// other positions; corners that are none of the old face's.
+    #[cfg(feature = "verify")]
+    fn wrong_in_map(mesh: &Mesh, prepared: &Prepared, (vertices, faces): &(IndexMap, IndexMap)) -> usize {
+        use crate::mesh::FaceId;
+        let new = &prepared.mesh;
+        let step = |name| prepared.steps.iter().find(|step| step.name == name);
+        // A duplicate goes where the face went that stands for it: one with the same corners.
+        let places = |face: u32| {
+            let mut at = mesh.corners(FaceId(face)).map(|corner| corner.map(f32::to_bits));
+            at.sort_unstable();
+            at
+        };
+        let (mut wrong, mut led_to) = (0, [vec![false; new.vertex_count()], vec![false; new.face_count()]]);
+        for (old, to) in (0..).zip(vertices.iter()) {
+            for &vertex in to {
+                let at = |mesh: &Mesh, vertex: u32| mesh.positions()[vertex as usize].map(f32::to_bits);
+                wrong += usize::from(at(new, vertex) != at(mesh, old));
+                led_to[0][vertex as usize] = true;
+            }
+        }
+        for (old, to) in (0..).zip(faces.iter()) {
+            let corners: Vec<u32> = mesh.triangles()[old as usize]
+                .iter()
+                .flat_map(|&vertex| vertices.of(vertex).iter().copied())
+                .collect();
+            for &face in to {
+                let from = new.origin(FaceId(face)).polygon;
+                let is_own =
+                    from == old || (step("duplicates").unwrap().count > 0 && places(from) == places(old));
+                // A stitched face also has the vertex that it was cut at.
+                let has_own = step("stitch").is_some()
+                    || new.triangles()[face as usize].iter().all(|corner| corners.contains(corner));
+                wrong += usize::from(!is_own) + usize::from(!has_own);
+                led_to[1][face as usize] = true;
+            }
+        }
+        wrong + led_to.iter().flatten().filter(|&&led_to| !led_to).count()
+    }
+
+    #[cfg(feature = "verify")]
+    #[test]
+    fn prepare_maps_old_vertices_and_faces_to_new_ones() {
+        let steps = Options { orient: true, split: true, map: true, ..Options::default() };
+        let (mut dropped, mut split, mut merged, mut cut, mut caught) = (0, 0, 0, 0, 0);
+        for seed in 0..400 {
+            let mesh = crate::testing::generate::mesh(&mut crate::random::SplitMix64(seed));
+            for options in [steps, Options { stitch: true, ..steps }] {
+                let prepared = prepare(mesh.clone(), &options).unwrap();
+                let map = prepared.map.clone().unwrap();
+                assert_eq!((map.0.len(), map.1.len()), (mesh.vertex_count(), mesh.face_count()));
+                assert_eq!(wrong_in_map(&mesh, &prepared, &map), 0, "seed {seed}");
+                dropped += map.1.iter().filter(|to| to.is_empty()).count();
+                split += map.0.iter().filter(|to| to.len() > 1).count();
+                cut += map.1.iter().filter(|to| to.len() > 1).count();
+                merged += map.0.to_lists().1.len().saturating_sub(prepared.mesh.vertex_count());
+                // Fault injected: each has what belongs to the one before it.
+                let shifted = |map: &IndexMap| {
+                    let mut lists: Vec<Option<u32>> = map.iter().map(|to| to.first().copied()).collect();
+                    lists.rotate_right(1);
+                    IndexMap::forward(lists.into_iter())
+                };
+                caught += usize::from(wrong_in_map(&mesh, &prepared, &(map.0, shifted(&map.1))) > 0);
+            }
+        }
+        assert!(dropped > 50 && split > 100 && merged > 100 && cut > 10, "{dropped} {split} {merged} {cut}");
+        assert!(caught > 600, "{caught}");
     }
 
     #[cfg(feature = "verify")]

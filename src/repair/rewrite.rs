@@ -13,10 +13,10 @@ pub(super) fn with_faces(mesh: Mesh, triangles: Vec<[u32; 3]>, from: &[u32]) -> 
         Part { name: part.name.clone(), faces, material: part.material }
     });
     let parts = parts.collect();
-    let name = mesh.name.clone();
+    let (name, skin) = (mesh.name.clone(), mesh.skin().cloned());
     let (positions, _, _, frames) = mesh.into_parts();
     let mesh = Mesh::new(positions, triangles)?.with_name(name).with_parts(parts);
-    Ok(mesh.with_frames(frames)?.with_origins(origins))
+    Ok(mesh.with_frames(frames)?.with_origins(origins).with_skin(skin))
 }
 
 /// The mesh with those of its faces that `from` names, ascending.

@@ -1,15 +1,20 @@
 //! The faces of a prepared mesh as indices into the vertices that it was made of.
 
+use std::hash::Hash;
+
 use hashbrown::HashMap;
 
+use super::skin::in_every_frame;
 use crate::mesh::Mesh;
 
 /// The faces of `prepared` with the vertices of `original`, of which it was made without moving any: of
 /// several at one position the first, so that faces which touch share an index. For a pass that draws depth
 /// alone from the vertex buffer that is there already.
 ///
-/// `None` if a position of `prepared` is none of `original`'s, or if one of the meshes has frames, in which
-/// vertices of one position may part.
+/// Vertices that a skin moves differently, or that part in a frame (a morph target), keep indices of their
+/// own: an index stands for all poses.
+///
+/// `None` if a vertex of `prepared` is none of `original`'s.
 ///
 /// ```
 /// use umbrage::mesh::Weld;
@@ -21,17 +26,28 @@ use crate::mesh::Mesh;
 /// ```
 #[must_use]
 pub fn shadow_indices(original: &Mesh, prepared: &Mesh) -> Option<Vec<[u32; 3]>> {
-    if !original.frames().is_empty() || !prepared.frames().is_empty() {
-        return None;
-    }
-    let mut first = HashMap::with_capacity(prepared.vertex_count());
-    for (vertex, position) in (0..).zip(original.positions()) {
-        first.entry(position.map(f32::to_bits)).or_insert(vertex);
-    }
-    let vertices =
-        prepared.positions().iter().map(|position| first.get(&position.map(f32::to_bits)).copied());
-    let vertices: Vec<u32> = vertices.collect::<Option<_>>()?;
+    let is_still = |mesh: &Mesh| mesh.frames().is_empty() && mesh.skin().is_none();
+    let vertices = if is_still(original) && is_still(prepared) {
+        firsts(original, prepared, |mesh, vertex| mesh.positions()[vertex].map(f32::to_bits))?
+    } else {
+        firsts(original, prepared, |mesh, vertex| {
+            (in_every_frame(mesh, vertex), mesh.skin().map(|skin| skin[vertex]))
+        })?
+    };
     Some(prepared.triangles().iter().map(|corners| corners.map(|vertex| vertices[vertex as usize])).collect())
+}
+
+/// For each vertex of `prepared` the first of `original` with the same key; `None` if one has none.
+fn firsts<K: Eq + Hash>(
+    original: &Mesh,
+    prepared: &Mesh,
+    key: impl Fn(&Mesh, usize) -> K,
+) -> Option<Vec<u32>> {
+    let mut first = HashMap::with_capacity(prepared.vertex_count());
+    for (id, vertex) in (0..).zip(0..original.vertex_count()) {
+        first.entry(key(original, vertex)).or_insert(id);
+    }
+    (0..prepared.vertex_count()).map(|vertex| first.get(&key(prepared, vertex)).copied()).collect()
 }
 
 #[cfg(test)]

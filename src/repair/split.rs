@@ -1,6 +1,7 @@
 //! The step that takes fans apart.
 
 use super::change::{ChangeKind, Step};
+use super::index_map::IndexMap;
 use super::radial;
 use crate::mesh::{HalfEdgeId, Mesh, MeshError};
 use crate::topology::{Components, Topology};
@@ -53,6 +54,10 @@ pub fn split(mesh: Mesh) -> Result<(Mesh, Step), MeshError> {
         }
         triangles.as_flattened_mut()[corner as usize] = vertex_of[fan];
     }
+    if !copied.is_empty() {
+        let old_of: Vec<u32> = (0..mesh.vertex_count() as u32).chain(copied.iter().copied()).collect();
+        step.vertices = Some(IndexMap::backward(&old_of, mesh.vertex_count()));
+    }
     let mesh = with_copies(mesh, &copied, triangles)?;
     let topology = Topology::of(&mesh);
     for edge in topology.edges().filter(|&edge| topology.valence(edge) > 2) {
@@ -87,13 +92,17 @@ fn fans(mesh: &Mesh, topology: &Topology) -> Components {
 /// The mesh with copies of some of its vertices at the end, and other faces in the old ones' stead.
 fn with_copies(mesh: Mesh, copied: &[u32], triangles: Vec<[u32; 3]>) -> Result<Mesh, MeshError> {
     let (name, origins) = (mesh.name.clone(), mesh.origins().cloned());
+    let skin = mesh.skin().map(|skin| {
+        let copies = copied.iter().map(|&vertex| skin[vertex as usize]);
+        skin.iter().copied().chain(copies).collect::<Vec<_>>()
+    });
     let (mut positions, _, parts, mut frames) = mesh.into_parts();
     for frame in frames.iter_mut().chain([&mut positions]) {
         let copies: Vec<[f32; 3]> = copied.iter().map(|&vertex| frame[vertex as usize]).collect();
         frame.extend(copies);
     }
     let mesh = Mesh::new(positions, triangles)?.with_name(name).with_parts(parts);
-    mesh.with_origins_of(origins).with_frames(frames)
+    mesh.with_origins_of(origins).with_skin(skin.map(Into::into)).with_frames(frames)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The step that inserts vertices into the edges on which they lie.
 
 use super::change::{ChangeKind, Step};
+use super::index_map::IndexMap;
 use super::rewrite::with_faces;
 use crate::check::exact_t_junctions;
 use crate::geom::predicate::collinear;
@@ -37,7 +38,8 @@ pub fn stitch(mut mesh: Mesh) -> Result<(Mesh, Step), MeshError> {
     let mut step = Step::new("stitch");
     let most = 2 * mesh.face_count() + NEW_FACES;
     // The face before the step of each face.
-    let mut old_of: Vec<u32> = (0..mesh.face_count() as u32).collect();
+    let old_faces = mesh.face_count();
+    let mut old_of: Vec<u32> = (0..old_faces as u32).collect();
     for round in 0.. {
         let topology = Topology::of(&mesh);
         let tests = TESTS + 256 * mesh.face_count() as u64;
@@ -72,6 +74,9 @@ pub fn stitch(mut mesh: Mesh) -> Result<(Mesh, Step), MeshError> {
         }
         old_of = from.iter().map(|&face| old_of[face as usize]).collect();
         mesh = with_faces(mesh, triangles, &from)?;
+    }
+    if step.count > 0 {
+        step.faces = Some(IndexMap::backward(&old_of, old_faces));
     }
     Ok((mesh, step))
 }

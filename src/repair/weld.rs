@@ -1,9 +1,14 @@
 //! The step that makes vertices one.
 
 use super::change::{ChangeKind, Step};
-use crate::mesh::{Mesh, VertexId, Weld, weld_in_place};
+use super::index_map::IndexMap;
+use super::skin;
+use crate::mesh::{Mesh, VertexId, Weld};
 
 /// Makes vertices one by the rule `how`, and drops those that no face uses.
+///
+/// Vertices that a skin of the file moves differently stay apart, so that no pose tears the mesh, and no pose
+/// joins what it parts ([`ChangeKind::KeptApart`]).
 ///
 /// Guarantee: faces keep their number and order. With [`Weld::Exact`] every corner keeps its position in
 /// every frame, bit for bit; within a distance no corner moves farther than that, and
@@ -23,10 +28,15 @@ pub fn weld(mesh: Mesh, how: Weld) -> (Mesh, Step) {
     // Only these can move, and only listed changes need the old positions.
     let before = matches!(how, Weld::Within(_)).then(|| mesh.clone());
     let positions: Vec<[f32; 3]> = mesh.positions().to_vec();
-    let welded = weld_in_place(mesh, how);
+    let welded = skin::weld(mesh, how);
     if welded.mesh.vertex_count() == old {
+        if how != Weld::None {
+            skin::list_kept_apart(&welded.mesh, &mut step);
+        }
         return (welded.mesh, step);
     }
+    let new_of = (0..old as u32).map(|vertex| welded.vertex_of(VertexId(vertex)).map(|new| new.0));
+    step.vertices = Some(IndexMap::forward(new_of));
     let mut next = 0;
     for vertex in 0..old as u32 {
         let at = positions[vertex as usize];
@@ -46,6 +56,9 @@ pub fn weld(mesh: Mesh, how: Weld) -> (Mesh, Step) {
             Some(pairs.map(|(old, moved)| distance(old[vertex as usize], moved[new])).fold(0.0, f64::max))
         };
         step.largest_move = (0..old as u32).filter_map(moved).fold(0.0, f64::max);
+    }
+    if how != Weld::None {
+        skin::list_kept_apart(&welded.mesh, &mut step);
     }
     (welded.mesh, step)
 }

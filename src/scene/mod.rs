@@ -164,7 +164,7 @@ fn place(mesh: Mesh, instance: &Instance) -> Result<Mesh, MeshError> {
     if instance.world_from_mesh == Mat4::IDENTITY {
         return Ok(mesh.with_name(name));
     }
-    let origins = mesh.origins().cloned();
+    let (origins, skin) = (mesh.origins().cloned(), mesh.skin().cloned());
     let (mut positions, mut triangles, parts, mut frames) = mesh.into_parts();
     for position in frames.iter_mut().flatten().chain(&mut positions) {
         *position = instance.world_from_mesh.transform_point3((*position).into()).into();
@@ -173,7 +173,7 @@ fn place(mesh: Mesh, instance: &Instance) -> Result<Mesh, MeshError> {
         triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
     }
     let placed = Mesh::new(positions, triangles)?.with_name(name).with_parts(parts);
-    placed.with_origins_of(origins).with_frames(frames)
+    placed.with_origins_of(origins).with_skin(skin).with_frames(frames)
 }
 
 /// Each part of `mesh` as a mesh of its own, with only the vertices that it uses.
@@ -217,6 +217,7 @@ fn pick(mesh: &Mesh, faces: &[[u32; 3]], new_of_old: &mut [u32]) -> Result<Mesh,
     let pick = |from: &[[f32; 3]]| old_of_new.iter().map(|&old| from[old as usize]).collect::<Vec<_>>();
     let picked = Mesh::new(pick(mesh.positions()), triangles)?
         .with_frames(mesh.frames().iter().map(|frame| pick(frame)).collect())?;
+    let skin = mesh.skin().map(|skin| old_of_new.iter().map(|&old| skin[old as usize]).collect::<Vec<_>>());
     old_of_new.iter().for_each(|&old| new_of_old[old as usize] = u32::MAX);
-    Ok(picked)
+    Ok(picked.with_skin(skin.map(Into::into)))
 }

@@ -5,6 +5,7 @@
 //!
 //! - [`shapes`]: meshes with known counts
 //! - [`scenes`]: many casters, with views
+//! - `corpus` (features `files` and `testing`): small files with known defects
 //! - `generate` (feature `verify`): meshes, lights and points from any source of choices, each written once
 //! - `strategy` (feature `testing`): the same for proptest, with shrinking
 //! - `torture` (feature `verify`): the same at random, and all exact methods compared on them
@@ -37,6 +38,8 @@ pub use crate::built::{Part as BuiltPart, record as record_built};
     expect(dead_code, unused_imports, reason = "only strategies draw some of these meshes")
 )]
 pub mod generate;
+#[cfg(all(feature = "files", any(test, feature = "testing")))]
+pub mod corpus;
 pub mod scenes;
 pub mod shapes;
 #[cfg(any(test, feature = "testing"))]

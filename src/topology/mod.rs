@@ -14,6 +14,7 @@ mod boundary;
 mod build;
 mod components;
 mod counting_sort;
+mod edge_list;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod shells;
@@ -24,6 +25,7 @@ mod vertex_link;
 
 pub use build::TopologyBuilder;
 pub(crate) use components::Components;
+pub use edge_list::ListedEdge;
 #[cfg(feature = "gpu")]
 pub use gpu::{GpuTopology, GpuTopologyBuilder};
 pub(crate) use shells::FacesByShell;

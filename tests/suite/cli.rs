@@ -3,6 +3,7 @@
 mod accuracy;
 mod ambient;
 mod check;
+mod corpus;
 mod demo;
 mod gates;
 mod input;

@@ -12,6 +12,7 @@ mod occlusion;
 mod real;
 mod reports;
 mod scene;
+mod skin;
 mod slip;
 
 use base64::Engine;

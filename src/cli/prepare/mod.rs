@@ -2,6 +2,7 @@
 
 mod back;
 mod buffers;
+mod fill_limit;
 mod json;
 mod text;
 
@@ -20,6 +21,7 @@ use super::parsers::{distance, refuse_overwriting, require_folder, whole};
 use super::progress::Progress;
 use super::resources::ThreadArgs;
 use super::{Failure, Outcome};
+use fill_limit::FillLimit;
 
 /// A caster mesh: what can be repaired without moving or inventing a vertex, with every change listed
 ///
@@ -28,6 +30,9 @@ use super::{Failure, Outcome};
 /// opposite ones are a wall inside a closed solid. So all shadows outside solids stay. The options below add
 /// steps, taken in this order: orient, weld-within, stitch, split, fill; all but weld-within leave every
 /// position as it is.
+///
+/// Vertices of one position that a skin or a morph target of a glTF moves differently stay apart: the report
+/// says how many a skin parts, and --shadow-indices does not mix them.
 ///
 /// Never done: removing self-intersections, deleting shells, remeshing, decimating. Manifold and MeshLib do
 /// the first.
@@ -77,12 +82,16 @@ pub(crate) struct Args {
     #[arg(long)]
     split: bool,
 
-    /// Close holes of at most EDGES edges, or all of them; no new vertices [default: none are closed]
+    /// Close holes, all of them or those within LIMIT; no new vertices [default: none are closed]
+    ///
+    /// LIMIT is a number of edges, or `edges=N`, `length=D` (around the hole, in mesh units), or both with a
+    /// comma: --fill=64, --fill=length=0.5, --fill=edges=64,length=0.5. A hole beyond either is left and
+    /// named.
     ///
     /// Of all ways to cut a hole into triangles that with the least area is taken. A patch that would meet
-    /// other faces is refused and named. Before a file name write --fill=EDGES, or --fill last.
-    #[arg(long, value_name = "EDGES", num_args = 0..=1, value_parser = whole)]
-    fill: Option<Option<usize>>,
+    /// other faces is refused and named. Before a file name write --fill=LIMIT, or --fill last.
+    #[arg(long, value_name = "LIMIT", num_args = 0..=1, value_parser = FillLimit::parse)]
+    fill: Option<Option<FillLimit>>,
 
     /// Also close holes whose patch meets other faces
     #[arg(long, requires = "fill")]
@@ -104,6 +113,26 @@ pub(crate) struct Args {
     /// face, or, at an open edge, of the face itself. An edge of more than two faces is refused: add --split.
     #[arg(long, value_name = "OUT")]
     adjacency: Option<PathBuf>,
+
+    /// Also write the written mesh's edges: of each its vertices a < b, its faces, and its multiplicity,
+    /// which is the faces that run from a to b minus those that run from b to a; for one mesh
+    /// [default: nothing is written]
+    ///
+    /// A .json file holds `{"edges":[{"a","b","faces","multiplicity"}]}`. Any other holds 32-bit integers,
+    /// little-endian: the number of edges, then for each edge a, b, multiplicity, the number of its faces,
+    /// and these.
+    #[arg(long, value_name = "OUT")]
+    edges: Option<PathBuf>,
+
+    /// Also write where the vertices and faces of the input are in the written mesh; for one mesh
+    /// [default: nothing is written]
+    ///
+    /// A .json file holds `{"vertices":[[…]],"faces":[[…]]}`: of each old index the new ones; none if it was
+    /// dropped, several if it was split or cut. Any other holds u32, little-endian, twice, for the vertices
+    /// and for the faces: the number n of old indices; n + 1 offsets into the list; the list, as long as the
+    /// last offset says. Old ones are numbered as --shadow-indices says, and faces as `check` numbers them.
+    #[arg(long, value_name = "OUT")]
+    map: Option<PathBuf>,
 
     /// Write only if every mesh is then like this; a list, or repeated [default: nothing is required]
     #[arg(long, value_name = "PROPERTY,...", value_delimiter = ',', value_parser = requirements())]
@@ -151,7 +180,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     }
     let original = buffers::original(&args, &baked.meshes)?;
     let progress = Progress::spinner(format!("preparing {}", args.file.display()));
-    let (mut before, mut after, mut steps) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut before, mut after, mut steps, mut map) = (Vec::new(), Vec::new(), Vec::new(), None);
     let options = args.options();
     for mesh in baked.meshes {
         before.push(args.mesh.weld(mesh.clone()));
@@ -160,7 +189,14 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
             .map_err(|error| Failure::new(error, "split the file").in_file(&args.file))?;
         after.push(as_it_is(prepared.mesh));
         steps.push((name, prepared.steps));
+        map = prepared.map; // of one mesh, if at all
     }
+    let by_skin = steps.iter().any(|(_, steps)| steps.iter().any(keeps_apart));
+    let apart = match (args.split, by_skin) {
+        (true, _) => Some(text::Apart::Split),
+        (false, true) => Some(text::Apart::Skin),
+        (false, false) => None,
+    };
     let report = |meshes: &[WeldedMesh]| report_on(&args.file, baked.format, meshes, &args.require);
     let mut report = Report {
         file: args.file.clone(),
@@ -179,8 +215,8 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         .collect();
     if unmet.is_empty() {
         let meshes: Vec<&Mesh> = after.iter().map(|welded| &welded.mesh).collect();
-        let buffers = buffers::of(&args, original.as_ref(), &meshes)?;
-        report.written = write_verified(&args, target, &meshes, &report.after)?;
+        let buffers = buffers::of(&args, original.as_ref(), map.as_ref(), &meshes)?;
+        report.written = write_verified(&args, target, apart.is_some(), &meshes, &report.after)?;
         report.verified = Some(report.written.is_some());
         if report.written.is_some() {
             buffers::write(buffers)?;
@@ -191,7 +227,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     if args.json {
         out.json(&json::document(&report))?;
     } else {
-        out.text(text::Text { report: &report, limit: args.limit, split: args.split })?;
+        out.text(text::Text { report: &report, limit: args.limit, apart })?;
     }
     out.flush()?;
     for asked in &unmet {
@@ -217,12 +253,26 @@ impl Args {
         options.weld_within = self.weld_within;
         options.stitch = self.stitch;
         options.split = self.split;
-        options.fill = self.fill.map(|most_edges| {
+        options.fill = self.fill.map(|limit| {
+            let limit = limit.unwrap_or_default();
             let mut fill = Fill::default();
-            (fill.most_edges, fill.anyway) = (most_edges, self.fill_anyway);
+            (fill.most_edges, fill.most_length) = (limit.edges, limit.length);
+            fill.anyway = self.fill_anyway;
             fill
         });
+        options.map = self.map.is_some();
         options
+    }
+
+    /// The files beside the mesh that are asked for, by their options.
+    fn beside(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+        let all = [
+            ("--shadow-indices", &self.shadow_indices),
+            ("--adjacency", &self.adjacency),
+            ("--edges", &self.edges),
+            ("--map", &self.map),
+        ];
+        all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?)))
     }
 
     /// How the written file is to be read: equal positions may have to stay apart.
@@ -245,13 +295,22 @@ fn target(args: &Args) -> Result<Target, Failure> {
         let problem = format!("{option}: STL cannot keep vertices of one position apart");
         return Err(Failure::new(problem, "name a .glb, .obj or .ply file").in_file(path));
     }
-    let buffers = [("--shadow-indices", &args.shadow_indices), ("--adjacency", &args.adjacency)];
-    let buffers = buffers.into_iter().filter_map(|(option, path)| Some((option, path.as_ref()?)));
-    for (option, path) in [("--output", path)].into_iter().chain(buffers) {
+    let mut named: Vec<&Path> = Vec::new();
+    for (option, path) in [("--output", path.as_path())].into_iter().chain(args.beside()) {
         refuse_overwriting(option, Some(path), &args.file)?;
         require_folder(path)?;
+        if named.contains(&path) {
+            let problem = format!("{option} names a file that another option writes");
+            return Err(Failure::new(problem, "name another file").in_file(path));
+        }
+        named.push(path);
     }
     Ok(target)
+}
+
+/// Whether a step left vertices of one position apart: a weld leaves nothing else.
+fn keeps_apart(step: &Step) -> bool {
+    step.name.starts_with("weld") && step.left > 0
 }
 
 /// A mesh that nothing is to be merged in.
@@ -263,6 +322,7 @@ fn as_it_is(mesh: Mesh) -> WeldedMesh {
 fn write_verified(
     args: &Args,
     target: Target,
+    apart: bool,
     meshes: &[&Mesh],
     after: &FileReport,
 ) -> Result<Option<PathBuf>, Failure> {
@@ -270,7 +330,8 @@ fn write_verified(
     let model = Model { layers: meshes.iter().map(|&mesh| Layer::from(mesh)).collect() };
     let bytes = write::to_bytes(&model, target).map_err(|error| error.in_file(path))?;
     drop(model);
-    if !back::is_same(&bytes, path, args.reads_back_by(), meshes, after)? {
+    let how = if apart { Weld::None } else { args.reads_back_by() };
+    if !back::is_same(&bytes, path, how, meshes, after)? {
         return Ok(None);
     }
     write::write_atomic(path, |writer| writer.write_all(&bytes))?;

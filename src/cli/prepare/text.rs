@@ -14,7 +14,15 @@ pub(super) struct Text<'a> {
     pub(super) report: &'a Report,
     /// How many changes of each step are listed.
     pub(super) limit: usize,
-    pub(super) split: bool,
+    /// Why it has vertices of one position that are to stay apart.
+    pub(super) apart: Option<Apart>,
+}
+
+/// What keeps vertices of one position apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Apart {
+    Split,
+    Skin,
 }
 
 impl Display for Text<'_> {
@@ -38,8 +46,12 @@ impl Display for Text<'_> {
         match (&report.written, report.verified) {
             (Some(path), _) => {
                 writeln!(f, "  written and read again, the same: {}", plain(&path.to_string_lossy()))?;
-                if self.split {
-                    writeln!(f, "  read it with --weld none: a weld undoes --split")?;
+                match self.apart {
+                    Some(Apart::Split) => writeln!(f, "  read it with --weld none: a weld undoes --split")?,
+                    Some(Apart::Skin) => {
+                        writeln!(f, "  read it with --weld none: a weld joins what the skin parts")?;
+                    }
+                    None => {}
                 }
                 Ok(())
             }
@@ -107,6 +119,9 @@ fn line(f: &mut fmt::Formatter<'_>, change: &Change) -> fmt::Result {
     let [x, y, z] = change.at;
     let what = match change.kind {
         ChangeKind::VertexMerged => "vertex merged",
+        ChangeKind::KeptApart => {
+            "left: a skin moves it differently than another vertex at its position: vertex"
+        }
         ChangeKind::VertexDropped => "vertex dropped",
         ChangeKind::CollapsedDropped => "collapsed face dropped",
         ChangeKind::DuplicateDropped => "duplicate face dropped",

@@ -132,6 +132,7 @@ pub fn weld(mesh: &Mesh, how: Weld) -> Welded {
         triangles: triangles.into(),
         parts: mesh.parts.clone(),
         origins: mesh.origins.clone(),
+        skin: None, // vertices that it moves apart may be one now
     };
     Welded { mesh: welded, vertex_of }
 }
@@ -162,6 +163,7 @@ pub fn weld_in_place(mut mesh: Mesh, how: Weld) -> Welded {
         }
         (kept, Some(vertex_of))
     };
+    mesh.skin = None; // vertices that it moves apart may be one now
     // If none was merged or dropped, every vertex has kept its number.
     if kept.positions.len() < vertices {
         mesh.positions = kept.positions;

@@ -7,6 +7,7 @@ use super::asset::Asset;
 use super::document::Kind;
 use super::notes::Notes;
 use super::object::Object;
+use super::skin::Numbers;
 use crate::mesh::{Mesh, Part};
 use crate::read::{Place, ReadError};
 
@@ -40,17 +41,21 @@ pub(super) struct Primitive {
     displacements: Vec<Option<Vec<[f32; 3]>>>,
 }
 
-/// Reads mesh `index` of the document.
-pub(super) fn read(asset: &Asset, index: usize) -> Result<Mesh, ReadError> {
+/// Reads mesh `index` of the document; `skinned` if some node moves it by a skin.
+pub(super) fn read(asset: &Asset, index: usize, skinned: bool) -> Result<Mesh, ReadError> {
     let notes = asset.notes;
     let object = asset.document.item(Kind::Mesh, index)?;
     if is_morphed(&object) {
         notes.add("default morph weights ignored, read at rest", &object.place);
     }
     let mut primitives = Vec::new();
+    let mut skin = skinned.then(Numbers::default);
     for (index, primitive) in object.objects("primitives", "primitive")?.enumerate() {
         let primitive = primitive?;
         if let Some(geometry) = read_primitive(asset, &primitive)? {
+            if let Some(skin) = &mut skin {
+                skin.add(asset, &primitive, geometry.positions.len());
+            }
             let what = "material that does not exist left out";
             let material = primitive.link_or_note("material", asset.document, Kind::Material, what, notes);
             primitives.push((part_name(asset, material, index)?, material, geometry));
@@ -85,6 +90,7 @@ pub(super) fn read(asset: &Asset, index: usize) -> Result<Mesh, ReadError> {
     }
     Mesh::new(positions, triangles)
         .and_then(|mesh| mesh.with_parts(parts).with_name(object.name()).with_frames(frames))
+        .map(|mesh| mesh.with_skin(skin.map(|skin| skin.of_vertices.into())))
         .map_err(|error| object.error(error.to_string()))
 }
 

@@ -5,7 +5,8 @@
 //! the scene shows is read: a mesh that no node names is noted, not decoded.
 //!
 //! A skinned mesh is read in its bind pose, and its node's transform is ignored, as the specification says
-//! (§3.7.3). Morph targets become frames of the mesh, each target at full weight on its own.
+//! (§3.7.3). Of its joints and weights only a number per vertex is kept, equal for equal ones. Morph targets
+//! become frames of the mesh, each target at full weight on its own.
 //!
 //! Work and memory are linear in the bytes of the file and its buffers: see [`asset`] for the bound.
 
@@ -26,6 +27,7 @@ mod meshopt;
 mod node;
 mod notes;
 mod object;
+mod skin;
 pub(crate) mod stored;
 mod tree;
 mod uri;
@@ -75,6 +77,8 @@ fn read_untagged<R: BufRead>(
 fn scene(asset: &Asset) -> Result<Scene, ReadError> {
     let (document, notes) = (asset.document, asset.notes);
     let mut scene = Scene::default();
+    // Whether some node moves the mesh by a skin.
+    let mut is_skinned = vec![false; document.list(Kind::Mesh).len()];
     // `mesh` is an index of the document until all that stands in the scene is known.
     for placed in node::scene_nodes(document, notes)? {
         let node = document.item(Kind::Node, placed.index)?;
@@ -93,6 +97,7 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
         scene.lamps.extend(light::read(document, &node, world, notes));
         if let Some(mesh) = node.link("mesh", document, Kind::Mesh)? {
             let skinned = node.link("skin", document, Kind::Skin)?.is_some();
+            is_skinned[mesh] |= skinned;
             if skinned {
                 notes.add("skinned node read in the bind pose, its own transform ignored", &node.place);
             }
@@ -131,7 +136,7 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
     for (mesh, slot) in slot_of_mesh.iter_mut().enumerate() {
         if slot.is_some() {
             *slot = Some(scene.meshes.len());
-            scene.meshes.push(mesh::read(asset, mesh)?);
+            scene.meshes.push(mesh::read(asset, mesh, is_skinned[mesh])?);
         } else {
             notes.add("mesh not read, for it stands nowhere in the scene", &Object::place(Kind::Mesh, mesh));
         }

@@ -17,11 +17,13 @@ use meet::{Conflict, conflicts};
 use triangulate::{Method, Triangulator};
 
 /// Which holes are closed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Fill {
     /// Holes of more edges are left; `None` closes those of any number.
     pub most_edges: Option<usize>,
+    /// Holes that are longer around, in mesh units, are left; `None` closes those of any length.
+    pub most_length: Option<f64>,
     /// Also closes holes whose patch meets other faces.
     pub anyway: bool,
 }
@@ -73,7 +75,12 @@ pub fn fill(mesh: Mesh, which: Fill) -> Result<(Mesh, Step), MeshError> {
     for ring in found.loops {
         let mut patch = shape::of(&ring.iter().map(|&vertex| at(vertex)).collect::<Vec<_>>());
         let too_long = which.most_edges.is_some_and(|most| ring.len() > most);
-        patch.left = too_long.then_some(Left::TooLong);
+        let too_far = which.most_length.is_some_and(|most| patch.length > most);
+        patch.left = match (too_long, too_far) {
+            (true, _) => Some(Left::TooLong),
+            (false, true) => Some(Left::TooFarAround),
+            (false, false) => None,
+        };
         holes.push(Hole { ring, faces: Vec::new(), first: None, patch });
     }
     close(&mesh, &mut triangulator, &mut holes)?;

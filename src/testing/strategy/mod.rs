@@ -61,10 +61,51 @@
 //! });
 //! assert!(matches!(found, Err(TestError::Fail(..)))); // the case, shrunk
 //! ```
+//!
+//! # Right wherever it can be
+//!
+//! A tracer in single precision may be wrong where the segment nearly touches something.
+//! [`Oracle::margin`](crate::oracle::Oracle::margin) says how nearly: hold it to the exact answer wherever
+//! the margin exceeds its error. Here the segment between two points, among several meshes, for a tracer
+//! whose ends lie on a grid; a case that fails is shrunk, and prints as an OBJ and as Rust to paste.
+//!
+//! ```
+//! use proptest::prelude::*;
+//! use proptest::test_runner::{Config, TestError, TestRunner};
+//! use umbrage::geom::Light;
+//! use umbrage::oracle::{Oracle, Verdict};
+//! use umbrage::testing::shapes;
+//! use umbrage::testing::strategy::{Case, closed, place};
+//!
+//! // Yours: right for the nearest points of a grid of this many cells per unit.
+//! fn yours(oracle: &Oracle, from: [f32; 3], to: [f32; 3], cells: f32) -> Verdict {
+//!     let [from, to] = [from, to].map(|p| p.map(|x| (x * cells).round() / cells));
+//!     oracle.verdict(from, &Light::point(to).unwrap())
+//! }
+//! let roof = shapes::translated(&shapes::cube(), [0.5, 4.0, 0.25]);
+//! let check = |cells: f32| {
+//!     let config = Config { cases: 200, failure_persistence: None, ..Config::default() };
+//!     TestRunner::new(config).run(&(closed(), place(), place()), |(mesh, from, to)| {
+//!         let oracle = Oracle::over(&[&mesh, &roof]);
+//!         let light = Light::point(to).unwrap();
+//!         // No coordinate of an end is off by more than half a cell.
+//!         if oracle.margin(from, &light) > 3_f64.sqrt() / 2.0 / 1024.0 {
+//!             let case = Case { mesh, light, points: vec![from] };
+//!             let (obj, rust) = (case.to_obj(from), case.to_rust(from));
+//!             let (yours, exact) = (yours(&oracle, from, to, cells), oracle.verdict(from, &light));
+//!             prop_assert_eq!(yours, exact, "{}{}", obj, rust);
+//!         }
+//!         Ok(())
+//!     })
+//! };
+//! assert!(check(1024.0).is_ok());
+//! assert!(matches!(check(2.0), Err(TestError::Fail(..)))); // a grid that is coarser than it claims
+//! ```
 
 mod case;
 mod choices;
 mod mesh;
+mod print;
 
 #[cfg(test)]
 mod tests;

@@ -189,6 +189,106 @@ fn prepare_writes_index_buffers_beside_the_mesh() {
 }
 
 #[test]
+fn prepare_lists_edges_and_where_everything_went() {
+    let folder = folder();
+    let json =
+        |name: &str| -> Value { serde_json::from_slice(&fs::read(folder.path(name)).unwrap()).unwrap() };
+    let words = |name: &str| -> Vec<u32> {
+        let bytes = fs::read(folder.path(name)).unwrap();
+        bytes.chunks_exact(4).map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect()
+    };
+    let numbers = |value: &Value| -> Vec<u32> {
+        value.as_array().unwrap().iter().map(|number| number.as_u64().unwrap() as u32).collect()
+    };
+    for (file, options) in
+        [("soup.ply", ""), ("edge.obj", " --split"), ("open.obj", ""), ("junction.obj", " --stitch")]
+    {
+        let all = "--edges edges.json --map map.json";
+        assert_eq!(folder.code(&format!("prepare {file} -o out.ply{options} {all}")), 0, "{file}");
+        assert_eq!(
+            folder.code(&format!("prepare {file} -o out.ply{options} --edges edges.bin --map map.bin")),
+            0
+        );
+        // The integers are those of the JSON.
+        let (document, edges) = (json("edges.json"), words("edges.bin"));
+        let listed = document["edges"].as_array().unwrap();
+        assert_eq!(keys(&listed[0]), "a b faces multiplicity");
+        let mut expected = vec![listed.len() as u32];
+        for edge in listed {
+            let faces = numbers(&edge["faces"]);
+            let multiplicity = edge["multiplicity"].as_i64().unwrap() as u32;
+            expected.extend([&edge["a"], &edge["b"]].map(|vertex| vertex.as_u64().unwrap() as u32));
+            expected.extend([multiplicity, faces.len() as u32]);
+            expected.extend(faces);
+        }
+        assert_eq!(edges, expected, "{file}");
+        let check = folder.json("check out.ply --weld none");
+        assert_eq!(check["files"][0]["total"]["edges"], listed.len(), "{file}");
+        let open = listed.iter().filter(|edge| edge["faces"].as_array().unwrap().len() == 1).count();
+        assert_eq!(check["files"][0]["total"]["boundary_edges"], open, "{file}");
+
+        let (document, map) = (json("map.json"), words("map.bin"));
+        assert_eq!(keys(&document), "vertices faces");
+        let mut expected = Vec::new();
+        for key in ["vertices", "faces"] {
+            let lists: Vec<Vec<u32>> = document[key].as_array().unwrap().iter().map(numbers).collect();
+            expected.extend([lists.len() as u32, 0]);
+            expected.extend(lists.iter().scan(0, |end, list| {
+                *end += list.len() as u32;
+                Some(*end)
+            }));
+            expected.extend(lists.iter().flatten());
+            assert!(lists.iter().all(|list| list.is_sorted()));
+            let longest = lists.iter().map(Vec::len).max();
+            let splits = match key {
+                "vertices" => options == " --split",
+                _ => options == " --stitch",
+            };
+            assert_eq!(longest, Some(if splits { 2 } else { 1 }), "{file} {key}");
+        }
+        assert_eq!(map, expected, "{file}");
+    }
+    // One mesh, and a file for each list.
+    let layers = ["a", "b"].map(|name| Layer::from(&shapes::cube().with_name(name)));
+    write(&Model { layers: layers.into() }, folder.path("two.glb")).unwrap();
+    let before = folder.names();
+    for (arguments, said) in [
+        ("two.glb -o new.glb --edges e.json", "--edges is for one mesh, and there are 2"),
+        ("two.glb -o new.glb --map m.bin", "--map is for one mesh"),
+        ("open.obj -o new.glb --edges e.json --map e.json", "--map names a file that another option writes"),
+        ("open.obj -o new.glb --edges open.obj", "would be overwritten"),
+        ("open.obj -o new.glb --map nowhere/m.bin", "there is no folder"),
+        ("open.obj -o new.glb --fill=0.5", "write a number of edges, or edges=N"),
+        ("open.obj -o new.glb --fill=area=2", "length=D"),
+    ] {
+        let run = folder.run(&format!("prepare {arguments}"));
+        assert!(run.code == 2 && run.stderr.contains(said), "{arguments}: {}", run.stderr);
+        assert_eq!(folder.names(), before, "{arguments}");
+    }
+}
+
+#[test]
+fn prepare_leaves_holes_beyond_the_limits() {
+    let folder = folder();
+    // A hole of 4 edges, 8 around.
+    for (limit, done) in [
+        ("", (1, 0)),
+        ("=4", (1, 0)),
+        ("=3", (0, 1)),
+        ("=length=8", (1, 0)),
+        ("=length=7.99", (0, 1)),
+        ("=edges=4,length=8", (1, 0)),
+        ("=edges=3,length=8", (0, 1)),
+        ("=edges=4,length=7", (0, 1)),
+    ] {
+        let document = folder.json(&format!("prepare open.obj -o out.glb --fill{limit}"));
+        assert_eq!(step(&document, "fill"), done, "{limit}");
+    }
+    let run = folder.run("prepare open.obj -o out.glb --fill=length=7.99");
+    assert!(run.stdout.contains("longer around than the limit"), "{}", run.stdout);
+}
+
+#[test]
 fn prepare_writes_the_same_bytes_for_any_number_of_threads() {
     let folder = folder();
     let bytes = |threads: u32| {

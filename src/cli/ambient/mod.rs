@@ -259,7 +259,6 @@ impl Args {
             ("--rays", self.rays.is_some()),
             ("--error", self.error.is_some()),
             ("--distance", self.distance.is_some()),
-            ("--bent", self.bent && self.method == Method::Exact),
         ];
         if self.method != Method::Rays
             && let Some((flag, _)) = of_rays.into_iter().find(|(_, asked)| *asked)

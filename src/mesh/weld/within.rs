@@ -16,7 +16,7 @@ pub(super) fn merged(frames: &[&[[f32; 3]]], used: &Used, distance: f64) -> Merg
         })
     };
     let side = WIDTH * distance;
-    let cell_in = |frame: &[[f32; 3]], vertex: usize| frame[vertex].map(|x| (f64::from(x) / side).floor());
+    let cell_in = |frame: &[[f32; 3]], vertex: usize| frame[vertex].map(|x| cell(f64::from(x), side));
     // The grid uses one frame, since vertices within the distance in all frames are so in any of them.
     // Vertices that coincide in one frame may be far apart in another, so the first frame with the most
     // occupied cells is taken.
@@ -58,6 +58,13 @@ pub(super) fn merged(frames: &[&[[f32; 3]]], used: &Used, distance: f64) -> Merg
 /// Side of a cell in distances: narrower cells are more to look up, wider ones hold more vertices.
 const WIDTH: f64 = 3.0;
 
+/// The number of the cell of a coordinate. The planes x = 0, y = 0 and z = 0, on which many vertices of
+/// symmetric and of flat meshes lie, run through the middle of cells: between two cells, each vertex on them
+/// would ask both.
+fn cell(x: f64, side: f64) -> f64 {
+    (x / side + 0.5).floor()
+}
+
 fn cell_bits(cell: f64) -> u64 {
     (cell + 0.0).to_bits()
 }
@@ -69,8 +76,8 @@ fn bits([x, y, z]: [f64; 3]) -> (u64, u64, u64) {
 /// Calls `visit` once with each cell that the box around a point overlaps.
 fn for_each_cell(at: [f64; 3], reach: f64, side: f64, mut visit: impl FnMut((u64, u64, u64))) {
     // A box is less wide than a cell. Cell numbers stay f64: where adding one changes nothing, the grid of
-    // f32 itself is coarser than the cells, and both ends are the same.
-    let ends = at.map(|x| [((x - reach) / side).floor(), ((x + reach) / side).floor()]);
+    // f32 itself is coarser than the cells, and both ends are the same or next to each other.
+    let ends = at.map(|x| [cell(x - reach, side), cell(x + reach, side)]);
     let both = |[low, high]: [f64; 2]| [Some(low), Some(high).filter(|high| *high != low)];
     let [xs, ys, zs] = ends.map(both);
     for x in xs.into_iter().flatten() {

@@ -247,9 +247,9 @@ fn butterfly(count: u32, middle: f32) -> Mesh {
 #[test]
 fn intersections_of_flat_fans_take_few_tests() {
     for (name, small, large) in [
-        ("windmill", windmill(500), windmill(2000)),
-        ("butterfly", butterfly(500, 0.0), butterfly(2000, 0.0)),
-        ("butterfly of two sides", butterfly(500, 250.0), butterfly(2000, 1000.0)),
+        ("windmill", windmill(250), windmill(1000)),
+        ("butterfly", butterfly(250, 0.0), butterfly(1000, 0.0)),
+        ("butterfly of two sides", butterfly(250, 125.0), butterfly(1000, 500.0)),
     ] {
         let [few, many] = [&small, &large].map(counted);
         assert!(few.0 == 0 && many.0 == 0, "{name}: {few:?} {many:?}");

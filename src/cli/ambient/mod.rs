@@ -53,7 +53,8 @@ pub(crate) struct Args {
 
     /// How many rays from each point, at most 1048576 [default: 64]
     ///
-    /// Up to 64 rays, points with short edges between them take the mean with their neighbors.
+    /// Up to 64 rays, a point takes the mean with those neighbors whose values differ from its own by no more
+    /// than noise explains.
     #[arg(long, value_name = "N", value_parser = rays, conflicts_with = "error", allow_negative_numbers = true)]
     rays: Option<u32>,
 

@@ -36,7 +36,7 @@ pub enum Effort {
 }
 
 /// Whether each value is replaced by the mean over itself and those of its neighbors that have a similar
-/// normal, and a value that differs by no more than noise explains: by N^(−¾) for N rays.
+/// normal, and a value that differs by no more than noise explains: by 1.2·N^(−¾) for N rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ring {
     /// With at most 64 rays, given as a number.

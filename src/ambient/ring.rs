@@ -2,7 +2,7 @@
 //!
 //! Only those neighbors share that noise alone may have set apart. So an edge in the openness stays one, on
 //! coarse meshes too, and where many rays leave little noise the mean changes little. (A mean over all
-//! neighbors was better on three scans and up to twelve times worse on machine parts:
+//! neighbors is better on scans with few rays, and up to twelve times worse on machine parts:
 //! `benches/record/2026-12-01-ambient-ring.txt`.)
 
 use glam::DVec3;

@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use super::{Ambient, Receiver, Receivers};
-use crate::oracle::area::{HardEdges, SoftOracle, UnderSky};
+use crate::oracle::area::{HardEdges, Open, SoftOracle, UnderSky};
 
 /// The openness of receivers, with an error bound.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,6 +17,10 @@ pub struct Exact {
     pub openness: Vec<f64>,
     /// No value differs from the truth by more than this.
     pub bound: f64,
+    /// See [`Ambient::bent`]; only from [`exact_bent_part`]. Before it gets the length 1 a direction has the
+    /// length 2/3 if nothing is hidden, and is off by no more than the bound; what is shorter than the bound
+    /// is 0.
+    pub bent: Option<Vec<[f32; 3]>>,
 }
 
 /// Works out how much of the sky no face hides from each receiver, on several threads if the feature
@@ -34,7 +38,7 @@ pub struct Exact {
 /// ```
 #[must_use]
 pub fn exact(soft: &SoftOracle<'_>, receivers: &[Receiver]) -> Exact {
-    measured(soft, receivers, HardEdges { off: &|_| None, is_own: &|_, _| false })
+    measured(soft, receivers, HardEdges { off: &|_| None, is_own: &|_, _| false }, false)
 }
 
 /// As [`exact`], for a part of receivers that know their faces: at a hard edge, each is on its own side of
@@ -55,21 +59,54 @@ pub fn exact(soft: &SoftOracle<'_>, receivers: &[Receiver]) -> Exact {
 /// ```
 #[must_use]
 pub fn exact_part(soft: &SoftOracle<'_>, receivers: &Receivers, part: Range<usize>) -> Exact {
+    part_measured(soft, receivers, part, false)
+}
+
+/// [`exact_part`], with the bent normals: the mean open directions, in closed form too.
+///
+/// # Panics
+///
+/// Panics if there are no such receivers.
+///
+/// ```
+/// use umbrage::ambient::{Per, Receivers, exact_bent_part};
+/// use umbrage::oracle::area::SoftOracle;
+/// use umbrage::testing::shapes;
+/// let cube = shapes::cube();
+/// let receivers = Receivers::of(&[&cube], Per::Face);
+/// let found = exact_bent_part(&SoftOracle::build(&cube), &receivers, 0..12);
+/// // Nothing is hidden, so that the mean direction is the normal.
+/// for (bent, receiver) in found.bent.unwrap().iter().zip(receivers.list()) {
+///     let normal = receiver.normal.unwrap();
+///     assert!((0..3).all(|i| (bent[i] - normal[i]).abs() < 1e-6));
+/// }
+/// ```
+#[must_use]
+pub fn exact_bent_part(soft: &SoftOracle<'_>, receivers: &Receivers, part: Range<usize>) -> Exact {
+    part_measured(soft, receivers, part, true)
+}
+
+fn part_measured(soft: &SoftOracle<'_>, receivers: &Receivers, part: Range<usize>, bent: bool) -> Exact {
     let (first, sides) = (part.start, &receivers.sides);
     let off = |index: usize| {
         let normal = receivers.list[first + index].normal?;
         Some(sides.off(first + index, normal)).filter(|&off| off != normal)
     };
     let is_own = |index: usize, face| sides.is_own(first + index, face);
-    measured(soft, &receivers.list[part], HardEdges { off: &off, is_own: &is_own })
+    measured(soft, &receivers.list[part], HardEdges { off: &off, is_own: &is_own }, bent)
 }
 
-fn measured(soft: &SoftOracle<'_>, receivers: &[Receiver], edges: HardEdges<'_>) -> Exact {
+fn measured(soft: &SoftOracle<'_>, receivers: &[Receiver], edges: HardEdges<'_>, bent: bool) -> Exact {
     let under_sky = |&Receiver { point, normal, face }: &Receiver| UnderSky { point, normal, face };
     let receivers: Vec<UnderSky> = receivers.iter().map(under_sky).collect();
-    let found = soft.open_sky(&receivers, edges);
+    let found = soft.open_sky(&receivers, edges, bent);
+    let direction = |open: &Open| match open.bent {
+        bent if bent.length() <= open.bound => [0.0; 3],
+        bent => bent.normalize_or_zero().to_array().map(|x| x as f32),
+    };
     Exact {
         bound: found.iter().fold(0.0, |most, open| open.bound.max(most)),
+        bent: bent.then(|| found.iter().map(direction).collect()),
         openness: found.into_iter().map(|open| open.share).collect(),
     }
 }
@@ -78,7 +115,7 @@ impl From<Exact> for Ambient {
     /// Rounded, and without the bound.
     fn from(found: Exact) -> Self {
         let openness = found.openness.into_iter().map(|open| open as f32).collect();
-        Self { openness, ..Self::default() }
+        Self { openness, bent: found.bent, ..Self::default() }
     }
 }
 
@@ -136,5 +173,38 @@ mod tests {
         }
         // The sabotage: receivers that are moved off the surface.
         assert!(apart(&meshes[0], Per::Corner, true) > within);
+    }
+
+    #[test]
+    fn analytic_bent_normals_agree_with_those_of_rays() {
+        let mut leaning = 0;
+        for mesh in &[shapes::book(5), shapes::menger_sponge(1), shapes::mobius(14)] {
+            let all = Receivers::of(&[mesh], Per::Corner);
+            let some = all.only(&all.spread(12));
+            let soft = SoftOracle::build(mesh);
+            let options = RayOptions {
+                effort: Effort::Rays(4096),
+                ring: Ring::Off,
+                bent: true,
+                ..RayOptions::default()
+            };
+            let (rays, _) = Ambient::by_rays(soft.oracle(), &some, &options, &|_| {});
+            let found = exact_bent_part(&soft, &some, 0..some.list().len());
+            let (bent, of_rays) = (found.bent.unwrap(), rays.bent.unwrap());
+            for (index, (bent, of_rays)) in bent.iter().zip(&of_rays).enumerate() {
+                // The mean direction of little has little certainty.
+                if found.openness[index] < 0.05 {
+                    continue;
+                }
+                let apart: f64 = (0..3).map(|i| f64::from(bent[i] - of_rays[i]).powi(2)).sum();
+                assert!(apart.sqrt() < 0.02, "{}, {index}: {bent:?} {of_rays:?}", mesh.name);
+                // The sabotages: the direction to what hides, and the normal itself.
+                let normal = some.list()[index].normal.unwrap_or(*bent);
+                let along: f32 = (0..3).map(|i| bent[i] * normal[i]).sum();
+                assert!(along > 0.0);
+                leaning += usize::from(along < 0.99);
+            }
+        }
+        assert!(leaning > 5, "{leaning} directions lean");
     }
 }

@@ -24,7 +24,7 @@ mod bound_tests;
 mod closed_tests;
 
 pub use at_point::PointRays;
-pub use exact::{Exact, exact, exact_part};
+pub use exact::{Exact, exact, exact_bent_part, exact_part};
 pub use fit::{Ask, InsideError, MOST_INSIDE};
 pub use rays::{Cast, Effort, MOST_RAYS, RayOptions, Reach, Ring};
 pub use receivers::{Per, Receiver, Receivers};

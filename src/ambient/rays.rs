@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::lattice::{Lattice, shift};
-use super::ring::Pairs;
+use super::ring::{Pairs, helps};
 use super::start::Start;
 use super::{Ambient, Receiver, Receivers};
 use crate::geom::Aabb;
@@ -35,10 +35,11 @@ pub enum Effort {
     Error(f64),
 }
 
-/// Whether each value is replaced by the mean over itself and its neighbors with a similar normal.
+/// Whether each value is replaced by the mean over itself and those of its neighbors that have a similar
+/// normal, and a value that differs by no more than noise explains: by 1.2·N^(−¾) for N rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ring {
-    /// With at most 64 rays, given as a number, on a mesh with short edges.
+    /// With at most 64 rays, given as a number.
     #[default]
     Auto,
     /// Always.
@@ -140,10 +141,11 @@ impl Ambient {
             Ring::Auto => matches!(options.effort, Effort::Rays(_)),
             Ring::Off => false,
         };
-        let pairs = may_share.then(|| Pairs::of(receivers));
-        let pairs = pairs.filter(|pairs| options.ring == Ring::On || pairs.help(receivers, rays));
-        if let Some(pairs) = &pairs {
-            samples = pairs.smooth(&receivers.list, &samples);
+        let shares = may_share && (options.ring == Ring::On || helps(rays));
+        if shares {
+            // The same whichever receivers there are: their own standard error is not.
+            let error = CONSTANT * f64::from(rays).powf(-0.75);
+            samples = Pairs::of(receivers).smooth(&receivers.list, &samples, error);
         }
         let unit = |sample: &Sample| {
             DVec3::from(sample.bent.map(f64::from)).normalize_or_zero().to_array().map(|x| x as f32)
@@ -154,7 +156,7 @@ impl Ambient {
             inside,
             standard_error,
         };
-        (ambient, Cast { rays, ring: pairs.is_some() })
+        (ambient, Cast { rays, ring: shares })
     }
 }
 

@@ -1,19 +1,29 @@
-//! The mean over a receiver and its neighbors: less noise for the same rays, where a mesh is fine.
+//! The mean over a receiver and its neighbors: less noise for the same rays.
+//!
+//! Only those neighbors share that noise alone may have set apart. So an edge in the openness stays one, on
+//! coarse meshes too, and where many rays leave little noise the mean changes little. (A mean over all
+//! neighbors is better on scans with few rays, and up to twelve times worse on machine parts:
+//! `benches/record/2026-12-01-ambient-ring.txt`.)
 
 use glam::DVec3;
 
 use super::rays::Sample;
 use super::{Receiver, Receivers};
-use crate::geom::Aabb;
 
 /// Least cosine between the normals of neighbors that share: 26 degrees.
 const ALIKE: f64 = 0.9;
 
-/// More rays than these are better off without the mean, which also blurs.
+/// With more rays the mean costs as much in blur as it saves in noise.
 const MOST_RAYS: u32 = 64;
 
-/// Longest median edge, as a share of the diagonal.
-const FINE: f64 = 0.015;
+/// Values farther apart than this, in errors that rays have, differ by more than their noise: measured, see the
+/// record. Of two values with that error, as many are farther apart as lie beyond 2.1 standard deviations.
+const NOISE: f64 = 3.0;
+
+/// Whether the mean brings values closer to the truth.
+pub(super) fn helps(rays: u32) -> bool {
+    rays <= MOST_RAYS
+}
 
 /// Pairs of receivers that a face connects: each in both orders, ascending.
 #[derive(Clone, Debug)]
@@ -29,30 +39,21 @@ impl Pairs {
         Self(pairs)
     }
 
-    /// Whether the mean brings values closer to the truth: few rays, and a mesh so fine that neighbors see
-    /// nearly the same.
-    pub(super) fn help(&self, receivers: &Receivers, rays: u32) -> bool {
-        let at = |index: u32| DVec3::from(receivers.list[index as usize].point.map(f64::from));
-        let mut lengths: Vec<f64> =
-            self.0.iter().filter(|[a, b]| a < b).map(|&[a, b]| at(a).distance(at(b))).collect();
-        if rays > MOST_RAYS || lengths.is_empty() {
-            return false;
-        }
-        let middle = lengths.len() / 2;
-        let (_, median, _) = lengths.select_nth_unstable_by(middle, f64::total_cmp);
-        *median < FINE * Aabb::around(receivers.list.iter().map(|receiver| receiver.point)).diagonal()
-    }
-
-    /// Replaces each value by the mean over itself and the neighbors with a similar normal. Buried ones keep
-    /// out.
-    pub(super) fn smooth(&self, list: &[Receiver], samples: &[Sample]) -> Vec<Sample> {
+    /// Replaces each value by the mean over itself and the neighbors with a similar normal and a value that
+    /// differs by no more than noise explains, where `error` is that of one value. Buried ones keep out.
+    pub(super) fn smooth(&self, list: &[Receiver], samples: &[Sample], error: f64) -> Vec<Sample> {
         let mut means = samples.to_vec();
+        let apart = |a: usize, b: usize| f64::from((samples[a].openness - samples[b].openness).abs());
         for ring in self.0.chunk_by(|a, b| a[0] == b[0]) {
             let own = ring[0][0] as usize;
             if samples[own].buried {
                 continue;
             }
-            let like = |other: usize| !samples[other].buried && are_alike(&list[own], &list[other]);
+            let like = |other: usize| {
+                !samples[other].buried
+                    && apart(own, other) <= NOISE * error
+                    && are_alike(&list[own], &list[other])
+            };
             let others = ring.iter().map(|pair| pair[1] as usize).filter(|&other| like(other));
             let (mut open, mut bent, mut count) = (0.0, DVec3::ZERO, 0.0);
             for Sample { openness, bent: of_one, .. } in

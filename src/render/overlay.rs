@@ -121,7 +121,7 @@ impl Overlay {
                     canvas.stroke(a, b, LINE_RADIUS_PX);
                 }
             }
-            canvas.paint(lines[0].color, 0..canvas.mask.len());
+            canvas.paint(lines[0].color, canvas.everywhere());
         }
         for spot in &self.spots {
             if let Some([at, _]) = rays.project_segment([spot.at; 2], 0.05) {
@@ -178,9 +178,14 @@ struct Canvas<'a> {
 }
 
 impl Canvas<'_> {
+    /// The columns and the rows of the picture.
+    fn everywhere(&self) -> [Range<usize>; 2] {
+        [self.picture.size.width(), self.picture.size.height()].map(|side| 0..side as usize)
+    }
+
     /// Adds a line with round ends to the mask, or a disc if both ends are equal. The edge is soft over one
-    /// pixel. Returns a range that contains all pixels touched.
-    fn stroke(&mut self, a: Projected, b: Projected, radius: f64) -> Range<usize> {
+    /// pixel. Returns columns and rows that contain all pixels touched.
+    fn stroke(&mut self, a: Projected, b: Projected, radius: f64) -> [Range<usize>; 2] {
         let width = self.picture.size.width() as usize;
         let (from, to) = (DVec2::new(a.x_px, a.y_px), DVec2::new(b.x_px, b.y_px));
         let along = to - from;
@@ -209,7 +214,8 @@ impl Canvas<'_> {
                     ((at - from).dot(along) / along.length_squared()).clamp(0.0, 1.0)
                 };
                 let coverage = (radius + 0.5 - at.distance(from + along * s)).clamp(0.0, 1.0);
-                if coverage > 0.0 {
+                // Where lines lie on each other most pixels are covered already: no depth could add to them.
+                if coverage as f32 > self.mask[y * width + x] {
                     // 1 / depth is linear in the picture.
                     let depth = 1.0 / ((1.0 - s) / a.depth + s / b.depth);
                     let alpha = if self.hides(x, y, depth) { HIDDEN_ALPHA } else { 1.0 };
@@ -218,15 +224,19 @@ impl Canvas<'_> {
                 }
             }
         }
-        rows.start * width..rows.end * width
+        [pixels(low.x, high.x, self.picture.size.width()), rows]
     }
 
-    /// Blends a color over the masked pixels of a range, and clears their mask.
-    fn paint(&mut self, color: [u8; 3], range: Range<usize>) {
-        let pixels = &mut self.picture.pixels[range.clone()];
-        for (pixel, mask) in pixels.iter_mut().zip(&mut self.mask[range]) {
-            if *mask > 0.0 {
-                blend(pixel, color, std::mem::take(mask));
+    /// Blends a color over the masked pixels of some columns and rows, and clears their mask.
+    fn paint(&mut self, color: [u8; 3], [columns, rows]: [Range<usize>; 2]) {
+        let width = self.picture.size.width() as usize;
+        for y in rows {
+            let row = y * width + columns.start..y * width + columns.end.max(columns.start);
+            let pixels = &mut self.picture.pixels[row.clone()];
+            for (pixel, mask) in pixels.iter_mut().zip(&mut self.mask[row]) {
+                if *mask > 0.0 {
+                    blend(pixel, color, std::mem::take(mask));
+                }
             }
         }
     }

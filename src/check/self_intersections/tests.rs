@@ -221,3 +221,48 @@ fn intersections_of_copies_and_of_pages_are_counted_not_tested() {
     let [all, fewer] = [3002, 3001].map(|count| counted(&pages(count)));
     assert!(all.0 == 1 && fewer.0 == 0 && all.1 < 10_000, "{all:?} {fewer:?}");
 }
+
+/// Faces around the origin in one plane, aslant: blades apart from each other, all with the hub in common.
+fn windmill(count: u32) -> Mesh {
+    let at = |i: u32| {
+        let angle = f64::from(i) / f64::from(2 * count) * std::f64::consts::TAU;
+        // Whole numbers, so that the plane is exact.
+        let [x, y] = [angle.cos(), angle.sin()].map(|x| (1e5 * x).round() as f32);
+        [x, y, x + y]
+    };
+    let positions = std::iter::once([0.0; 3]).chain((0..2 * count).map(at)).collect();
+    Mesh::new(positions, (0..count).map(|i| [0, 1 + 2 * i, 2 + 2 * i]).collect()).unwrap()
+}
+
+/// Two fans in one plane, aslant, on both sides of a straight row of vertices: faces of the one have a vertex
+/// and the plane in common with faces of the other, and their upright boxes overlap those of all of them.
+fn butterfly(count: u32, middle: f32) -> Mesh {
+    let row = (0..=count).map(|i| [i as f32, i as f32, 0.0]);
+    let hubs = [[middle, middle + 900.0, 900.0], [middle, middle - 900.0, -900.0]];
+    let positions = hubs.into_iter().chain(row).collect();
+    let faces = (0..count).flat_map(|i| [[0, 2 + i, 3 + i], [1, 3 + i, 2 + i]]).collect();
+    Mesh::new(positions, faces).unwrap()
+}
+
+#[test]
+fn intersections_of_flat_fans_take_few_tests() {
+    for (name, small, large) in [
+        ("windmill", windmill(250), windmill(1000)),
+        ("butterfly", butterfly(250, 0.0), butterfly(1000, 0.0)),
+        ("butterfly of two sides", butterfly(250, 125.0), butterfly(1000, 500.0)),
+    ] {
+        let [few, many] = [&small, &large].map(counted);
+        assert!(few.0 == 0 && many.0 == 0, "{name}: {few:?} {many:?}");
+        // Four times as many faces: sixteen times as many tests would be a comparison of all pairs.
+        assert!(many.1 < 300 * large.face_count() as u64, "{name}: {many:?}");
+        assert!(many.1 < 8 * few.1.max(1000), "{name}: {few:?} {many:?}");
+        // Fault injected: a face of another fan on the first one.
+        let [hub, a, b] = large.triangles()[0];
+        let mut positions = large.positions().to_vec();
+        let moved = large.positions()[a as usize].map(|x| 0.5 * x);
+        positions.push(moved);
+        let mut triangles = large.triangles().to_vec();
+        triangles.push([hub, positions.len() as u32 - 1, b]);
+        assert!(counted(&Mesh::new(positions, triangles).unwrap()).0 > 0, "{name}");
+    }
+}

@@ -1,7 +1,9 @@
 //! Openness by the method that was asked for.
 
 use umbrage::ambient::disks::{Disks, Emitters, Passes};
-use umbrage::ambient::{Ambient, Ask, Effort, RayOptions, Reach, Receivers, Ring, exact_part};
+use umbrage::ambient::{
+    Ambient, Ask, Effort, RayOptions, Reach, Receivers, Ring, exact_bent_part, exact_part,
+};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::Oracle;
 use umbrage::oracle::area::SoftOracle;
@@ -46,14 +48,21 @@ pub(super) fn values(args: &Args, input: &Input) -> Result<Values, Failure> {
         }
         Method::Exact => {
             let soft = SoftOracle::over(&casting);
-            let mut openness = Vec::with_capacity(list.len());
+            let (mut openness, mut bent) = (Vec::with_capacity(list.len()), args.bent.then(Vec::new));
             for start in (0..list.len()).step_by(RUN) {
                 let part = start..list.len().min(start + RUN);
                 progress.done(part.len() as u64);
-                let found = exact_part(&soft, &receivers, part);
+                let found = if args.bent {
+                    exact_bent_part(&soft, &receivers, part)
+                } else {
+                    exact_part(&soft, &receivers, part)
+                };
                 openness.extend(found.openness.into_iter().map(|open| open as f32));
+                if let Some(bent) = &mut bent {
+                    bent.extend(found.bent.unwrap_or_default());
+                }
             }
-            ambient = Ambient { openness, ..Ambient::default() };
+            ambient = Ambient { openness, bent, ..Ambient::default() };
             inside = Box::new(move |points| {
                 Ambient::from(exact_part(&soft, points, 0..points.list().len())).openness
             });

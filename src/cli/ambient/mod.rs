@@ -53,7 +53,8 @@ pub(crate) struct Args {
 
     /// How many rays from each point, at most 1048576 [default: 64]
     ///
-    /// Up to 64 rays, points with short edges between them take the mean with their neighbors.
+    /// Up to 64 rays, a point takes the mean with those neighbors whose values differ from its own by no more
+    /// than noise explains.
     #[arg(long, value_name = "N", value_parser = rays, conflicts_with = "error", allow_negative_numbers = true)]
     rays: Option<u32>,
 
@@ -259,7 +260,6 @@ impl Args {
             ("--rays", self.rays.is_some()),
             ("--error", self.error.is_some()),
             ("--distance", self.distance.is_some()),
-            ("--bent", self.bent && self.method == Method::Exact),
         ];
         if self.method != Method::Rays
             && let Some((flag, _)) = of_rays.into_iter().find(|(_, asked)| *asked)

@@ -133,7 +133,8 @@ pub(crate) struct Args {
     /// [default: nothing is written]
     ///
     /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow; vertices and faces too
-    /// small to see are marked by an octahedron 0.5 % of the diagonal in size.
+    /// small to see are marked by an octahedron 0.5 % of the diagonal in size. The first --limit defects of each
+    /// kind are nodes of their own, named by their faces and polygons as in the text; all others are one more.
     #[arg(long, value_name = "OUT.glb")]
     mark: Option<PathBuf>,
 }
@@ -175,7 +176,7 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
     let mut reports = Vec::with_capacity(args.files.len());
     let mut overview = text::Overview::default();
-    let mut marks = args.mark.is_some().then(Marks::default);
+    let mut marks = args.mark.is_some().then(|| Marks::naming(args.limit));
     let mut sketch = args.picture.is_some().then(Sketch::default);
     let mut up = Up::default();
     for (index, file) in args.files.iter().enumerate() {
@@ -262,7 +263,7 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
         picture: None,
         mark: None,
     };
-    let mut marks = Marks::default();
+    let mut marks = Marks::naming(args.limit);
     let report = examine(file, &args, Some(&mut marks), None)?;
     let text = text::Report { report: &report, limit: args.limit }.to_string();
     Ok((text, json::document(&args.files, &[Ok(report)], args.limit), marks.into_model()))

@@ -20,8 +20,9 @@ const HEIGHT: u32 = 540;
 
 /// The most lines, and the most markers, that are drawn: a million would hide the mesh, and take minutes.
 const MOST_DRAWN: usize = 100_000;
-/// The most faces that a ray may meet on the average, so that a picture takes seconds.
-const MOST_DEEP: usize = 512;
+/// The most faces that a ray may meet on the average up to the first one that it sees, so that a picture takes
+/// seconds: where many lie in one plane, it meets them all.
+const MOST_DEEP: usize = 64;
 /// Rays along each side of the picture that are counted.
 const SAMPLES: usize = 12;
 
@@ -94,21 +95,20 @@ impl Sketch {
                 output::say(format_args!("note: the picture shows {drawn} of {all} {what}"));
             }
         }
-        let step = thinning(&mesh, up, size);
-        let mesh = if step > 1 {
+        let mut oracle = Oracle::build(&mesh);
+        let step = thinning(&mesh, &oracle, up, size);
+        if step > 1 {
             output::say(format_args!(
                 "note: the faces lie too deep over each other to draw them all: the picture shows one of {step}"
             ));
             self.overlay.faces.retain(|(face, _)| face.index() % step == 0);
             self.overlay.faces.iter_mut().for_each(|(face, _)| *face = FaceId::new(face.index() / step));
             let triangles = mesh.triangles().iter().copied().step_by(step).collect();
-            Mesh::new(mesh.positions().to_vec(), triangles)
-                .map_err(|error| Failure::new(error, "leave out --picture"))?
-        } else {
-            mesh
-        };
+            let fewer = Mesh::new(mesh.positions().to_vec(), triangles)
+                .map_err(|error| Failure::new(error, "leave out --picture"))?;
+            oracle = Oracle::build(&fewer);
+        }
         let progress = Progress::bar("drawing", 2 * u64::from(HEIGHT));
-        let oracle = Oracle::build(&mesh);
         let picture = self.overlay.render(&oracle, up, size, &|steps| progress.done(steps));
         drop(progress);
         let picture = picture.map_err(|error| Failure::new(error, "leave out --picture"))?;
@@ -132,7 +132,7 @@ fn cut<T>(list: &mut Vec<T>) -> usize {
 }
 
 /// One of how many faces can be drawn, so that a ray meets at most [`MOST_DEEP`] of them on the average.
-fn thinning(mesh: &Mesh, up: Up, size: Size) -> usize {
+fn thinning(mesh: &Mesh, oracle: &Oracle, up: Up, size: Size) -> usize {
     if mesh.face_count() <= MOST_DEEP {
         return 1;
     }
@@ -148,7 +148,11 @@ fn thinning(mesh: &Mesh, up: Up, size: Size) -> usize {
     for i in 0..SAMPLES * SAMPLES {
         let at = |i: usize, pixels: u32| (i as f64 + 0.5) / SAMPLES as f64 * f64::from(pixels);
         let ray = rays.ray(at(i % SAMPLES, size.width()), at(i / SAMPLES, size.height()));
-        bvh.for_each_along(&Segment::along(ray.origin, ray.direction), |_| met += 1);
+        let Some(hit) = oracle.first_hit(ray.origin, ray.direction) else { continue };
+        // A little farther than the hit, so that rounding leaves nothing out that lies in one plane with it.
+        let far = 1.001 * hit.t;
+        let end = [0, 1, 2].map(|i| (f64::from(ray.origin[i]) + far * f64::from(ray.direction[i])) as f32);
+        bvh.for_each_along(&Segment::between(ray.origin, end), |_| met += 1);
     }
     (met / (SAMPLES * SAMPLES)).div_ceil(MOST_DEEP).max(1)
 }
@@ -169,5 +173,32 @@ fn color(kind: DefectKind) -> (&'static str, [u8; 3]) {
         DefectKind::SelfIntersection => ("pink", [250, 120, 150]),
         // The list of kinds may grow.
         _ => ("black", [0, 0, 0]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage::testing::shapes;
+
+    fn step(mesh: &Mesh) -> usize {
+        let size = Size::new(WIDTH, HEIGHT).unwrap();
+        thinning(mesh, &Oracle::build(mesh), Up::Y, size)
+    }
+
+    #[test]
+    fn pictures_of_many_faces_in_one_plane_are_thinned_and_those_of_faces_behind_others_are_not() {
+        let sheet = |z: f32| {
+            let corners = vec![[-4.0, -4.0, z], [4.0, -4.0, z], [4.0, 4.0, z], [-4.0, 4.0, z]];
+            Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap()
+        };
+        let stack = |gap: f32| {
+            let sheets: Vec<Mesh> = (0..1000).map(|i| sheet(gap * i as f32)).collect();
+            Mesh::concat(&sheets).unwrap()
+        };
+        // Most rays of a picture meet the sheets.
+        assert!(step(&stack(0.0)) > 8, "{}", step(&stack(0.0)));
+        assert_eq!(step(&stack(0.05)), 1);
+        assert_eq!(step(&shapes::icosphere(4)), 1);
     }
 }

@@ -252,7 +252,7 @@ impl MeshReport {
 }
 
 impl Place {
-    fn of(defect: Defect, mesh: &Mesh) -> Self {
+    pub(super) fn of(defect: Defect, mesh: &Mesh) -> Self {
         let face_count = defect.faces.len();
         let listed = |face: FaceId| Listed {
             face,

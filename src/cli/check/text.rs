@@ -438,15 +438,8 @@ impl Display for At<'_> {
         if let Some(length) = self.place.length {
             write!(f, ", length {}", significant(length))?;
         }
-        let listed = &self.place.faces[..self.place.faces.len().min(FACES_PRINTED)];
-        if !listed.is_empty() {
-            let noun = if self.place.face_count == 1 { "face" } else { "faces" };
-            let faces: Vec<(FaceId, Origin)> =
-                listed.iter().map(|listed| (listed.face, listed.origin)).collect();
-            write!(f, ", {noun} {}", Faces(&faces))?;
-        }
-        if self.place.face_count > listed.len() {
-            write!(f, " and {} more", self.place.face_count - listed.len())?;
+        if self.place.face_count > 0 {
+            write!(f, ", {}", FacesOf(self.place))?;
         }
         if let Some(mesh) = &self.mesh {
             write!(f, ", {mesh}")?;
@@ -460,6 +453,42 @@ impl Display for At<'_> {
             write!(f, ", {name}")?;
         }
         Ok(())
+    }
+}
+
+/// A defect in the name of its mark: its kind, its faces, and the part or mesh that they are in.
+pub(super) struct Title<'a> {
+    pub(super) kind: DefectKind,
+    pub(super) place: &'a Place,
+}
+
+impl Display for Title<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.place.position.map(|x| significant(f64::from(x)));
+        match self.place.face_count {
+            0 => write!(f, "{}: at {x}, {y}, {z}", self.kind)?,
+            _ => write!(f, "{}: {}", self.kind, FacesOf(self.place))?,
+        }
+        match short(&self.place.name) {
+            name if name.is_empty() => Ok(()),
+            name => write!(f, ", {name}"),
+        }
+    }
+}
+
+/// The first faces of a defect: "faces 3 4 (polygon 2, line 9) and 7 more".
+struct FacesOf<'a>(&'a Place);
+
+impl Display for FacesOf<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(place) = self;
+        let listed = &place.faces[..place.faces.len().min(FACES_PRINTED)];
+        let faces: Vec<(FaceId, Origin)> = listed.iter().map(|listed| (listed.face, listed.origin)).collect();
+        write!(f, "{} {}", if place.face_count == 1 { "face" } else { "faces" }, Faces(&faces))?;
+        match place.face_count - listed.len() {
+            0 => Ok(()),
+            more => write!(f, " and {more} more"),
+        }
     }
 }
 

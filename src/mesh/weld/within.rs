@@ -15,8 +15,8 @@ pub(super) fn merged(frames: &[&[[f32; 3]]], used: &Used, distance: f64) -> Merg
             square(0) + square(1) + square(2) <= distance * distance
         })
     };
-    let side = WIDTH * distance;
-    let cell_in = |frame: &[[f32; 3]], vertex: usize| frame[vertex].map(|x| (f64::from(x) / side).floor());
+    let per_length = 1.0 / (WIDTH * distance);
+    let cell_in = |frame: &[[f32; 3]], vertex: usize| frame[vertex].map(|x| cell(f64::from(x), per_length));
     // The grid uses one frame, since vertices within the distance in all frames are so in any of them.
     // Vertices that coincide in one frame may be far apart in another, so the first frame with the most
     // occupied cells is taken.
@@ -37,7 +37,7 @@ pub(super) fn merged(frames: &[&[[f32; 3]]], used: &Used, distance: f64) -> Merg
     let mut kept: Vec<(u32, Option<u32>)> = Vec::new();
     Merged::by(used, |vertex, new| {
         let mut found: Option<u32> = None;
-        for_each_cell(key[vertex as usize].map(f64::from), reach, side, |key| {
+        for_each_cell(key[vertex as usize], reach, per_length, |key| {
             let mut next = cells.get(&key).copied();
             while let Some(welded) = next {
                 let (other, before) = kept[welded as usize];
@@ -58,6 +58,14 @@ pub(super) fn merged(frames: &[&[[f32; 3]]], used: &Used, distance: f64) -> Merg
 /// Side of a cell in distances: narrower cells are more to look up, wider ones hold more vertices.
 const WIDTH: f64 = 3.0;
 
+/// The number of the cell of a coordinate. The planes x = 0, y = 0 and z = 0, on which many vertices of
+/// symmetric and of flat meshes lie, run through the middle of cells: between two cells, each vertex on them
+/// would ask both.
+#[inline(always)]
+fn cell(x: f64, per_length: f64) -> f64 {
+    (x * per_length + 0.5).floor()
+}
+
 fn cell_bits(cell: f64) -> u64 {
     (cell + 0.0).to_bits()
 }
@@ -67,17 +75,21 @@ fn bits([x, y, z]: [f64; 3]) -> (u64, u64, u64) {
 }
 
 /// Calls `visit` once with each cell that the box around a point overlaps.
-fn for_each_cell(at: [f64; 3], reach: f64, side: f64, mut visit: impl FnMut((u64, u64, u64))) {
+#[inline(always)]
+fn for_each_cell(at: [f32; 3], reach: f64, per_length: f64, mut visit: impl FnMut((u64, u64, u64))) {
     // A box is less wide than a cell. Cell numbers stay f64: where adding one changes nothing, the grid of
-    // f32 itself is coarser than the cells, and both ends are the same.
-    let ends = at.map(|x| [((x - reach) / side).floor(), ((x + reach) / side).floor()]);
-    let both = |[low, high]: [f64; 2]| [Some(low), Some(high).filter(|high| *high != low)];
-    let [xs, ys, zs] = ends.map(both);
-    for x in xs.into_iter().flatten() {
-        for y in ys.into_iter().flatten() {
-            for z in zs.into_iter().flatten() {
-                visit(bits([x, y, z]));
-            }
+    // f32 itself is coarser than the cells, and both ends are the same or next to each other.
+    let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
+    for i in 0..3 {
+        let x = f64::from(at[i]);
+        (low[i], high[i]) = (cell(x - reach, per_length), cell(x + reach, per_length));
+    }
+    // One bit an axis: whether its upper cell is meant.
+    for corner in 0..8 {
+        let is_upper = |i: usize| corner >> i & 1 == 1;
+        if (0..3).all(|i| !is_upper(i) || low[i] != high[i]) {
+            let end = |i: usize| if is_upper(i) { high[i] } else { low[i] };
+            visit(bits([end(0), end(1), end(2)]));
         }
     }
 }

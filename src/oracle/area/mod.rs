@@ -8,6 +8,7 @@
 //! a corner, hide nothing. [`SoftOracle::sampled`] shares no code with this but the sign of a determinant.
 
 mod batch;
+mod bent;
 mod chain;
 mod fault;
 mod form;
@@ -41,7 +42,7 @@ use self::frame::{EPSILON, wide};
 use self::light::Shape;
 use self::measure::{Area, outline_edges};
 use self::pyramid::{Flat, Pyramid};
-pub(crate) use self::sky::{HardEdges, UnderSky};
+pub(crate) use self::sky::{HardEdges, Open, UnderSky};
 use self::sweep::{AtLeft, Kind, Sink, Sweep, Trapezoid};
 use super::Oracle;
 use crate::mesh::{Mesh, Weld, weld};

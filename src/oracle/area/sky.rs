@@ -2,13 +2,15 @@
 //!
 //! The cube's edges run along the axes, so that its sides meet without a gap in numbers that were never
 //! rounded. The measure of a part is Lambert's (`form.rs`), over all of the hemisphere above the receiver;
-//! or, without a normal, the solid angle over that of the whole sphere.
+//! or, without a normal, the solid angle over that of the whole sphere. The mean open direction (`bent.rs`)
+//! has the same weights.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use multiversion::multiversion;
 
+use super::bent::Bent;
 use super::chain::{ASIDE, Chain, NADIR};
 use super::fault::Fault;
 use super::form::{Form, horizon};
@@ -55,6 +57,9 @@ pub(crate) struct Open {
     pub(crate) share: f64,
     /// The true share differs by no more than this.
     pub(crate) bound: f64,
+    /// The mean over all directions of the open ones, with the weights of the share; 0 unless asked for. The
+    /// true one is no farther away than the bound.
+    pub(crate) bent: DVec3,
 }
 
 /// Receivers per run; each run has buffers of its own.
@@ -67,7 +72,9 @@ impl SoftOracle<'_> {
     /// with the point as a corner hides what is beyond its opposite side, and one that the point is on what
     /// is beyond any of its sides; `edges` may name another direction. Other faces whose plane goes through
     /// the point hide nothing.
-    pub(crate) fn open_sky(&self, receivers: &[UnderSky], edges: HardEdges<'_>) -> Vec<Open> {
+    ///
+    /// `bent`: whether [`Open::bent`] is wanted.
+    pub(crate) fn open_sky(&self, receivers: &[UnderSky], edges: HardEdges<'_>, bent: bool) -> Vec<Open> {
         let slots = receivers.iter().any(|receiver| receiver.face.is_some()).then(|| self.slots());
         let own = |receiver: &UnderSky| {
             let slot = *slots.as_ref()?.get(receiver.face?.index())?;
@@ -88,7 +95,7 @@ impl SoftOracle<'_> {
                     });
                     around.own.sort_unstable();
                 }
-                *found = self.sky_above(receiver, &around, &mut scratch);
+                *found = self.sky_above(receiver, &around, bent, &mut scratch);
             }
         });
         found
@@ -103,21 +110,22 @@ impl SoftOracle<'_> {
         slots
     }
 
-    fn sky_above(&self, receiver: &UnderSky, around: &Around, scratch: &mut Scratch) -> Open {
+    fn sky_above(&self, receiver: &UnderSky, around: &Around, bent: bool, scratch: &mut Scratch) -> Open {
         if receiver.point.iter().any(|x| !x.is_finite()) {
-            return Open { share: 1.0, bound: 1.0 };
+            return Open { share: 1.0, bound: 1.0, bent: DVec3::ZERO };
         }
         let normal = receiver.normal.map(|normal| wide(normal).normalize_or_zero());
-        let (mut share, mut bound) = (0.0, 0.0);
+        let mut all = Open::default();
         for axis in 0..3 {
             for sign in [1.0, -1.0] {
                 let Some(frame) = side(axis, sign, normal) else { continue };
-                let open = self.side_above(receiver, normal, around, frame, scratch);
-                share += open.share;
-                bound += open.bound;
+                let open = self.side_above(receiver, normal, around, (frame, bent), scratch);
+                all.share += open.share;
+                all.bound += open.bound;
+                all.bent += open.bent;
             }
         }
-        Open { share: share.clamp(0.0, 1.0), bound }
+        Open { share: all.share.clamp(0.0, 1.0), ..all }
     }
 
     fn side_above(
@@ -125,7 +133,7 @@ impl SoftOracle<'_> {
         receiver: &UnderSky,
         normal: Option<DVec3>,
         around: &Around,
-        frame: Frame,
+        (frame, bent): (Frame, bool),
         scratch: &mut Scratch,
     ) -> Open {
         let reach = self.oracle.tree.reach(receiver.point);
@@ -133,7 +141,7 @@ impl SoftOracle<'_> {
         let per_area = frame.e1.length() * frame.e2.length() / if normal.is_some() { PI } else { 2.0 * TAU };
         // The edges of the frame are at right angles.
         let Ok(pyramid) = Pyramid::new(frame, receiver.point, reach) else {
-            return Open { share: 0.0, bound: per_area };
+            return Open { bound: per_area, ..Open::default() };
         };
         let Scratch { chain, sweep } = scratch;
         chain.clear();
@@ -148,14 +156,17 @@ impl SoftOracle<'_> {
         let mut measure = Measure {
             pyramid: &pyramid,
             form: normal.map(|n| Form::new(&pyramid, n, false)),
+            bent: bent.then(|| Bent::new(&pyramid, normal)),
             sum: 0.0,
             parts: 0,
         };
         sweep.run(&mut chain.edges, &mut chain.left, at_left, chain.faults, &mut measure);
         let error = pyramid.least_error() + chain.moved + sweep.lost + 8.0 * EPSILON;
-        // Four lines of a part, each off by less than 16ε, over 2π; triangles are better.
+        // Four lines of a part, each off by less than 16ε, over 2π; triangles are better. Of the bent
+        // direction as many lines, and two triangles, each off by less than 28ε, over 3π.
         let summed = f64::from(measure.parts) * 16.0 * EPSILON;
-        Open { share: measure.total(), bound: error * per_area + summed }
+        let bent = measure.bent.as_ref().map_or(DVec3::ZERO, Bent::total);
+        Open { share: measure.total(), bound: error * per_area + summed, bent }
     }
 }
 
@@ -212,6 +223,7 @@ fn ordered(mut corners: [u32; 3]) -> [u32; 3] {
 struct Measure<'a> {
     pyramid: &'a Pyramid,
     form: Option<Form<'a>>,
+    bent: Option<Bent<'a>>,
     /// Solid angles.
     sum: f64,
     parts: u32,
@@ -231,6 +243,9 @@ impl Sink for Measure<'_> {
 
     fn visible(&mut self, part: Trapezoid) {
         self.parts += 1;
+        if let Some(bent) = &mut self.bent {
+            bent.add(part);
+        }
         if let Some(form) = &mut self.form {
             return form.add(part);
         }
@@ -243,7 +258,7 @@ impl Sink for Measure<'_> {
 
 /// The solid angle of a triangle with unit vectors to its corners (van Oosterom and Strackee, *The Solid
 /// Angle of a Plane Triangle*, 1983).
-fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
+pub(super) fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     let height = a.dot(b.cross(c)).abs();
     2.0 * height.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use glam::DVec3;
+
 use super::closed_tests::{quads, triangles};
 use super::fault::{Fault, Faults};
 use super::sky::Open;
@@ -21,7 +23,7 @@ fn at(point: [f32; 3], normal: [f32; 3]) -> UnderSky {
 fn open(mesh: &Mesh, receiver: UnderSky, fault: Option<Fault>) -> Open {
     let mut soft = SoftOracle::build(mesh);
     soft.faults = Faults(fault);
-    soft.open_sky(&[receiver], SMOOTH)[0]
+    soft.open_sky(&[receiver], SMOOTH, true)[0]
 }
 
 /// The share is right to `within` and within its bound; returns it.
@@ -54,7 +56,7 @@ fn pit(low: [f32; 3], high: [f32; 3]) -> Mesh {
 
 /// The normals of all faces at a vertex, each by its angle there.
 fn normal_at(mesh: &Mesh, vertex: u32) -> [f32; 3] {
-    let mut sum = glam::DVec3::ZERO;
+    let mut sum = DVec3::ZERO;
     for face in mesh.triangles() {
         let Some(k) = face.iter().position(|&x| x == vertex) else { continue };
         let [p, a, b] = [0, 1, 2].map(|i| wide(mesh.positions()[face[(k + i) % 3] as usize]));
@@ -234,7 +236,8 @@ fn another_caster_never_opens_the_sky_and_scale_changes_no_bit() {
     let ball = shapes::translated(&shapes::icosphere(1), [0.5, 0.25, 1.75]);
     let both = Mesh::concat(&[base.clone(), ball]).unwrap();
     let receivers: Vec<UnderSky> = vertices(&base).step_by(5).collect();
-    let shares = |mesh: &Mesh, receivers: &[UnderSky]| SoftOracle::build(mesh).open_sky(receivers, SMOOTH);
+    let shares =
+        |mesh: &Mesh, receivers: &[UnderSky]| SoftOracle::build(mesh).open_sky(receivers, SMOOTH, false);
     let (alone, under) = (shares(&base, &receivers), shares(&both, &receivers));
     assert!(alone.iter().zip(&under).all(|(alone, under)| under.share <= alone.share + 1e-12));
     assert!(alone.iter().zip(&under).any(|(alone, under)| under.share < alone.share - 0.1));
@@ -263,9 +266,42 @@ fn faces_that_share_only_the_receiver_hide_what_any_of_them_hides() {
     let [both, upper] = [&mesh, &alone].map(|mesh| open(mesh, at([0.0; 3], UP), None).share);
     // What is beyond the arc of the upper one: the sector of the horizon less the triangle to the arc.
     let (a, b) = (glam::dvec3(1.0, -1.0, 2.0), glam::dvec3(1.0, 1.0, 2.0));
-    let side = |a: glam::DVec3, b: glam::DVec3| a.cross(b).normalize().z * a.angle_between(b) / (2.0 * PI);
+    let side = |a: DVec3, b: DVec3| a.cross(b).normalize().z * a.angle_between(b) / (2.0 * PI);
     let expected = 1.0 - (0.25 - side(a, b));
     assert!((upper - expected).abs() < 1e-14, "{upper} {expected}");
     // What the lower one hides is hidden by the upper one too, and what is below the horizon does not count.
     assert!((both - upper).abs() < 1e-14, "{both} {upper}");
+}
+
+#[test]
+fn bent_direction_beside_a_wall_and_of_a_sphere_over_a_floor_is_that_of_the_integral() {
+    // Half of the sky: the integral of ω cos θ over it, over π.
+    let wall = shapes::cuboid([1.0, -1e7, -1e7], [2.0, 1e7, 1e7]);
+    let half = DVec3::new(-2.0 / (3.0 * PI), 0.0, 1.0 / 3.0);
+    let found = open(&wall, at([0.0; 3], UP), None);
+    assert!((found.bent - half).length() < 1e-6 + found.bound, "{found:?}");
+    // The sabotage: directions that all count alike would lean by 45 degrees.
+    let alike = DVec3::new(-1.0, 0.0, 1.0).normalize();
+    assert!((found.bent.normalize() - alike).length() > 0.1);
+    // Aslant, so that all six sides of the cube have a part of it.
+    let tilt = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, -0.3);
+    let turned = |v: DVec3| (tilt * v).to_array().map(|x| x as f32);
+    let empty = Mesh::new(Vec::new(), Vec::new()).unwrap();
+    let normal = turned(DVec3::Z);
+    let open_sky = open(&empty, at([0.0; 3], normal), None);
+    let expected = 2.0 / 3.0 * wide(normal).normalize();
+    assert!((open_sky.bent - expected).length() < 1e-14, "{open_sky:?}");
+    let corners: Vec<[f32; 3]> = [[-1e4, -1e4], [1e4, -1e4], [1e4, 1e4], [-1e4, 1e4]]
+        .map(|[y, z]| turned(DVec3::new(1.0, y, z)))
+        .to_vec();
+    let slanted = Mesh::new(corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    let found = open(&slanted, at([0.0; 3], normal), None);
+    assert!((tilt.inverse() * found.bent - half).length() < 1e-3, "{found:?}");
+    // Without a normal: a floor hides the lower half of the sphere.
+    let floor = quads(&[[[-1e7, -1e7, -1.0], [1e7, -1e7, -1.0], [1e7, 1e7, -1.0], [-1e7, 1e7, -1.0]]]);
+    let found = open(&floor, UnderSky { point: [0.0; 3], normal: None, face: None }, None);
+    assert!((found.bent - DVec3::new(0.0, 0.0, 0.25)).length() < 1e-6, "{found:?}");
+    // The sabotage: nothing in the way has no mean direction.
+    let nothing = open(&empty, UnderSky { point: [0.0; 3], normal: None, face: None }, None);
+    assert!(nothing.bent.length() < 1e-14 && nothing.share == 1.0, "{nothing:?}");
 }

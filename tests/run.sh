@@ -69,8 +69,18 @@ three_js() {
     [ "$code" != 124 ] || { echo "SKIPPED three.js: not done after 30 seconds"; return; }
     return "$code"
 }
+# Whether the page of `umbrage check --html` draws, and heeds its keys, in Chromium.
+page() {
+    command -v node >/dev/null || { echo "SKIPPED page: no node"; return; }
+    local code=0
+    TMPDIR="$scratch" timeout 60 node tests/page/check.mjs "${CARGO_TARGET_DIR:-target}/debug/umbrage" || code=$?
+    [ "$code" != 124 ] || { echo "SKIPPED page: not done after 60 seconds"; return; }
+    return "$code"
+}
 if [ $# = 0 ]; then
-    said="$(three_js)" || { echo "$said"; exit 1; }
-    echo "$said"
-    echo "$said" | sed -n 's/^SKIPPED //p' >>"$UMBRAGE_SKIPPED"
+    for browser_test in three_js page; do
+        said="$("$browser_test")" || { echo "$said"; exit 1; }
+        echo "$said"
+        echo "$said" | sed -n 's/^SKIPPED //p' >>"$UMBRAGE_SKIPPED"
+    done
 fi

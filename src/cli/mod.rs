@@ -12,6 +12,7 @@ mod json;
 mod lights;
 mod load;
 mod output;
+mod page;
 mod parsers;
 mod progress;
 mod resources;

@@ -3,6 +3,7 @@
 mod accuracy;
 mod ambient;
 mod check;
+mod check_page;
 mod demo;
 mod gates;
 mod input;

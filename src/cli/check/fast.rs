@@ -55,6 +55,7 @@ pub(super) fn refuse(args: &Args) -> Result<(), Failure> {
         (args.self_intersections, "--self-intersections"),
         (args.mark.is_some(), "--mark"),
         (args.picture.is_some(), "--picture"),
+        (args.html.is_some(), "--html"),
         (args.baseline.is_some(), "--baseline"),
         (args.junit.is_some(), "--junit"),
         (args.sarif.is_some(), "--sarif"),

@@ -215,7 +215,7 @@ fn defect_of_all(report: &FileReport, kind: DefectKind, limit: usize) -> Option<
     })
 }
 
-fn place(place: &Place) -> Value {
+pub(super) fn place(place: &Place) -> Value {
     json!({
         "position": place.position.map(number32),
         "name": place.name,

@@ -6,6 +6,7 @@ use umbrage::mesh::Mesh;
 use umbrage::topology::Topology;
 use umbrage::write::{Elements, Layer, Model};
 
+use super::drawn::{Drawn, has_colored_faces};
 use crate::cli::error::Failure;
 
 /// How many pairs of intersecting faces are marked at most: there may be more than memory holds.
@@ -69,10 +70,7 @@ impl Marks {
                 marks.add(kind, &defect, mesh, radius)?;
                 faces.extend(defect.faces);
             }
-            if matches!(
-                kind,
-                DefectKind::DuplicateFace | DefectKind::InsideOutShell | DefectKind::SelfIntersection
-            ) {
+            if has_colored_faces(kind) {
                 // A face may take part in many.
                 faces.sort_unstable();
                 faces.dedup();
@@ -117,19 +115,9 @@ fn layer(name: &str, color: [f32; 4], from: Triangles) -> Layer {
 impl Kind {
     /// Lines and octahedra of one defect; faces are drawn once they are all known.
     fn add(&mut self, kind: DefectKind, defect: &Defect, mesh: &Mesh, radius: f64) -> Result<(), Failure> {
-        self.lines.extend_from_slice(&defect.segments);
-        match kind {
-            DefectKind::NonManifoldVertex | DefectKind::TJunction => self.octahedron(defect.position, radius),
-            // A face without area is invisible.
-            DefectKind::CollapsedFace | DefectKind::ZeroAreaFace => {
-                for &face in &defect.faces {
-                    let [a, b, c] = mesh.corners(face);
-                    self.lines.extend([[a, b], [b, c]]);
-                }
-                self.octahedron(defect.position, radius)
-            }
-            _ => Ok(()),
-        }
+        let drawn = Drawn::of(kind, defect, mesh);
+        self.lines.extend(drawn.lines);
+        if drawn.spot { self.octahedron(defect.position, radius) } else { Ok(()) }
     }
 
     fn octahedron(&mut self, at: [f32; 3], radius: f64) -> Result<(), Failure> {

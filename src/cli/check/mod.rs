@@ -1,10 +1,12 @@
 //! `umbrage check`: the crack report of each file.
 
 mod baseline;
+mod drawn;
 mod fast;
 mod json;
 mod junit;
 mod mark;
+mod page;
 mod picture;
 mod report;
 mod sarif;
@@ -27,8 +29,9 @@ use super::resources::ThreadArgs;
 use super::{Failure, Outcome, render};
 use baseline::Baseline;
 use mark::Marks;
+use page::Page;
 use picture::Sketch;
-use report::{Found, MeshReport, Place, examine};
+use report::{Drawings, Found, MeshReport, Place, examine};
 
 pub(super) use json::total;
 pub(super) use report::{FileReport, report_on};
@@ -136,6 +139,14 @@ pub(crate) struct Args {
     /// small to see are marked by an octahedron 0.5 % of the diagonal in size.
     #[arg(long, value_name = "OUT.glb")]
     mark: Option<PathBuf>,
+
+    /// Write a page with the counts, a view of the mesh and a list of defects that leads the view to each;
+    /// for one input file [default: nothing is written]
+    ///
+    /// One file that needs no network; 500 defects of a kind are listed, whatever --limit says. Above 200,000
+    /// triangles the view is coarser than the mesh. Browsers without WebGL 2 show six pictures.
+    #[arg(long, value_name = "OUT.html")]
+    html: Option<PathBuf>,
 }
 
 /// The names of the requirements, and what they stand for.
@@ -175,11 +186,14 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
     let mut reports = Vec::with_capacity(args.files.len());
     let mut overview = text::Overview::default();
-    let mut marks = args.mark.is_some().then(Marks::default);
-    let mut sketch = args.picture.is_some().then(Sketch::default);
+    let mut drawings = Drawings {
+        marks: args.mark.is_some().then(Marks::default),
+        sketch: args.picture.is_some().then(Sketch::default),
+        page: args.html.is_some().then(Page::default),
+    };
     let mut up = Up::default();
     for (index, file) in args.files.iter().enumerate() {
-        let report = examine(file, &args, marks.as_mut(), sketch.as_mut());
+        let report = examine(file, &args, &mut drawings);
         up = report.as_ref().ok().and_then(|report| report.format).map_or(Up::Y, Format::up);
         outcome = outcome.max(match (&report, &baseline) {
             (Ok(report), Some(baseline)) => {
@@ -231,12 +245,19 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
         write::write_atomic(path, |out| writeln!(out, "{document:#}"))?;
         output::wrote(path);
     }
-    if let (Some(path), Some(marks), Outcome::Sound | Outcome::Unsound) = (&args.mark, marks, outcome) {
+    // One file at a time: where it could not be read, there is nothing to draw.
+    let Some(Ok(report)) = reports.last() else { return Ok(outcome) };
+    if let (Some(path), Some(marks)) = (&args.mark, drawings.marks) {
         write::write(&marks.into_model(), path)?;
         output::wrote(path);
     }
-    if let (Some(path), Some(sketch), Outcome::Sound | Outcome::Unsound) = (&args.picture, sketch, outcome) {
+    if let (Some(path), Some(sketch)) = (&args.picture, drawings.sketch) {
         sketch.write(up, path)?;
+    }
+    if let (Some(path), Some(page)) = (&args.html, drawings.page) {
+        let html = page.write(report, up)?;
+        write::write_atomic(path, |out| out.write_all(html.as_bytes()))?;
+        output::wrote(path);
     }
     Ok(outcome)
 }
@@ -261,9 +282,11 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
         threads: ThreadArgs::default(),
         picture: None,
         mark: None,
+        html: None,
     };
-    let mut marks = Marks::default();
-    let report = examine(file, &args, Some(&mut marks), None)?;
+    let mut drawings = Drawings { marks: Some(Marks::default()), ..Drawings::default() };
+    let report = examine(file, &args, &mut drawings)?;
+    let marks = drawings.marks.take().unwrap_or_default();
     let text = text::Report { report: &report, limit: args.limit }.to_string();
     Ok((text, json::document(&args.files, &[Ok(report)], args.limit), marks.into_model()))
 }
@@ -279,7 +302,7 @@ fn refuse(args: &Args) -> Result<(), Failure> {
         }
         path.as_deref().map_or(Ok(()), require_folder)?;
     }
-    for (option, path) in [("--mark", &args.mark), ("--picture", &args.picture)] {
+    for (option, path) in [("--mark", &args.mark), ("--picture", &args.picture), ("--html", &args.html)] {
         if path.is_some() && args.files.len() > 1 {
             let problem = format!("{option} writes one file, and there are {} to check", args.files.len());
             return Err(Failure::new(problem, "check one file at a time"));
@@ -291,6 +314,13 @@ fn refuse(args: &Args) -> Result<(), Failure> {
     }
     if let Some(path) = &args.picture {
         render::require_png(path)?;
+    }
+    if let Some(path) = &args.html {
+        if path.extension().is_none_or(|found| !found.eq_ignore_ascii_case("html")) {
+            let problem = "--html writes another format";
+            return Err(Failure::new(problem, "name a file that ends in .html").in_file(path));
+        }
+        require_folder(path)?;
     }
     Ok(())
 }
@@ -322,6 +352,7 @@ mod tests {
             threads: ThreadArgs::default(),
             picture: None,
             mark: None,
+            html: None,
         }
     }
 
@@ -339,7 +370,7 @@ mod tests {
         ] {
             let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(format!("{name}.obj"));
             let args = args(&file);
-            let report = examine(&file, &args, None, None).ok().unwrap();
+            let report = examine(&file, &args, &mut Drawings::default()).ok().unwrap();
             let printed = text::Report { report: &report, limit: 5 }.to_string();
             let mesh = args.mesh.read(&file).ok().unwrap().meshes.remove(0);
             let mesh = args.mesh.weld(mesh).mesh;
@@ -359,7 +390,7 @@ mod tests {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/nested/hollow_cube.obj");
         let args = args(&file);
         // As if the searches had given up before the cavity and before the last T-junction.
-        let mut report = examine(&file, &args, None, None).ok().unwrap();
+        let mut report = examine(&file, &args, &mut Drawings::default()).ok().unwrap();
         assert_eq!(report.verdict(), Verdict::Sound);
         let mesh = &mut report.meshes[0];
         let cavity = mesh.shell_list.iter_mut().find(|shell| shell.depth == 1).unwrap();

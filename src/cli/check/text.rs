@@ -35,6 +35,24 @@ impl Display for Report<'_> {
 }
 
 impl Report<'_> {
+    /// The verdict, how rounding may have made the defects, and what would close them: a line each, as in the
+    /// report.
+    pub(super) fn verdict_lines(&self) -> Vec<String> {
+        struct Printed<F>(F);
+        impl<F: Fn(&mut fmt::Formatter<'_>) -> fmt::Result> Display for Printed<F> {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0(f)
+            }
+        }
+        let text = Printed(|f: &mut fmt::Formatter<'_>| {
+            self.verdict(f)?;
+            self.rounding(f)?;
+            self.remedies(f)
+        });
+        let text = text.to_string();
+        text.lines().map(str::trim).filter(|line| !line.is_empty()).map(str::to_owned).collect()
+    }
+
     /// A row for each listed mesh, and the total.
     fn counts(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let meshes = &self.report.meshes;
@@ -306,6 +324,16 @@ impl Report<'_> {
     }
 }
 
+/// The name of a kind of defect in words, singular or plural.
+pub(super) fn noun(kind: DefectKind, count: usize) -> String {
+    let words = kind.name().replace('_', " ");
+    match words.strip_suffix("vertex") {
+        _ if count == 1 => words,
+        Some(first) => format!("{first}vertices"),
+        None => format!("{words}s"),
+    }
+}
+
 /// One file in one line: verdict, name, and what there is of each kind of defect.
 pub(super) struct Summary<'a> {
     pub(super) file: &'a Path,
@@ -323,8 +351,7 @@ impl Display for Summary<'_> {
                 report.meshes.iter().flat_map(|mesh| &mesh.defects).filter(|found| found.kind == kind);
             let count: usize = found.map(|found| found.count).sum();
             if count > 0 {
-                let words = kind.name().replace('_', " ");
-                write!(f, "{separator}{}", counted(count, &words, &format!("{words}s")))?;
+                write!(f, "{separator}{count} {}", noun(kind, count))?;
                 separator = ", ";
             }
         }
@@ -416,11 +443,11 @@ fn row(name: String, [vertices, welded]: [usize; 2], counts: &Counts, verdict: V
 }
 
 /// An open surface has no volume.
-fn volume(signed: f64, balanced: bool) -> String {
+pub(super) fn volume(signed: f64, balanced: bool) -> String {
     if balanced { significant(signed) } else { "-".to_owned() }
 }
 
-fn label(index: usize, mesh: &MeshReport) -> String {
+pub(super) fn label(index: usize, mesh: &MeshReport) -> String {
     if mesh.name.is_empty() { format!("mesh {index}") } else { short(&mesh.name) }
 }
 
@@ -464,7 +491,7 @@ impl Display for At<'_> {
 }
 
 /// The numbers of faces, and where the file has them if that is another number: "3 4 (polygon 2, line 9)".
-struct Faces<'a>(&'a [(FaceId, Origin)]);
+pub(super) struct Faces<'a>(pub(super) &'a [(FaceId, Origin)]);
 
 impl Display for Faces<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -87,12 +87,7 @@ impl Sketch {
     }
 
     /// Pictures from six sides: towards the eye, each as right, up, back.
-    pub(super) fn from_sides(
-        self,
-        up: Up,
-        size: Size,
-        sides: [[f64; 3]; 6],
-    ) -> Result<[Picture; 6], Failure> {
+    pub(super) fn six_sides(self, up: Up, size: Size, sides: [[f64; 3]; 6]) -> Result<[Picture; 6], Failure> {
         let (mesh, overlay) = self.joined(up, size, "--html")?;
         let progress = Progress::bar("drawing", 6 * 2 * u64::from(size.height()));
         let oracle = Oracle::build(&mesh);

@@ -170,12 +170,16 @@ fn check_page_lists_and_draws_up_to_a_limit_and_says_so() {
     let page = page_of(&folder, "many.ply");
     let data = data(&page);
     assert_eq!(kinds(&data), [("boundary_loop".to_owned(), 7000, 500)]);
-    assert_eq!(data["kinds"][0]["lines"]["drawn"], 20_000);
+    // All lines of what is listed, and every second of the others.
+    let drawn = 1500 + 19_500 / 2;
+    assert_eq!(data["kinds"][0]["lines"]["drawn"], drawn);
     assert_eq!(data["kinds"][0]["lines"]["all"], 21_000);
+    assert_eq!(positions(&data["kinds"][0]["lines"]["ends"]).len(), 2 * drawn);
+    assert_eq!(data["defects"][499]["view"]["lines"], serde_json::json!([1497, 3]));
     assert_eq!(page.matches("<tr class=\"defect\">").count(), 500);
     for said in [
         "The first 500 are listed; 6,500 more are not.",
-        "The view draws the first 20,000 of 21,000 lines of the kind boundary loop.",
+        "The view draws 11,250 of 21,000 lines of the kind boundary loop.",
         "The list ends after 500 defects of a kind; check --json --limit N lists more.",
     ] {
         assert!(page.contains(said), "{said}");

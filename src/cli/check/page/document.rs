@@ -57,7 +57,7 @@ pub(super) fn write(page: Page, report: &FileReport, up: Up) -> Result<String, F
     let has_defects = !found.is_empty();
     let [width, height] = PICTURE;
     let size = Size::new(width, height).expect("both are in range");
-    let pictures = page.sketch.from_sides(up, size, SIDES.map(|(_, side)| side))?;
+    let pictures = page.sketch.six_sides(up, size, SIDES.map(|(_, side)| side))?;
     let body = html! {
         (head)
         @if !has_defects { p { "No defects." } }
@@ -244,12 +244,12 @@ fn limits(found: &[(DefectKind, &OfKind)], shown: &Shown) -> Vec<String> {
     for (kind, of_kind) in found {
         let name = kind.name().replace('_', " ");
         for (what, drawn, all) in [
-            ("lines", of_kind.lines.len(), of_kind.line_count),
-            ("dots", of_kind.spots.len(), of_kind.spot_count),
+            ("lines", of_kind.lines.items().len(), of_kind.line_count),
+            ("dots", of_kind.spots.items().len(), of_kind.spot_count),
         ] {
             if drawn < all {
                 let [drawn, all] = [drawn, all].map(|count| grouped(count as f64));
-                lines.push(format!("The view draws the first {drawn} of {all} {what} of the kind {name}."));
+                lines.push(format!("The view draws {drawn} of {all} {what} of the kind {name}."));
             }
         }
     }

@@ -144,8 +144,8 @@ fn bytes(numbers: &[f32]) -> Vec<u8> {
 }
 
 fn of_one(kind: DefectKind, of_kind: &OfKind, frame: &Frame, faces: &str) -> Value {
-    let lines = frame.points(of_kind.lines.iter().flatten());
-    let spots = frame.points(of_kind.spots.iter());
+    let lines = frame.points(of_kind.lines.items().iter().flatten());
+    let spots = frame.points(of_kind.spots.items().iter());
     json!({
         "kind": kind.name(),
         "code": kind.code(),
@@ -155,8 +155,8 @@ fn of_one(kind: DefectKind, of_kind: &OfKind, frame: &Frame, faces: &str) -> Val
         "at_least": (!of_kind.complete).then_some(of_kind.count),
         "effect": kind.effect(),
         "listed": of_kind.rows.len(),
-        "lines": { "drawn": of_kind.lines.len(), "all": of_kind.line_count, "ends": base64(&bytes(lines.as_flattened())) },
-        "spots": { "drawn": of_kind.spots.len(), "all": of_kind.spot_count, "at": base64(&bytes(spots.as_flattened())) },
+        "lines": { "drawn": of_kind.lines.items().len(), "all": of_kind.line_count, "ends": base64(&bytes(lines.as_flattened())) },
+        "spots": { "drawn": of_kind.spots.items().len(), "all": of_kind.spot_count, "at": base64(&bytes(spots.as_flattened())) },
         "faces": faces,
     })
 }

@@ -6,6 +6,7 @@
 mod coarse;
 mod document;
 mod geometry;
+mod thinned;
 
 use umbrage::check::{CrackReport, Defect, DefectKind, Severity};
 use umbrage::mesh::Mesh;
@@ -16,6 +17,7 @@ use super::drawn::Drawn;
 use super::picture::Sketch;
 use super::report::{FileReport, Place};
 use crate::cli::Failure;
+use thinned::Thinned;
 
 /// Bounds on what a page holds, which a browser has to keep up with: rows, lines and dots of each kind of
 /// defect, and triangles.
@@ -45,9 +47,9 @@ struct OfKind {
     /// Whether no search for them stopped at a limit.
     complete: bool,
     /// At most [`LINES`] and [`SPOTS`], and how many there are.
-    lines: Vec<[[f32; 3]; 2]>,
+    lines: Thinned<[[f32; 3]; 2]>,
     line_count: usize,
-    spots: Vec<[f32; 3]>,
+    spots: Thinned<[f32; 3]>,
     spot_count: usize,
     /// Indices of colored faces among those of all meshes.
     faces: Vec<u32>,
@@ -105,27 +107,27 @@ impl OfKind {
     /// `mesh_index` and `first_face`: of the mesh among all.
     fn add(&mut self, kind: DefectKind, defect: Defect, mesh: &Mesh, [mesh_index, first_face]: [usize; 2]) {
         let drawn = Drawn::of(kind, &defect, mesh);
-        let first = self.lines.len();
         self.line_count += drawn.lines.len();
         self.spot_count += usize::from(drawn.spot);
-        self.lines.extend(drawn.lines.iter().take(LINES - first));
-        if drawn.spot && self.spots.len() < SPOTS {
-            self.spots.push(defect.position);
-        }
+        let spot = drawn.spot.then_some(defect.position);
         if drawn.faces {
             // Below the number of all faces, which a joined mesh keeps below 2³².
             self.faces.extend(defect.faces.iter().map(|face| (face.index() + first_face) as u32));
         }
         if self.rows.len() == ROWS {
+            self.spots.spread(spot, SPOTS);
+            self.lines.spread(drawn.lines, LINES);
             return;
         }
+        self.spots.fix(spot, SPOTS);
+        let lines = self.lines.fix(drawn.lines.iter().copied(), LINES);
         let (target, reach) = around(kind, &defect, &drawn, mesh);
         self.rows.push(Row {
             mesh: mesh_index,
             target,
             reach,
             normal: mean_normal(&defect, mesh),
-            lines: [first, self.lines.len() - first],
+            lines,
             place: Place::of(defect, mesh),
         });
     }

@@ -157,8 +157,8 @@ const view = (() => {
     const eye = camera.at.map((x, axis) => x + camera.distance * back[axis]);
     const depth = Math.hypot(...eye);
     const near = Math.max(camera.distance / 50, depth - 1.1);
-    // As much of the smaller side of the picture as of the larger one.
-    const focal = 2.4 * Math.max(1, Math.min(1.6, width / height)) * Math.min(1, width / height);
+    // The same sphere fits, whichever side of the picture is the smaller one.
+    const focal = 2.4 * Math.min(1, width / height);
     const lens = [focal * (height / width), focal, near, Math.max(depth + 1.1, 2 * near)];
     const begin = (which) => {
       gl.useProgram(which.linked);

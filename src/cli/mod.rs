@@ -4,6 +4,7 @@
 //! and `run`.
 
 mod chart;
+mod color;
 mod error;
 mod files;
 mod input;

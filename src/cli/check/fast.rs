@@ -7,6 +7,7 @@ use umbrage::check::{Requirement, Screen, Verdict};
 use umbrage::read::Format;
 
 use super::{Args, json};
+use crate::cli::color::Painter;
 use crate::cli::output::{self, Output, counted, plain, short};
 use crate::cli::progress::Progress;
 use crate::cli::{Failure, Outcome, load};
@@ -88,7 +89,7 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
             }
         });
         if let (Ok(report), false) = (&report, args.json) {
-            out.text(Report { report, limit: args.limit })?;
+            out.text(Report { report, limit: args.limit, painter: args.color.painter() })?;
             out.flush()?;
         }
         reports.push(report);
@@ -120,6 +121,7 @@ fn examine(file: &Path, args: &Args) -> Result<Screened, Failure> {
 struct Report<'a> {
     report: &'a Screened,
     limit: usize,
+    painter: Painter,
 }
 
 impl Display for Report<'_> {
@@ -129,12 +131,15 @@ impl Display for Report<'_> {
         write!(f, "{} ({format}): ", plain(&file.to_string_lossy()))?;
         let open: Vec<&Mesh> = meshes.iter().filter(|mesh| !mesh.balanced).collect();
         let faces = counted(meshes.iter().map(|mesh| mesh.faces).sum(), "face", "faces");
+        let [empty, balanced] = [(Verdict::Empty, "empty"), (Verdict::Sound, "balanced")]
+            .map(|(verdict, word)| self.painter.verdict(verdict, word));
+        let bad = self.painter.bad("not balanced");
         match (open.len(), meshes.len()) {
-            (0, _) if self.report.verdict() == Verdict::Empty => writeln!(f, "empty: a mesh without faces"),
-            (0, 0 | 1) => writeln!(f, "balanced, {faces}"),
-            (0, all) => writeln!(f, "balanced, all {all} meshes, {faces}"),
-            (_, 1) => writeln!(f, "not balanced, {faces}"),
-            (open, all) => writeln!(f, "not balanced, {open} of {all} meshes, {faces}"),
+            (0, _) if self.report.verdict() == Verdict::Empty => writeln!(f, "{empty}: a mesh without faces"),
+            (0, 0 | 1) => writeln!(f, "{balanced}, {faces}"),
+            (0, all) => writeln!(f, "{balanced}, all {all} meshes, {faces}"),
+            (_, 1) => writeln!(f, "{bad}, {faces}"),
+            (open, all) => writeln!(f, "{bad}, {open} of {all} meshes, {faces}"),
         }?;
         for mesh in open.iter().filter(|mesh| !mesh.name.is_empty()).take(self.limit) {
             writeln!(f, "  not balanced: {}", short(&mesh.name))?;

@@ -21,6 +21,7 @@ use umbrage::read::Format;
 use umbrage::view::Up;
 use umbrage::write::{self, Model};
 
+use super::color::{ColorChoice, Painter};
 use super::files;
 use super::load::MeshArgs;
 use super::output::{self, Output};
@@ -101,6 +102,10 @@ pub(crate) struct Args {
     /// Print nothing but errors: the exit code is the answer
     #[arg(long, conflicts_with_all = ["json", "json_lines", "summary"])]
     quiet: bool,
+
+    /// When the words of verdicts are colored
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t = ColorChoice::Auto)]
+    color: ColorChoice,
 
     /// Fail only on what is worse than in an earlier report, as --json printed it
     /// [default: on what --require asks]
@@ -185,7 +190,8 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     let mut outcome = Outcome::Sound;
     let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
     let mut reports = Vec::with_capacity(args.files.len());
-    let mut overview = text::Overview::default();
+    let painter = args.color.painter();
+    let mut overview = text::Overview::new(painter);
     let mut drawings = Drawings {
         marks: args.mark.is_some().then(Marks::default),
         sketch: args.picture.is_some().then(Sketch::default),
@@ -217,12 +223,12 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
                 let one = json::document(&[file.to_owned()], std::slice::from_ref(&report), args.limit);
                 out.line(&one["files"][0])?;
             }
-            _ if args.summary => out.line(text::Summary { file, report: &report })?,
+            _ if args.summary => out.line(text::Summary { file, report: &report, painter })?,
             Ok(report) => {
                 if index > 0 {
                     out.text("\n")?;
                 }
-                out.text(text::Report { report, limit: args.limit })?;
+                out.text(text::Report { report, limit: args.limit, painter })?;
             }
             Err(_) => {}
         }
@@ -276,6 +282,7 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
         json_lines: false,
         summary: false,
         quiet: false,
+        color: ColorChoice::default(),
         baseline: None,
         junit: None,
         sarif: None,
@@ -287,7 +294,7 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
     let mut drawings = Drawings { marks: Some(Marks::default()), ..Drawings::default() };
     let report = examine(file, &args, &mut drawings)?;
     let marks = drawings.marks.take().unwrap_or_default();
-    let text = text::Report { report: &report, limit: args.limit }.to_string();
+    let text = text::Report { report: &report, limit: args.limit, painter: Painter::default() }.to_string();
     Ok((text, json::document(&args.files, &[Ok(report)], args.limit), marks.into_model()))
 }
 
@@ -346,6 +353,7 @@ mod tests {
             json_lines: false,
             summary: false,
             quiet: false,
+            color: ColorChoice::default(),
             baseline: None,
             junit: None,
             sarif: None,
@@ -371,7 +379,7 @@ mod tests {
             let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(format!("{name}.obj"));
             let args = args(&file);
             let report = examine(&file, &args, &mut Drawings::default()).ok().unwrap();
-            let printed = text::Report { report: &report, limit: 5 }.to_string();
+            let printed = text::Report { report: &report, limit: 5, painter: Painter::default() }.to_string();
             let mesh = args.mesh.read(&file).ok().unwrap().meshes.remove(0);
             let mesh = args.mesh.weld(mesh).mesh;
             let of_library = CrackReport::of(&mesh, &Topology::of(&mesh)).to_string();
@@ -400,7 +408,7 @@ mod tests {
         mesh.verdict = verdict(&[Requirement::Sound], &mesh.counts);
         assert_eq!(mesh.verdict, Verdict::NotProven);
         assert_eq!(verdict(&[Requirement::Watertight], &mesh.counts), Verdict::Sound);
-        let text = text::Report { report: &report, limit: 5 }.to_string();
+        let text = text::Report { report: &report, limit: 5, painter: Painter::default() }.to_string();
         let line = "not proven sound: the mesh is watertight, but nesting not decided within the limit: 1 shell \
                     may be inside out";
         assert!(text.lines().any(|text| text.trim() == line), "{text}");

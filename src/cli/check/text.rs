@@ -7,8 +7,12 @@ use umbrage::check::{Counts, DefectKind, NearMiss, Requirement, Standing, Verdic
 use umbrage::mesh::{FaceId, Origin};
 
 use super::{FileReport, MeshReport, Place};
+use crate::cli::color::Painter;
 use crate::cli::error::Failure;
-use crate::cli::output::{Table, counted, plain, short, significant};
+use crate::cli::output::{Table, brief, counted, plain, short, significant};
+
+/// Width of a table. Its names are cut for it; names of files, which are behind the numbers, are not.
+const COLUMNS: usize = 80;
 
 /// How many face numbers are printed per defect.
 const FACES_PRINTED: usize = 6;
@@ -17,6 +21,7 @@ const FACES_PRINTED: usize = 6;
 pub(super) struct Report<'a> {
     pub(super) report: &'a FileReport,
     pub(super) limit: usize,
+    pub(super) painter: Painter,
 }
 
 impl Display for Report<'_> {
@@ -67,22 +72,23 @@ impl Report<'_> {
             "closed",
             "euler",
             "boundary",
-            "non-manifold",
-            "misoriented",
+            "non-\nmanifold",
+            "mis-\noriented",
             "volume",
             "",
-        ]);
+        ])
+        .within(COLUMNS);
         let listed = self.listed();
         for &index in &listed {
             let mesh = &meshes[index];
             let vertices = [mesh.vertices, mesh.welded_vertices];
-            table.row(row(label(index, mesh), vertices, &mesh.counts, mesh.verdict));
+            table.row(self.row(column_label(index, mesh), vertices, &mesh.counts, mesh.verdict));
         }
         if meshes.len() > 1 {
             let vertices =
                 [self.report.sum(|mesh| mesh.vertices), self.report.sum(|mesh| mesh.welded_vertices)];
             let name = format!("all {} meshes", meshes.len());
-            table.row(row(name, vertices, &total, self.report.verdict()));
+            table.row(self.row(name, vertices, &total, self.report.verdict()));
         }
         writeln!(f, "{table}")?;
         let hidden = meshes.len() - listed.len();
@@ -132,14 +138,17 @@ impl Report<'_> {
     fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let report = self.report;
         let Some(total) = report.total() else {
-            return writeln!(f, "  {}", Counts::default().summary());
+            return writeln!(f, "  {}", self.painted(&Counts::default().summary(), Verdict::Empty));
         };
         let (meshes, requirements) = (report.meshes.len(), &report.requirements);
         if report.verdict() == Verdict::Empty || total.is_empty() {
             let empty = report.meshes.iter().filter(|mesh| mesh.counts.is_empty()).count();
             return match empty == meshes {
-                true => writeln!(f, "  {}", total.summary()),
-                false => writeln!(f, "  empty: {empty} of {meshes} meshes have no faces to check"),
+                true => writeln!(f, "  {}", self.painted(&total.summary(), Verdict::Empty)),
+                false => {
+                    let word = self.painter.verdict(Verdict::Empty, "empty");
+                    writeln!(f, "  {word}: {empty} of {meshes} meshes have no faces to check")
+                }
             };
         }
         let properties = requirements.iter().copied().filter(|&asked| asked != Requirement::NotEmpty);
@@ -159,15 +168,16 @@ impl Report<'_> {
             return Ok(());
         }
         let who = if meshes == 1 { "the mesh" } else { "every mesh" };
+        let sound = self.painter.verdict(Verdict::Sound, "sound");
         if let Some(at) = held.iter().position(|&asked| asked == Requirement::Sound) {
             held.remove(at);
-            writeln!(f, "  sound: {who} is watertight, and no shell is inside out")?;
+            writeln!(f, "  {sound}: {who} is watertight, and no shell is inside out")?;
         }
         let properties: Vec<&str> = held.into_iter().map(Requirement::property).collect();
         match properties.split_last() {
             None => Ok(()),
-            Some((last, [])) => writeln!(f, "  sound: {who} is {last}"),
-            Some((last, first)) => writeln!(f, "  sound: {who} is {} and {last}", first.join(", ")),
+            Some((last, [])) => writeln!(f, "  {sound}: {who} is {last}"),
+            Some((last, first)) => writeln!(f, "  {sound}: {who} is {} and {last}", first.join(", ")),
         }
     }
 
@@ -192,21 +202,29 @@ impl Report<'_> {
                 let shells = counted(total.undecided_shells, "shell", "shells");
                 writeln!(
                     f,
-                    "  not proven sound: {who} {is} watertight, but nesting not decided within the limit: \
-                     {shells} may be inside out"
+                    "  {}: {who} {is} watertight, but nesting not decided within the limit: \
+                     {shells} may be inside out",
+                    self.painter.verdict(Verdict::NotProven, "not proven sound")
                 )
             }
             Standing::Undecided => {
-                writeln!(
-                    f,
-                    "  not proven: {who} {is} not proven {property}, since the search was not finished"
-                )
+                let word = self.painter.verdict(Verdict::NotProven, "not proven");
+                writeln!(f, "  {word}: {who} {is} not proven {property}, since the search was not finished")
             }
             _ => {
                 let reasons = asked.reasons(&total);
                 let colon = if reasons.is_empty() { "" } else { ": " };
-                writeln!(f, "  cracked: {who} {is_not} {property}{colon}{reasons}")
+                let word = self.painter.verdict(Verdict::Cracked, "cracked");
+                writeln!(f, "  {word}: {who} {is_not} {property}{colon}{reasons}")
             }
+        }
+    }
+
+    /// A line with the verdict before its colon.
+    fn painted(&self, line: &str, verdict: Verdict) -> String {
+        match line.split_once(':') {
+            Some((word, rest)) => format!("{}:{rest}", self.painter.verdict(verdict, word)),
+            None => line.to_owned(),
         }
     }
 
@@ -285,20 +303,45 @@ impl Report<'_> {
         Ok(())
     }
 
+    fn row(
+        &self,
+        name: String,
+        [vertices, welded]: [usize; 2],
+        counts: &Counts,
+        verdict: Verdict,
+    ) -> Vec<String> {
+        vec![
+            name,
+            vertices.to_string(),
+            welded.to_string(),
+            counts.faces.to_string(),
+            counts.edges.to_string(),
+            counts.shells.to_string(),
+            counts.closed_shells.to_string(),
+            counts.euler_characteristic.to_string(),
+            counts.boundary_edges.to_string(),
+            counts.non_manifold_edges.to_string(),
+            counts.misoriented_edges.to_string(),
+            volume(counts.signed_volume, counts.balanced),
+            self.painter.verdict(verdict, verdict.name()),
+        ]
+    }
+
     fn shells(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let total = self.report.sum(|mesh| mesh.counts.shells);
         if total <= 1 || self.report.meshes.len() > self.limit.max(1) {
             return Ok(());
         }
         let mut table =
-            Table::new(&["shell", "first face", "faces", "euler", "genus", "depth", "volume", ""]);
+            Table::new(&["shell", "first face", "faces", "euler", "genus", "depth", "volume", ""])
+                .within(COLUMNS);
         let shells = self.report.meshes.iter().enumerate().flat_map(|(index, mesh)| {
             mesh.shell_list.iter().enumerate().map(move |shell| (index, mesh, shell))
         });
         let mut listed = 0;
         for (index, mesh, (number, shell)) in shells.take(self.limit) {
             let name = if self.report.meshes.len() > 1 {
-                format!("{} {number}", label(index, mesh))
+                format!("{} {number}", column_label(index, mesh))
             } else {
                 number.to_string()
             };
@@ -338,13 +381,15 @@ pub(super) fn noun(kind: DefectKind, count: usize) -> String {
 pub(super) struct Summary<'a> {
     pub(super) file: &'a Path,
     pub(super) report: &'a Result<FileReport, Failure>,
+    pub(super) painter: Painter,
 }
 
 impl Display for Summary<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let file = plain(&self.file.to_string_lossy());
-        let Ok(report) = self.report else { return write!(f, "error: {file}") };
-        write!(f, "{}: {file}", report.verdict())?;
+        let Ok(report) = self.report else { return write!(f, "{}: {file}", self.painter.bad("error")) };
+        let verdict = report.verdict();
+        write!(f, "{}: {file}", self.painter.verdict(verdict, verdict.name()))?;
         let mut separator = ": ";
         for kind in DefectKind::ALL {
             let found =
@@ -362,6 +407,7 @@ impl Display for Summary<'_> {
 /// Several files in one table, and the verdict over all.
 pub(super) struct Overview {
     table: Table,
+    painter: Painter,
     files: usize,
     cracked: usize,
     empty: usize,
@@ -369,15 +415,14 @@ pub(super) struct Overview {
     unreadable: usize,
 }
 
-impl Default for Overview {
-    fn default() -> Self {
-        let columns =
-            ["file", "faces", "shells", "boundary", "non-manifold", "misoriented", "inside out", ""];
-        Self { table: Table::new(&columns), files: 0, cracked: 0, empty: 0, not_proven: 0, unreadable: 0 }
-    }
-}
-
 impl Overview {
+    pub(super) fn new(painter: Painter) -> Self {
+        let columns =
+            ["faces", "shells", "boundary", "non-\nmanifold", "mis-\noriented", "inside\nout", "", "file"];
+        let table = Table::new(&columns).name_last();
+        Self { table, painter, files: 0, cracked: 0, empty: 0, not_proven: 0, unreadable: 0 }
+    }
+
     pub(super) fn add(&mut self, file: &Path, report: &Result<FileReport, Failure>) {
         let total = report.as_ref().ok().and_then(FileReport::total);
         let numbers: [fn(&Counts) -> usize; 6] = [
@@ -403,13 +448,17 @@ impl Overview {
         self.not_proven += usize::from(state == Verdict::NotProven.name());
         self.unreadable += usize::from(state == "error");
         let name = plain(&file.to_string_lossy());
-        self.table.row(std::iter::once(name).chain(numbers).chain([state.to_owned()]).collect());
+        let state = match report {
+            Ok(report) => self.painter.verdict(report.verdict(), state),
+            Err(_) => self.painter.bad(state),
+        };
+        self.table.row(numbers.into_iter().chain([state, name]).collect());
     }
 }
 
 impl Display for Overview {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { table, files, cracked, empty, not_proven, unreadable } = self;
+        let Self { table, painter: _, files, cracked, empty, not_proven, unreadable } = self;
         writeln!(f, "{table}")?;
         match (cracked, unreadable) {
             (0, 0) if *empty > 0 => writeln!(f, "verdict: {empty} of {files} files without faces to check"),
@@ -424,24 +473,6 @@ impl Display for Overview {
     }
 }
 
-fn row(name: String, [vertices, welded]: [usize; 2], counts: &Counts, verdict: Verdict) -> Vec<String> {
-    vec![
-        name,
-        vertices.to_string(),
-        welded.to_string(),
-        counts.faces.to_string(),
-        counts.edges.to_string(),
-        counts.shells.to_string(),
-        counts.closed_shells.to_string(),
-        counts.euler_characteristic.to_string(),
-        counts.boundary_edges.to_string(),
-        counts.non_manifold_edges.to_string(),
-        counts.misoriented_edges.to_string(),
-        volume(counts.signed_volume, counts.balanced),
-        verdict.name().into(),
-    ]
-}
-
 /// An open surface has no volume.
 pub(super) fn volume(signed: f64, balanced: bool) -> String {
     if balanced { significant(signed) } else { "-".to_owned() }
@@ -449,6 +480,11 @@ pub(super) fn volume(signed: f64, balanced: bool) -> String {
 
 pub(super) fn label(index: usize, mesh: &MeshReport) -> String {
     if mesh.name.is_empty() { format!("mesh {index}") } else { short(&mesh.name) }
+}
+
+/// The same for a table.
+fn column_label(index: usize, mesh: &MeshReport) -> String {
+    if mesh.name.is_empty() { format!("mesh {index}") } else { brief(&mesh.name) }
 }
 
 /// One defect on a line.

@@ -12,6 +12,7 @@ use crate::cli::chart::number as grouped;
 use crate::cli::check::drawn::color;
 use crate::cli::check::report::{FileReport, MeshReport};
 use crate::cli::check::text::{self, Faces, label, noun};
+use crate::cli::color::Painter;
 use crate::cli::output::{counted, plain, short, significant};
 use crate::cli::page;
 
@@ -48,7 +49,7 @@ pub(super) fn write(page: Page, report: &FileReport, up: Up) -> Result<String, F
     };
     let head = html! {
         h1 { span class=(format!("verdict {}", verdict.replace(' ', "-"))) { (verdict) } " " (file) }
-        @for line in (text::Report { report, limit: 5 }).verdict_lines() { p { (plain(&line)) } }
+        @for line in (text::Report { report, limit: 5, painter: Painter::default() }).verdict_lines() { p { (plain(&line)) } }
         @if let Some((kind, _)) = found.first() { p { "Worst effect on the shadow: " (kind.effect()) "." } }
         (counts(report, &found))
         (meshes(report))

@@ -12,6 +12,7 @@ mod plan;
 mod prepare;
 mod render;
 mod scene;
+mod schema;
 mod silhouette;
 mod torture;
 mod verify;

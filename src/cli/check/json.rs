@@ -15,6 +15,16 @@ use crate::cli::error::Failure;
 use crate::cli::json::{append, insert_after, to_value};
 use crate::cli::output::number32;
 
+/// The version of the document: data/check.schema.json describes it. A new key does not raise it.
+pub(super) const VERSION: u64 = 1;
+
+/// A line of `--json-lines`: the entry of a file.
+pub(super) fn line(file: &PathBuf, report: &Result<FileReport, Failure>, limit: usize) -> Value {
+    let mut document = document(std::slice::from_ref(file), std::slice::from_ref(report), limit);
+    let Value::Object(entry) = document["files"][0].take() else { unreachable!("the entry is an object") };
+    Value::Object(std::iter::once(("version".to_owned(), VERSION.into())).chain(entry).collect())
+}
+
 /// All files, in the order they were named.
 ///
 /// Each total lists up to `limit` defects of each kind.
@@ -96,7 +106,7 @@ fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry,
         (false, false, false) => Some(Verdict::Sound.name()),
         (false, false, true) => None,
     };
-    json!({ "files": entries, "verdict": verdict })
+    json!({ "version": VERSION, "files": entries, "verdict": verdict })
 }
 
 /// What was required, and whether every mesh has it; null if that was not decided.

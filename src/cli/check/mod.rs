@@ -85,7 +85,7 @@ pub(crate) struct Args {
     ///
     /// A number that was not computed, or whose search did not finish, is null. The verdict is null if no
     /// file is cracked, but one could not be read or a search did not finish. At most 1000 shells per mesh
-    /// and 64 faces per defect are listed. Faces are triangles, numbered from 0 in each mesh; `origins` names
+    /// and 64 faces per defect are listed. The form is version 1 of data/check.schema.json. Faces are triangles, numbered from 0 in each mesh; `origins` names
     /// the polygon of the file that each was cut from, numbered from 0 in each mesh of the file whatever
     /// --only and --scope leave, its line (OBJ, and text STL, PLY and OFF) and its part.
     #[arg(long)]
@@ -220,8 +220,7 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
         match &report {
             _ if args.json || args.quiet => {}
             _ if args.json_lines => {
-                let one = json::document(&[file.to_owned()], std::slice::from_ref(&report), args.limit);
-                out.line(&one["files"][0])?;
+                out.line(json::line(file, &report, args.limit))?;
             }
             _ if args.summary => out.line(text::Summary { file, report: &report, painter })?,
             Ok(report) => {

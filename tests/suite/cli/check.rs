@@ -63,7 +63,7 @@ fn check_reports_the_other_files_beside_an_unreadable_one() {
 fn check_json_has_the_agreed_keys_in_order() {
     let folder = Folder::with_cubes();
     let document = folder.json("check open.obj cube.obj");
-    assert_eq!(keys(&document), "files verdict");
+    assert_eq!(keys(&document), "version files verdict");
     let file = &document["files"][0];
     assert_eq!(keys(file), "file format error meshes total requirements rounding");
     assert_eq!(keys(&file["meshes"][0]), MESH_KEYS);

@@ -26,7 +26,12 @@ fn check_summary_lines_and_quiet_say_what_the_report_says() {
     assert!(quiet.stderr.contains("garbled.stl"), "{}", quiet.stderr);
     let lines = folder.run(&format!("check {FILES} --json-lines"));
     let whole: Value = serde_json::from_str(&folder.run(&format!("check {FILES} --json")).stdout).unwrap();
-    let each: Vec<Value> = lines.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let entry = |line| {
+        let mut entry: Value = serde_json::from_str(line).unwrap();
+        assert_eq!(entry.as_object_mut().unwrap().shift_remove("version"), Some(1.into()));
+        entry
+    };
+    let each: Vec<Value> = lines.stdout.lines().map(entry).collect();
     assert_eq!(Value::Array(each), whole["files"]);
     assert_eq!(folder.code("check cube.obj --json --summary"), 2, "one form of output at a time");
 }

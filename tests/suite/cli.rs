@@ -6,6 +6,7 @@ mod check;
 mod check_page;
 mod demo;
 mod gates;
+mod hooks;
 mod input;
 mod machine;
 mod plan;

@@ -38,6 +38,15 @@ impl ColorChoice {
 }
 
 impl Painter {
+    /// That of a process whose output another one prints.
+    pub(crate) fn of_worker(is_on: bool) -> Self {
+        Self { is_on }
+    }
+
+    pub(crate) fn is_on(self) -> bool {
+        self.is_on
+    }
+
     /// A word in the color of a verdict: green for sound, red for cracked, yellow for what is not known.
     pub(crate) fn verdict(self, verdict: Verdict, word: &str) -> String {
         match verdict {

@@ -15,6 +15,7 @@ mod render;
 mod scene;
 mod schema;
 mod silhouette;
+mod timeout;
 mod torture;
 mod verify;
 mod volume;

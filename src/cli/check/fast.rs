@@ -63,6 +63,7 @@ pub(super) fn refuse(args: &Args) -> Result<(), Failure> {
         (args.summary, "--summary"),
         (args.json_lines, "--json-lines"),
         (args.quiet, "--quiet"),
+        (args.file_timeout.is_some(), "--file-timeout"),
     ];
     let mut others = others.into_iter().filter(|other| other.0).map(|other| other.1.to_owned());
     match within.or(asked).or_else(|| others.next()) {

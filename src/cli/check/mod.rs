@@ -11,8 +11,10 @@ mod picture;
 mod report;
 mod sarif;
 mod text;
+mod worker;
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::Value;
@@ -33,6 +35,7 @@ use mark::Marks;
 use page::Page;
 use picture::Sketch;
 use report::{Drawings, Found, MeshReport, Place, examine};
+use text::Row;
 
 pub(super) use json::total;
 pub(super) use report::{FileReport, report_on};
@@ -152,6 +155,30 @@ pub(crate) struct Args {
     /// triangles the view is coarser than the mesh. Browsers without WebGL 2 show six pictures.
     #[arg(long, value_name = "OUT.html")]
     html: Option<PathBuf>,
+
+    /// Give each file this time, in seconds, in a process of its own: one that takes longer is reported as not
+    /// finished, and the others go on [default: no limit]
+    ///
+    /// A file whose process crashes is reported as well, as one that could not be read. Not with --fast,
+    /// --baseline, --junit, --sarif, --mark, --picture and --html.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    file_timeout: Option<Duration>,
+
+    /// The file that this process is to check for another one.
+    #[arg(long, hide = true)]
+    worker: Option<PathBuf>,
+
+    /// Whether that one colors.
+    #[arg(long, hide = true)]
+    worker_colors: bool,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().filter(|&seconds: &f64| seconds > 0.0);
+    let duration = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    duration
+        .filter(|duration| !duration.is_zero())
+        .ok_or_else(|| "write a number of seconds above 0".to_owned())
 }
 
 /// The names of the requirements, and what they stand for.
@@ -174,14 +201,26 @@ impl Args {
         all
     }
 
+    /// Whether standard output is the text of each report.
+    fn prints_reports(&self) -> bool {
+        !(self.json || self.json_lines || self.summary || self.quiet)
+    }
+
     fn searches_self_intersections(&self) -> bool {
         self.requirements().contains(&Requirement::NoSelfIntersections)
     }
 }
 
 pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
+    if let Some(file) = args.worker.take() {
+        args.threads.apply()?;
+        return worker::work(&file, &args);
+    }
     args.files = files::expand(args.files);
     refuse(&args)?;
+    if let Some(limit) = args.file_timeout {
+        return worker::run(&args, limit);
+    }
     args.threads.apply()?;
     if args.fast {
         return fast::run(&args);
@@ -216,27 +255,17 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
                 Outcome::Incomplete
             }
         });
-        overview.add(file, &report);
-        match &report {
-            _ if args.json || args.quiet => {}
-            _ if args.json_lines => {
-                out.line(json::line(file, &report, args.limit))?;
-            }
-            _ if args.summary => out.line(text::Summary { file, report: &report, painter })?,
-            Ok(report) => {
-                if index > 0 {
-                    out.text("\n")?;
-                }
-                out.text(text::Report { report, limit: args.limit, painter })?;
-            }
-            Err(_) => {}
+        overview.add(file, &Row::of(&report));
+        if index > 0 && report.is_ok() && args.prints_reports() {
+            out.text("\n")?;
         }
+        out.text(printed(file, &report, &args, painter))?;
         out.flush()?;
         reports.push(report);
     }
     if args.json {
         out.json(&json::document(&args.files, &reports, args.limit))?;
-    } else if args.files.len() > 1 && !args.json_lines && !args.quiet && !args.summary {
+    } else if args.files.len() > 1 && args.prints_reports() {
         out.text(format_args!("\n{overview}"))?;
     }
     out.flush()?;
@@ -267,6 +296,17 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     Ok(outcome)
 }
 
+/// What is printed of one file, in the form that was asked for; nothing if it is part of one document.
+fn printed(file: &Path, report: &Result<FileReport, Failure>, args: &Args, painter: Painter) -> String {
+    match report {
+        _ if args.json || args.quiet => String::new(),
+        _ if args.json_lines => format!("{}\n", json::line(&file.to_owned(), report, args.limit)),
+        _ if args.summary => format!("{}\n", text::Summary { file, report, painter }),
+        Ok(report) => text::Report { report, limit: args.limit, painter }.to_string(),
+        Err(_) => String::new(),
+    }
+}
+
 /// The report of one file as text, as JSON, and as a marked mesh, self-intersections included.
 pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
     let args = Args {
@@ -289,6 +329,9 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
         picture: None,
         mark: None,
         html: None,
+        file_timeout: None,
+        worker: None,
+        worker_colors: false,
     };
     let mut drawings = Drawings { marks: Some(Marks::default()), ..Drawings::default() };
     let report = examine(file, &args, &mut drawings)?;
@@ -301,6 +344,22 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
 fn refuse(args: &Args) -> Result<(), Failure> {
     if args.fast {
         fast::refuse(args)?;
+    }
+    if args.file_timeout.is_some() {
+        let others = [
+            ("--baseline", args.baseline.is_some()),
+            ("--junit", args.junit.is_some()),
+            ("--sarif", args.sarif.is_some()),
+            ("--mark", args.mark.is_some()),
+            ("--picture", args.picture.is_some()),
+            ("--html", args.html.is_some()),
+        ];
+        if let Some((option, _)) = others.into_iter().find(|(_, is_asked)| *is_asked) {
+            let problem = format!(
+                "--file-timeout has each file checked by another process, and {option} needs it in this one"
+            );
+            return Err(Failure::new(problem, "leave one of them out"));
+        }
     }
     for (option, path) in [("--junit", &args.junit), ("--sarif", &args.sarif)] {
         for file in &args.files {
@@ -360,6 +419,9 @@ mod tests {
             picture: None,
             mark: None,
             html: None,
+            file_timeout: None,
+            worker: None,
+            worker_colors: false,
         }
     }
 

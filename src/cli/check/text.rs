@@ -404,6 +404,34 @@ impl Display for Summary<'_> {
     }
 }
 
+/// A file in the table of several.
+pub(super) struct Row {
+    /// `None` if it could not be checked.
+    pub(super) verdict: Option<Verdict>,
+    /// Faces, shells, boundary edges, non-manifold edges, misoriented edges, shells inside out.
+    pub(super) numbers: Option<[usize; 6]>,
+}
+
+impl Row {
+    pub(super) fn of(report: &Result<FileReport, Failure>) -> Self {
+        let numbers = |total: Counts| {
+            [
+                total.faces,
+                total.shells,
+                total.boundary_edges,
+                total.non_manifold_edges,
+                total.misoriented_edges,
+                total.inside_out_shells,
+            ]
+        };
+        let report = report.as_ref().ok();
+        Self {
+            verdict: report.map(FileReport::verdict),
+            numbers: report.map(|report| report.total().map_or([0; 6], numbers)),
+        }
+    }
+}
+
 /// Several files in one table, and the verdict over all.
 pub(super) struct Overview {
     table: Table,
@@ -423,35 +451,21 @@ impl Overview {
         Self { table, painter, files: 0, cracked: 0, empty: 0, not_proven: 0, unreadable: 0 }
     }
 
-    pub(super) fn add(&mut self, file: &Path, report: &Result<FileReport, Failure>) {
-        let total = report.as_ref().ok().and_then(FileReport::total);
-        let numbers: [fn(&Counts) -> usize; 6] = [
-            |counts| counts.faces,
-            |counts| counts.shells,
-            |counts| counts.boundary_edges,
-            |counts| counts.non_manifold_edges,
-            |counts| counts.misoriented_edges,
-            |counts| counts.inside_out_shells,
-        ];
-        let numbers = numbers.map(|of| match (&total, report) {
-            (Some(total), _) => of(total).to_string(),
-            (None, Ok(_)) => "0".to_owned(),
-            (None, Err(_)) => "-".to_owned(),
-        });
-        let state = match report {
-            Ok(report) => report.verdict().name(),
-            Err(_) => "error",
+    pub(super) fn add(&mut self, file: &Path, row: &Row) {
+        let numbers: Vec<String> = match row.numbers {
+            Some(numbers) => numbers.iter().map(usize::to_string).collect(),
+            None => vec!["-".to_owned(); 6],
         };
         self.files += 1;
-        self.cracked += usize::from(state == "cracked");
-        self.empty += usize::from(state == Verdict::Empty.name());
-        self.not_proven += usize::from(state == Verdict::NotProven.name());
-        self.unreadable += usize::from(state == "error");
-        let name = plain(&file.to_string_lossy());
-        let state = match report {
-            Ok(report) => self.painter.verdict(report.verdict(), state),
-            Err(_) => self.painter.bad(state),
+        let state = match row.verdict {
+            Some(verdict) => self.painter.verdict(verdict, verdict.name()),
+            None => self.painter.bad("error"),
         };
+        self.cracked += usize::from(row.verdict == Some(Verdict::Cracked));
+        self.empty += usize::from(row.verdict == Some(Verdict::Empty));
+        self.not_proven += usize::from(row.verdict == Some(Verdict::NotProven));
+        self.unreadable += usize::from(row.verdict.is_none());
+        let name = plain(&file.to_string_lossy());
         self.table.row(numbers.into_iter().chain([state, name]).collect());
     }
 }

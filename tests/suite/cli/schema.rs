@@ -162,7 +162,8 @@ fn schema_refuses_documents_that_differ_in_one_place() {
     let folder = Folder::with_cubes();
     let document = folder.json("check open.obj");
     assert_eq!(wrong(&schema, &schema, &document, ""), None);
-    let faults: [(&str, fn(&mut Value)); 9] = [
+    type Spoil = fn(&mut Value);
+    let faults: [(&str, Spoil); 9] = [
         ("version", |document| document["version"] = 2.into()),
         ("verdict", |document| document["verdict"] = "fine".into()),
         ("additionalProperties", |document| document["more"] = 1.into()),

@@ -36,7 +36,7 @@ impl<T> Thinned<T> {
                 let fixed = self.fixed;
                 self.items.retain(|_| {
                     index += 1;
-                    index <= fixed || (index - 1 - fixed) % 2 == 0
+                    index <= fixed || (index - 1 - fixed).is_multiple_of(2)
                 });
                 self.halvings += 1;
             }

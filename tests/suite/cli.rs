@@ -12,6 +12,7 @@ mod machine;
 mod plan;
 mod prepare;
 mod render;
+mod rules;
 mod scene;
 mod schema;
 mod silhouette;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use umbrage::check::{Requirement, Screen, Verdict};
 use umbrage::read::Format;
 
+use super::rules::Rules;
 use super::{Args, json};
 use crate::cli::color::Painter;
 use crate::cli::output::{self, Output, counted, plain, short};
@@ -75,12 +76,14 @@ pub(super) fn refuse(args: &Args) -> Result<(), Failure> {
     }
 }
 
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &Args, rules: &Rules) -> Result<Outcome, Failure> {
     let mut out = Output::new();
     let mut outcome = Outcome::Sound;
     let mut reports = Vec::new();
     for file in &args.files {
-        let report = examine(file, args);
+        let of_file = rules.apply(args, file);
+        let report =
+            refuse(&of_file).map_err(|failure| failure.in_file(file)).and_then(|()| examine(file, &of_file));
         outcome = outcome.max(match &report {
             Ok(report) if report.verdict() == Verdict::Sound => Outcome::Sound,
             Ok(_) => Outcome::Unsound,

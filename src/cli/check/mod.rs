@@ -9,6 +9,7 @@ mod mark;
 mod page;
 mod picture;
 mod report;
+mod rules;
 mod sarif;
 mod text;
 mod worker;
@@ -35,6 +36,7 @@ use mark::Marks;
 use page::Page;
 use picture::Sketch;
 use report::{Drawings, Found, MeshReport, Place, examine};
+use rules::Rules;
 use text::Row;
 
 pub(super) use json::total;
@@ -164,6 +166,15 @@ pub(crate) struct Args {
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     file_timeout: Option<Duration>,
 
+    /// A file of rules: what is required of which files [default: umbrage.toml in the working folder, if there
+    /// is one]
+    ///
+    /// Its tables [[rule]] have files (patterns of paths, or, without a slash, of names; `*` stands for any
+    /// characters, `?` for one), and of require, allow-empty, self-intersections and weld what differs from the
+    /// defaults. The last rule for a file that has a key counts; the command line outranks it.
+    #[arg(long, value_name = "RULES.toml")]
+    config: Option<PathBuf>,
+
     /// The file that this process is to check for another one.
     #[arg(long, hide = true)]
     worker: Option<PathBuf>,
@@ -214,16 +225,17 @@ impl Args {
 pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     if let Some(file) = args.worker.take() {
         args.threads.apply()?;
-        return worker::work(&file, &args);
+        return worker::work(&file, &Rules::find(args.config.as_deref())?.apply(&args, &file));
     }
     args.files = files::expand(args.files);
     refuse(&args)?;
+    let rules = Rules::find(args.config.as_deref())?;
     if let Some(limit) = args.file_timeout {
         return worker::run(&args, limit);
     }
     args.threads.apply()?;
     if args.fast {
-        return fast::run(&args);
+        return fast::run(&args, &rules);
     }
     let mut out = Output::new();
     let mut outcome = Outcome::Sound;
@@ -238,7 +250,7 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     };
     let mut up = Up::default();
     for (index, file) in args.files.iter().enumerate() {
-        let report = examine(file, &args, &mut drawings);
+        let report = examine(file, &rules.apply(&args, file), &mut drawings);
         up = report.as_ref().ok().and_then(|report| report.format).map_or(Up::Y, Format::up);
         outcome = outcome.max(match (&report, &baseline) {
             (Ok(report), Some(baseline)) => {
@@ -330,6 +342,7 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
         mark: None,
         html: None,
         file_timeout: None,
+        config: None,
         worker: None,
         worker_colors: false,
     };
@@ -420,6 +433,7 @@ mod tests {
             mark: None,
             html: None,
             file_timeout: None,
+            config: None,
             worker: None,
             worker_colors: false,
         }

@@ -23,8 +23,8 @@ pub(crate) struct Painter {
 }
 
 impl ColorChoice {
-    /// A painter for standard output. `NO_COLOR` counts if it is not empty (no-color.org); a terminal that calls itself
-    /// dumb has no colors.
+    /// A painter for standard output. `NO_COLOR` counts if it is not empty (no-color.org); a terminal that
+    /// calls itself dumb has no colors.
     pub(crate) fn painter(self) -> Painter {
         let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
         let is_dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");

@@ -159,7 +159,8 @@ impl Table {
         Self { rows, width: usize::MAX, name_last: false }
     }
 
-    /// Columns that do not fit into this width form a further block, which begins with the first column again.
+    /// Columns that do not fit into this width form a further block, which begins with the first column
+    /// again.
     pub(crate) fn within(self, width: usize) -> Self {
         Self { width, ..self }
     }

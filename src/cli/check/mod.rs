@@ -90,9 +90,10 @@ pub(crate) struct Args {
     ///
     /// A number that was not computed, or whose search did not finish, is null. The verdict is null if no
     /// file is cracked, but one could not be read or a search did not finish. At most 1000 shells per mesh
-    /// and 64 faces per defect are listed. The form is version 1 of data/check.schema.json. Faces are triangles, numbered from 0 in each mesh; `origins` names
+    /// and 64 faces per defect are listed. Faces are triangles, numbered from 0 in each mesh; `origins` names
     /// the polygon of the file that each was cut from, numbered from 0 in each mesh of the file whatever
-    /// --only and --scope leave, its line (OBJ, and text STL, PLY and OFF) and its part.
+    /// --only and --scope leave, its line (OBJ, and text STL, PLY and OFF) and its part. The form is version
+    /// 1 of data/check.schema.json.
     #[arg(long)]
     json: bool,
 
@@ -158,20 +159,20 @@ pub(crate) struct Args {
     #[arg(long, value_name = "OUT.html")]
     html: Option<PathBuf>,
 
-    /// Give each file this time, in seconds, in a process of its own: one that takes longer is reported as not
-    /// finished, and the others go on [default: no limit]
+    /// Give each file this time, in seconds, in a process of its own: one that takes longer is reported as
+    /// not finished, and the others go on [default: no limit]
     ///
     /// A file whose process crashes is reported as well, as one that could not be read. Not with --fast,
     /// --baseline, --junit, --sarif, --mark, --picture and --html.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     file_timeout: Option<Duration>,
 
-    /// A file of rules: what is required of which files [default: umbrage.toml in the working folder, if there
-    /// is one]
+    /// A file of rules: what is required of which files [default: umbrage.toml in the working folder, if
+    /// there is one]
     ///
     /// Its tables [[rule]] have files (patterns of paths, or, without a slash, of names; `*` stands for any
-    /// characters, `?` for one), and of require, allow-empty, self-intersections and weld what differs from the
-    /// defaults. The last rule for a file that has a key counts; the command line outranks it.
+    /// characters, `?` for one), and of require, allow-empty, self-intersections and weld what differs from
+    /// the defaults. The last rule for a file that has a key counts; the command line outranks it.
     #[arg(long, value_name = "RULES.toml")]
     config: Option<PathBuf>,
 

@@ -126,7 +126,7 @@ impl Rule {
                     })?);
                 }
                 "allow-empty" => {
-                    rule.allow_empty = Some(item.as_bool().ok_or_else(|| wrong("true or false"))?)
+                    rule.allow_empty = Some(item.as_bool().ok_or_else(|| wrong("true or false"))?);
                 }
                 "self-intersections" => {
                     rule.self_intersections = Some(item.as_bool().ok_or_else(|| wrong("true or false"))?);

@@ -14,7 +14,8 @@ fn text(name: &str) -> String {
     text
 }
 
-/// The keys of a YAML file with their indentation and the text behind them; lines of a block (`key: |`) are joined.
+/// The keys of a YAML file with their indentation and the text behind them; lines of a block (`key: |`) are
+/// joined.
 ///
 /// The part of YAML that these files use: keys, list marks, plain and single-quoted texts, blocks.
 fn keys(text: &str) -> Vec<(usize, String, String)> {

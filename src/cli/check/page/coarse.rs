@@ -1,7 +1,7 @@
 //! A mesh with fewer triangles, for the view: vertices in one cell of a grid become one of them.
 //!
-//! (Rossignac and Borrel, *Multi-resolution 3D approximations for rendering complex scenes*, 1993.) Linear for
-//! each grid that is tried.
+//! (Rossignac and Borrel, *Multi-resolution 3D approximations for rendering complex scenes*, 1993.) Linear
+//! for each grid that is tried.
 
 use std::collections::{HashMap, HashSet};
 

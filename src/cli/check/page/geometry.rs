@@ -1,6 +1,7 @@
 //! The data of the view: meshes, lines, dots and colored faces, as base64 of little-endian numbers.
 //!
-//! Positions are in units of the view: y is up, and everything lies in a sphere of radius 1 around the origin.
+//! Positions are in units of the view: y is up, and everything lies in a sphere of radius 1 around the
+//! origin.
 
 use serde_json::{Value, json};
 use umbrage::check::DefectKind;

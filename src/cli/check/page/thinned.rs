@@ -1,7 +1,7 @@
 //! A list of bounded length that is spread evenly over all that was added.
 
-/// The first ones, which are kept as they are, and of what follows every second, every fourth, and on: as many
-/// as there is room for.
+/// The first ones, which are kept as they are, and of what follows every second, every fourth, and on: as
+/// many as there is room for.
 #[derive(Default)]
 pub(super) struct Thinned<T> {
     items: Vec<T>,

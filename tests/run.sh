@@ -70,6 +70,14 @@ three_js() {
     [ "$code" != 124 ] || { echo "SKIPPED three.js: not done after 30 seconds"; return; }
     return "$code"
 }
+# Whether the page of `umbrage check --html` draws, and heeds its keys, in Chromium.
+page() {
+    command -v node >/dev/null || { echo "SKIPPED page: no node"; return; }
+    local code=0
+    TMPDIR="$scratch" timeout 60 node tests/page/check.mjs "${CARGO_TARGET_DIR:-target}/debug/umbrage" || code=$?
+    [ "$code" != 124 ] || { echo "SKIPPED page: not done after 60 seconds"; return; }
+    return "$code"
+}
 # What is tested beside the crate, where that can be: lines that begin with SKIPPED say what cannot.
 beside() {
     local said
@@ -79,5 +87,6 @@ beside() {
 }
 if [ $# = 0 ]; then
     beside three_js
+    beside page
     beside env UMBRAGE_COMMAND="${CARGO_TARGET_DIR:-target}/debug/umbrage" bash python/test.sh # the Python package
 fi

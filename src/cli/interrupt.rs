@@ -1,6 +1,7 @@
 //! Clean exit on signals: Ctrl-C, SIGINT, SIGTERM, SIGHUP.
 
 use std::process;
+use std::sync::OnceLock;
 
 use umbrage::write;
 
@@ -64,7 +65,18 @@ fn ignored(status: &str) -> Option<u64> {
     u64::from_str_radix(mask.trim(), 16).ok()
 }
 
+/// What is to be done before an interrupted program exits.
+static BEFORE_EXIT: OnceLock<fn()> = OnceLock::new();
+
+/// Has a function called before an interrupted program exits; the first one stays.
+pub(crate) fn before_exit(action: fn()) {
+    let _ = BEFORE_EXIT.set(action);
+}
+
 fn end(written: usize) {
+    if let Some(action) = BEFORE_EXIT.get() {
+        action();
+    }
     progress::clear();
     match written {
         0 if output::has_begun() => say("interrupted"),

@@ -20,12 +20,12 @@ use super::view::Cameras;
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct MeshArgs {
     /// Which vertices are the same: `exact` (equal positions, bit for bit), `none` (the file's own indices),
-    /// or a distance in mesh units
+    /// or a distance in mesh units [default: exact]
     ///
     /// Raise the distance when a report speaks of near-miss seams: nothing moves farther than that. Where a
     /// file has frames (md2), vertices are one only if they coincide in all frames.
-    #[arg(long, value_name = "exact|none|DIST", default_value = "exact", value_parser = parse_weld, allow_negative_numbers = true)]
-    weld: Weld,
+    #[arg(long, value_name = "exact|none|DIST", value_parser = parse_weld, allow_negative_numbers = true)]
+    weld: Option<Weld>,
 
     /// What is welded and counted as one mesh
     #[arg(long, value_enum, default_value_t = ScopeArg::Mesh)]
@@ -62,7 +62,7 @@ pub(crate) fn parse_pattern(text: &str) -> Result<Pattern, Infallible> {
     Ok(Pattern::new(text))
 }
 
-fn parse_weld(text: &str) -> Result<Weld, String> {
+pub(crate) fn parse_weld(text: &str) -> Result<Weld, String> {
     match text {
         "exact" => Ok(Weld::Exact),
         "none" => Ok(Weld::None),
@@ -97,7 +97,7 @@ pub(crate) struct WeldedMesh {
 
 impl Default for MeshArgs {
     fn default() -> Self {
-        Self { weld: Weld::Exact, scope: ScopeArg::Mesh, only: Vec::new() }
+        Self { weld: None, scope: ScopeArg::Mesh, only: Vec::new() }
     }
 }
 
@@ -147,7 +147,7 @@ impl MeshArgs {
             ));
         }
         let frames = scene.meshes.iter().map(|mesh| mesh.frames().len()).max().unwrap_or(0);
-        if frames > 0 && self.weld != Weld::None {
+        if frames > 0 && self.weld_rule() != Weld::None {
             output::say(format_args!(
                 "note: {}: {} frames; vertices are one only where they coincide in all of them",
                 file.display(),
@@ -191,13 +191,18 @@ impl MeshArgs {
 
     /// Which vertices are the same.
     pub(crate) fn weld_rule(&self) -> Weld {
-        self.weld
+        self.weld.unwrap_or(Weld::Exact)
+    }
+
+    /// Sets which vertices are the same, unless the command line says so.
+    pub(crate) fn weld_unless_told(&mut self, weld: Weld) {
+        self.weld.get_or_insert(weld);
     }
 
     /// Welds one mesh, in its own memory.
     pub(crate) fn weld(&self, mesh: Mesh) -> WeldedMesh {
         let vertices = mesh.vertex_count();
-        let welded = weld_in_place(mesh, self.weld);
+        let welded = weld_in_place(mesh, self.weld_rule());
         let unreferenced = welded.unreferenced();
         WeldedMesh { mesh: welded.mesh, vertices, unreferenced }
     }
@@ -205,7 +210,7 @@ impl MeshArgs {
     /// Whether a mesh would be balanced once it is welded, with the probability of error of [`Screen`];
     /// `None` for a weld within a distance, which cannot be decided without welding.
     pub(crate) fn screen(&self, mesh: &Mesh) -> Option<bool> {
-        match self.weld {
+        match self.weld_rule() {
             Weld::Exact => Some(Screen::default().positions(mesh)),
             Weld::None => Some(Screen::default().indices(mesh.triangles())),
             Weld::Within(_) => None,
@@ -214,7 +219,7 @@ impl MeshArgs {
 
     /// Whether vertices are merged within a distance.
     pub(crate) fn welds_within(&self) -> bool {
-        matches!(self.weld, Weld::Within(_))
+        matches!(self.weld_rule(), Weld::Within(_))
     }
 
     /// Welds each mesh for itself and joins them into one that casts: no vertex is shared between two.

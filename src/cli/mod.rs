@@ -4,6 +4,7 @@
 //! and `run`.
 
 mod chart;
+mod color;
 mod error;
 mod files;
 mod input;
@@ -12,6 +13,7 @@ mod json;
 mod lights;
 mod load;
 mod output;
+mod page;
 mod parsers;
 mod progress;
 mod resources;

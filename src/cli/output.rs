@@ -124,43 +124,111 @@ pub(crate) fn short(name: &str) -> String {
     }
 }
 
+/// A name without its middle, fit for a table with many columns: at most 24 characters.
+pub(crate) fn brief(name: &str) -> String {
+    const BEFORE: usize = 11;
+    const AFTER: usize = 12;
+    let plain = plain(name);
+    let count = plain.chars().count();
+    match count > BEFORE + 1 + AFTER {
+        false => plain,
+        true => plain.chars().take(BEFORE).chain(['…']).chain(plain.chars().skip(count - AFTER)).collect(),
+    }
+}
+
 /// Rows with aligned columns: the first one to the left, the rest to the right.
 pub(crate) struct Table {
     rows: Vec<Vec<String>>,
+    width: usize,
+    name_last: bool,
 }
 
 impl Table {
+    /// A line break in a title continues it on a further line of the header.
     pub(crate) fn new(header: &[&str]) -> Self {
-        Self { rows: vec![header.iter().map(|&cell| cell.to_owned()).collect()] }
+        let lines = header.iter().map(|title| title.lines().count()).max().unwrap_or(0).max(1);
+        // The last line is complete, those above it hold what comes before.
+        let line = |index: usize| {
+            let cell = |title: &&str| {
+                let parts: Vec<&str> = title.lines().collect();
+                (index + parts.len()).checked_sub(lines).map_or(String::new(), |at| parts[at].to_owned())
+            };
+            header.iter().map(cell).collect()
+        };
+        let rows = (0..lines).map(line).collect();
+        Self { rows, width: usize::MAX, name_last: false }
+    }
+
+    /// Columns that do not fit into this width form a further block, which begins with the first column
+    /// again.
+    pub(crate) fn within(self, width: usize) -> Self {
+        Self { width, ..self }
+    }
+
+    /// The last column has names: aligned to the left, it may be of any length.
+    pub(crate) fn name_last(self) -> Self {
+        Self { name_last: true, ..self }
     }
 
     pub(crate) fn row(&mut self, cells: Vec<String>) {
         self.rows.push(cells);
     }
+
+    /// The columns of each block.
+    fn blocks(&self, widths: &[usize]) -> Vec<Vec<usize>> {
+        let mut blocks: Vec<Vec<usize>> = vec![Vec::new()];
+        let first = widths.first().copied().unwrap_or(0);
+        let mut used = 0;
+        for (column, &width) in widths.iter().enumerate() {
+            if used + 2 + width > self.width && blocks.last().is_some_and(|block| block.len() > 1) {
+                blocks.push(vec![0]);
+                used = 2 + first;
+            }
+            used += 2 + width;
+            blocks.last_mut().expect("there is always one").push(column);
+        }
+        blocks
+    }
+}
+
+/// Characters that are seen: all but what changes the color.
+fn seen(cell: &str) -> usize {
+    let mut parts = cell.split('\x1b');
+    let first = parts.next().map_or(0, |part| part.chars().count());
+    first + parts.map(|part| part.split_once('m').map_or(0, |(_, text)| text.chars().count())).sum::<usize>()
 }
 
 impl Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let width = |column: usize| {
-            self.rows.iter().filter_map(|row| row.get(column)).map(|c| c.chars().count()).max().unwrap_or(0)
+            self.rows.iter().filter_map(|row| row.get(column)).map(|c| seen(c)).max().unwrap_or(0)
         };
         let widths: Vec<usize> = (0..columns).map(width).collect();
-        for (index, row) in self.rows.iter().enumerate() {
-            let line: Vec<String> = row
-                .iter()
-                .zip(&widths)
-                .enumerate()
-                .map(
-                    |(i, (cell, &width))| {
-                        if i == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
-                    },
-                )
-                .collect();
-            if index > 0 {
-                f.write_str("\n")?;
+        for (block, of_block) in self.blocks(&widths).into_iter().enumerate() {
+            if block > 0 {
+                f.write_str("\n\n")?;
             }
-            write!(f, "  {}", line.join("  ").trim_end())?;
+            let mut has_begun = false;
+            for row in &self.rows {
+                let cells = of_block.iter().filter_map(|&column| {
+                    let (cell, width) = (row.get(column)?, widths[column]);
+                    let space = " ".repeat(width - seen(cell));
+                    let is_left = if self.name_last { column + 1 == columns } else { column == 0 };
+                    Some(if is_left { format!("{cell}{space}") } else { format!("{space}{cell}") })
+                });
+                let line: Vec<String> = cells.collect();
+                let line = line.join("  ");
+                // A line of the header that no title in this block reaches.
+                if line.trim().is_empty() {
+                    continue;
+                }
+                if has_begun {
+                    f.write_str("\n")?;
+                }
+                has_begun = true;
+                write!(f, "  {}", line.trim_end())?;
+            }
         }
         Ok(())
     }
@@ -213,6 +281,27 @@ mod tests {
         let mut table = Table::new(&["mesh", "faces"]);
         table.row(vec!["wädchen".into(), "7".into()]);
         assert_eq!(table.to_string(), "  mesh     faces\n  wädchen      7");
+    }
+
+    #[test]
+    fn table_wraps_columns_that_do_not_fit_and_counts_no_color() {
+        let mut table = Table::new(&["mesh", "faces", "non-\nmanifold"]).within(16);
+        table.row(vec!["a".into(), "\x1b[31m7\x1b[0m".into(), "12".into()]);
+        assert_eq!(
+            table.to_string(),
+            "  mesh  faces\n  a         \x1b[31m7\x1b[0m\n\n            non-\n  mesh  manifold\n  a           12"
+        );
+        let wide = Table { width: 80, ..table };
+        assert_eq!(wide.to_string().lines().count(), 3, "fault injected: one block where there is room");
+        let mut table = Table::new(&["n", "file"]).name_last();
+        table.row(vec!["100".into(), "b".into()]);
+        assert_eq!(table.to_string(), "    n  file\n  100  b");
+    }
+
+    #[test]
+    fn brief_names_keep_both_ends() {
+        assert_eq!(brief("abcdefghijklmnopqrstuvwx"), "abcdefghijklmnopqrstuvwx");
+        assert_eq!(brief("abcdefghijklmnopqrstuvwxy"), "abcdefghijk…nopqrstuvwxy");
     }
 
     #[test]

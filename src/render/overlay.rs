@@ -83,7 +83,22 @@ impl Overlay {
         size: Size,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Picture, MemoryError> {
-        let camera = Camera::fit(&oracle.bounds(), up, size.aspect());
+        self.render_from(Camera::fit(&oracle.bounds(), up, size.aspect()), oracle, up, size, progress)
+    }
+
+    /// The same from a camera of the caller's.
+    ///
+    /// # Errors
+    ///
+    /// [`MemoryError`] if 12 bytes per pixel cannot be allocated.
+    pub fn render_from(
+        &self,
+        camera: Camera,
+        oracle: &Oracle,
+        up: Up,
+        size: Size,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Picture, MemoryError> {
         let mut tints = self.faces.clone();
         tints.sort_by_key(|tint| tint.0); // stable: the first entry of a face stays first
         let paint = |face: FaceId| {

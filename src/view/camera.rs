@@ -130,13 +130,26 @@ impl Camera {
     /// it. For a box so large that the eye would leave `f32`, the eye is clamped to its range.
     #[must_use]
     pub fn fit(bounds: &Aabb, up: Up, aspect: f64) -> Self {
+        Self::fit_from(THREE_QUARTER, bounds, up, aspect)
+    }
+
+    /// The same seen from another side: `towards` leads from the center to the eye, as right, up, back; its
+    /// length does not matter. Seen from above or below, back is at the lower edge of the picture.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `towards` is zero or not finite.
+    #[must_use]
+    pub fn fit_from(towards: [f64; 3], bounds: &Aabb, up: Up, aspect: f64) -> Self {
         let center = wide(bounds.center());
         let half = match bounds.diagonal() {
             0.0 => DVec3::splat(0.5),
             _ => (wide(bounds.high) - wide(bounds.low)) * 0.5,
         };
-        let towards = DVec3::from(up.turn(THREE_QUARTER)).normalize();
-        let upright = DVec3::from(up.turn([0.0, 1.0, 0.0]));
+        let vertical = towards[0] == 0.0 && towards[2] == 0.0;
+        let towards = DVec3::from(up.turn(towards)).try_normalize().expect("a direction");
+        // The vertical itself cannot be upright in a picture along it.
+        let upright = DVec3::from(up.turn(if vertical { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] }));
         let (right, top) = basis(-towards, upright);
         let tan_y = f64::from(0.5 * FOV_Y_RAD).tan() / MARGIN;
         let corners = || {
@@ -271,10 +284,25 @@ mod tests {
             ([1e5; 3], [1e5 + 64.0; 3]),
         ];
         for (low, high) in boxes {
-            for (up, (width, height)) in [(Up::Y, (960, 540)), (Up::Z, (300, 900))] {
+            // A line seen along it is a point, so it is left out from the sides.
+            let sides: &[[f64; 3]] = match low == [-1.0; 3] {
+                true => {
+                    &[THREE_QUARTER, [0.0, 0.0, 2.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]]
+                }
+                false => &[THREE_QUARTER],
+            };
+            let shapes = [(Up::Y, (960, 540)), (Up::Z, (300, 900))];
+            for (&side, (up, (width, height))) in
+                sides.iter().flat_map(|side| shapes.map(|shape| (side, shape)))
+            {
                 let size = Size::new(width, height).unwrap();
                 let bounds = Aabb { low, high };
-                let rays = Camera::fit(&bounds, up, size.aspect()).rays(size);
+                let camera = Camera::fit_from(side, &bounds, up, size.aspect());
+                let rays = camera.rays(size);
+                let towards = wide(up.turn(side).map(|x| x as f32)).normalize();
+                assert!(camera.forward.as_dvec3().dot(towards) < -0.999_999, "{side:?}");
+                // The eye is on that side of the middle.
+                assert!((camera.eye.as_dvec3() - wide(bounds.center())).dot(towards) > 0.0, "{side:?}");
                 let mut widest = 0.0_f64;
                 for corner in 0..8 {
                     let p = std::array::from_fn(|i| if corner >> i & 1 == 0 { low[i] } else { high[i] });

@@ -5,9 +5,11 @@ use std::path::Path;
 use serde_json::Value;
 use umbrage::check::DefectKind;
 
+use super::json::VERSION;
 use super::report::{FileReport, MeshReport};
+use super::text::noun;
 use crate::cli::error::Failure;
-use crate::cli::output::{counted, plain};
+use crate::cli::output::plain;
 
 /// The earlier report.
 pub(super) struct Baseline {
@@ -22,9 +24,15 @@ impl Baseline {
         let bytes = std::fs::read(path).map_err(|error| failed(format!("cannot be read: {error}")))?;
         let document: Value =
             serde_json::from_slice(&bytes).map_err(|error| failed(format!("is no JSON: {error}")))?;
-        match document["files"].is_array() {
-            true => Ok(Self { document }),
-            false => Err(failed("is no report of umbrage check: it has no list `files`".to_owned())),
+        if !document["files"].is_array() {
+            return Err(failed("is no report of umbrage check: it has no list `files`".to_owned()));
+        }
+        // The first reports had no version.
+        match document.get("version") {
+            Some(version) if *version != VERSION => Err(failed(format!(
+                "is a report of version {version}, and this program knows version {VERSION}"
+            ))),
+            _ => Ok(Self { document }),
         }
     }
 
@@ -75,10 +83,9 @@ fn worse(mesh: &MeshReport, before: Option<&Value>, kind: DefectKind, index: usi
     if now as u64 <= then || !was_searched {
         return None;
     }
-    let words = kind.name().replace('_', " ");
     let name = match mesh.name.as_str() {
         "" => format!("mesh {index}"),
         name => plain(name),
     };
-    Some(format!("{}: {} ({then} before): {name}", kind.code(), counted(now, &words, &format!("{words}s"))))
+    Some(format!("{}: {now} {} ({then} before): {name}", kind.code(), noun(kind, now)))
 }

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use umbrage::check::{Requirement, Screen, Verdict};
 use umbrage::read::Format;
 
+use super::rules::Rules;
 use super::{Args, json};
+use crate::cli::color::Painter;
 use crate::cli::output::{self, Output, counted, plain, short};
 use crate::cli::progress::Progress;
 use crate::cli::{Failure, Outcome, load};
@@ -55,12 +57,14 @@ pub(super) fn refuse(args: &Args) -> Result<(), Failure> {
         (args.self_intersections, "--self-intersections"),
         (args.mark.is_some(), "--mark"),
         (args.picture.is_some(), "--picture"),
+        (args.html.is_some(), "--html"),
         (args.baseline.is_some(), "--baseline"),
         (args.junit.is_some(), "--junit"),
         (args.sarif.is_some(), "--sarif"),
         (args.summary, "--summary"),
         (args.json_lines, "--json-lines"),
         (args.quiet, "--quiet"),
+        (args.file_timeout.is_some(), "--file-timeout"),
     ];
     let mut others = others.into_iter().filter(|other| other.0).map(|other| other.1.to_owned());
     match within.or(asked).or_else(|| others.next()) {
@@ -72,12 +76,14 @@ pub(super) fn refuse(args: &Args) -> Result<(), Failure> {
     }
 }
 
-pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &Args, rules: &Rules) -> Result<Outcome, Failure> {
     let mut out = Output::new();
     let mut outcome = Outcome::Sound;
     let mut reports = Vec::new();
     for file in &args.files {
-        let report = examine(file, args);
+        let of_file = rules.apply(args, file);
+        let report =
+            refuse(&of_file).map_err(|failure| failure.in_file(file)).and_then(|()| examine(file, &of_file));
         outcome = outcome.max(match &report {
             Ok(report) if report.verdict() == Verdict::Sound => Outcome::Sound,
             Ok(_) => Outcome::Unsound,
@@ -87,7 +93,7 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
             }
         });
         if let (Ok(report), false) = (&report, args.json) {
-            out.text(Report { report, limit: args.limit })?;
+            out.text(Report { report, limit: args.limit, painter: args.color.painter() })?;
             out.flush()?;
         }
         reports.push(report);
@@ -119,6 +125,7 @@ fn examine(file: &Path, args: &Args) -> Result<Screened, Failure> {
 struct Report<'a> {
     report: &'a Screened,
     limit: usize,
+    painter: Painter,
 }
 
 impl Display for Report<'_> {
@@ -128,12 +135,15 @@ impl Display for Report<'_> {
         write!(f, "{} ({format}): ", plain(&file.to_string_lossy()))?;
         let open: Vec<&Mesh> = meshes.iter().filter(|mesh| !mesh.balanced).collect();
         let faces = counted(meshes.iter().map(|mesh| mesh.faces).sum(), "face", "faces");
+        let [empty, balanced] = [(Verdict::Empty, "empty"), (Verdict::Sound, "balanced")]
+            .map(|(verdict, word)| self.painter.verdict(verdict, word));
+        let bad = self.painter.bad("not balanced");
         match (open.len(), meshes.len()) {
-            (0, _) if self.report.verdict() == Verdict::Empty => writeln!(f, "empty: a mesh without faces"),
-            (0, 0 | 1) => writeln!(f, "balanced, {faces}"),
-            (0, all) => writeln!(f, "balanced, all {all} meshes, {faces}"),
-            (_, 1) => writeln!(f, "not balanced, {faces}"),
-            (open, all) => writeln!(f, "not balanced, {open} of {all} meshes, {faces}"),
+            (0, _) if self.report.verdict() == Verdict::Empty => writeln!(f, "{empty}: a mesh without faces"),
+            (0, 0 | 1) => writeln!(f, "{balanced}, {faces}"),
+            (0, all) => writeln!(f, "{balanced}, all {all} meshes, {faces}"),
+            (_, 1) => writeln!(f, "{bad}, {faces}"),
+            (open, all) => writeln!(f, "{bad}, {open} of {all} meshes, {faces}"),
         }?;
         for mesh in open.iter().filter(|mesh| !mesh.name.is_empty()).take(self.limit) {
             writeln!(f, "  not balanced: {}", short(&mesh.name))?;

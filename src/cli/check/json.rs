@@ -15,6 +15,33 @@ use crate::cli::error::Failure;
 use crate::cli::json::{append, insert_after, to_value};
 use crate::cli::output::number32;
 
+/// The version of the document: data/check.schema.json describes it. A new key does not raise it.
+pub(super) const VERSION: u64 = 1;
+
+/// A line of `--json-lines`: the entry of a file.
+pub(super) fn line(file: &PathBuf, report: &Result<FileReport, Failure>, limit: usize) -> Value {
+    let Value::Object(entry) = entry(file, report, limit) else { unreachable!("the entry is an object") };
+    Value::Object(std::iter::once(("version".to_owned(), VERSION.into())).chain(entry).collect())
+}
+
+/// The entry of a file.
+pub(super) fn entry(file: &PathBuf, report: &Result<FileReport, Failure>, limit: usize) -> Value {
+    document(std::slice::from_ref(file), std::slice::from_ref(report), limit)["files"][0].take()
+}
+
+/// The document of these entries; a file that could not be checked has no verdict.
+pub(super) fn joined(entries: Vec<Value>, verdicts: &[Option<Verdict>]) -> Value {
+    let has = |verdict: Verdict| verdicts.contains(&Some(verdict));
+    let unknown = verdicts.contains(&None) || has(Verdict::NotProven);
+    let verdict = match (has(Verdict::Cracked), has(Verdict::Empty), unknown) {
+        (true, ..) => Some(Verdict::Cracked.name()),
+        (false, true, _) => Some(Verdict::Empty.name()),
+        (false, false, false) => Some(Verdict::Sound.name()),
+        (false, false, true) => None,
+    };
+    json!({ "version": VERSION, "files": entries, "verdict": verdict })
+}
+
 /// All files, in the order they were named.
 ///
 /// Each total lists up to `limit` defects of each kind.
@@ -63,14 +90,12 @@ struct Entry {
 }
 
 fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry, &'a Failure>>) -> Value {
-    let (mut cracked, mut empty, mut unknown) = (false, false, false);
+    let mut verdicts = Vec::with_capacity(files.len());
     let entries: Vec<Value> = files
         .iter()
         .zip(reports)
         .map(|(file, report)| {
-            cracked |= report.as_ref().is_ok_and(|entry| entry.verdict == Verdict::Cracked);
-            empty |= report.as_ref().is_ok_and(|entry| entry.verdict == Verdict::Empty);
-            unknown |= report.as_ref().map_or(true, |entry| entry.verdict == Verdict::NotProven);
+            verdicts.push(report.as_ref().ok().map(|entry| entry.verdict));
             let (format, error) = match &report {
                 Ok(entry) => (entry.format, None),
                 Err(failure) => (failure.format, Some(failure.to_string())),
@@ -90,13 +115,7 @@ fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry,
             })
         })
         .collect();
-    let verdict = match (cracked, empty, unknown) {
-        (true, ..) => Some(Verdict::Cracked.name()),
-        (false, true, _) => Some(Verdict::Empty.name()),
-        (false, false, false) => Some(Verdict::Sound.name()),
-        (false, false, true) => None,
-    };
-    json!({ "files": entries, "verdict": verdict })
+    joined(entries, &verdicts)
 }
 
 /// What was required, and whether every mesh has it; null if that was not decided.
@@ -215,7 +234,7 @@ fn defect_of_all(report: &FileReport, kind: DefectKind, limit: usize) -> Option<
     })
 }
 
-fn place(place: &Place) -> Value {
+pub(super) fn place(place: &Place) -> Value {
     json!({
         "position": place.position.map(number32),
         "name": place.name,

@@ -6,6 +6,7 @@ use umbrage::mesh::{FaceId, Mesh};
 use umbrage::topology::Topology;
 use umbrage::write::{Elements, Layer, Model};
 
+use super::drawn::{Drawn, has_colored_faces};
 use super::report::Place;
 use super::text::Title;
 use crate::cli::error::Failure;
@@ -82,10 +83,7 @@ impl Marks {
             if report.count(kind).unwrap_or(0) == 0 {
                 continue;
             }
-            let fills = matches!(
-                kind,
-                DefectKind::DuplicateFace | DefectKind::InsideOutShell | DefectKind::SelfIntersection
-            );
+            let fills = has_colored_faces(kind);
             // A face may take part in many.
             let mut faces: Vec<FaceId> = Vec::new();
             for defect in report.items(kind, mesh, topology, usize::MAX) {
@@ -153,19 +151,9 @@ impl Mark {
 
     /// Lines and octahedra of one defect.
     fn add(&mut self, kind: DefectKind, defect: &Defect, mesh: &Mesh, radius: f64) -> Result<(), Failure> {
-        self.lines.extend_from_slice(&defect.segments);
-        match kind {
-            DefectKind::NonManifoldVertex | DefectKind::TJunction => self.octahedron(defect.position, radius),
-            // A face without area is invisible.
-            DefectKind::CollapsedFace | DefectKind::ZeroAreaFace => {
-                for &face in &defect.faces {
-                    let [a, b, c] = mesh.corners(face);
-                    self.lines.extend([[a, b], [b, c]]);
-                }
-                self.octahedron(defect.position, radius)
-            }
-            _ => Ok(()),
-        }
+        let drawn = Drawn::of(kind, defect, mesh);
+        self.lines.extend(drawn.lines);
+        if drawn.spot { self.octahedron(defect.position, radius) } else { Ok(()) }
     }
 
     /// Faces of the mesh in the color of the defect.

@@ -1,16 +1,21 @@
 //! `umbrage check`: the crack report of each file.
 
 mod baseline;
+mod drawn;
 mod fast;
 mod json;
 mod junit;
 mod mark;
+mod page;
 mod picture;
 mod report;
+mod rules;
 mod sarif;
 mod text;
+mod worker;
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::Value;
@@ -19,6 +24,7 @@ use umbrage::read::Format;
 use umbrage::view::Up;
 use umbrage::write::{self, Model};
 
+use super::color::{ColorChoice, Painter};
 use super::files;
 use super::load::MeshArgs;
 use super::output::{self, Output};
@@ -27,8 +33,11 @@ use super::resources::ThreadArgs;
 use super::{Failure, Outcome, render};
 use baseline::Baseline;
 use mark::Marks;
+use page::Page;
 use picture::Sketch;
-use report::{Found, MeshReport, Place, examine};
+use report::{Drawings, Found, MeshReport, Place, examine};
+use rules::Rules;
+use text::Row;
 
 pub(super) use json::total;
 pub(super) use report::{FileReport, report_on};
@@ -83,7 +92,8 @@ pub(crate) struct Args {
     /// file is cracked, but one could not be read or a search did not finish. At most 1000 shells per mesh
     /// and 64 faces per defect are listed. Faces are triangles, numbered from 0 in each mesh; `origins` names
     /// the polygon of the file that each was cut from, numbered from 0 in each mesh of the file whatever
-    /// --only and --scope leave, its line (OBJ, and text STL, PLY and OFF) and its part.
+    /// --only and --scope leave, its line (OBJ, and text STL, PLY and OFF) and its part. The form is version
+    /// 1 of data/check.schema.json.
     #[arg(long)]
     json: bool,
 
@@ -98,6 +108,10 @@ pub(crate) struct Args {
     /// Print nothing but errors: the exit code is the answer
     #[arg(long, conflicts_with_all = ["json", "json_lines", "summary"])]
     quiet: bool,
+
+    /// When the words of verdicts are colored
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t = ColorChoice::Auto)]
+    color: ColorChoice,
 
     /// Fail only on what is worse than in an earlier report, as --json printed it
     /// [default: on what --require asks]
@@ -137,6 +151,47 @@ pub(crate) struct Args {
     /// kind are nodes of their own, named by their faces and polygons as in the text; all others are one more.
     #[arg(long, value_name = "OUT.glb")]
     mark: Option<PathBuf>,
+
+    /// Write a page with the counts, a view of the mesh and a list of defects that leads the view to each;
+    /// for one input file [default: nothing is written]
+    ///
+    /// One file that needs no network; 500 defects of a kind are listed, whatever --limit says. Above 200,000
+    /// triangles the view is coarser than the mesh. Browsers without WebGL 2 show six pictures.
+    #[arg(long, value_name = "OUT.html")]
+    html: Option<PathBuf>,
+
+    /// Give each file this time, in seconds, in a process of its own: one that takes longer is reported as
+    /// not finished, and the others go on [default: no limit]
+    ///
+    /// A file whose process crashes is reported as well, as one that could not be read. Not with --fast,
+    /// --baseline, --junit, --sarif, --mark, --picture and --html.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    file_timeout: Option<Duration>,
+
+    /// A file of rules: what is required of which files [default: umbrage.toml in the working folder, if
+    /// there is one]
+    ///
+    /// Its tables [[rule]] have files (patterns of paths, or, without a slash, of names; `*` stands for any
+    /// characters, `?` for one), and of require, allow-empty, self-intersections and weld what differs from
+    /// the defaults. The last rule for a file that has a key counts; the command line outranks it.
+    #[arg(long, value_name = "RULES.toml")]
+    config: Option<PathBuf>,
+
+    /// The file that this process is to check for another one.
+    #[arg(long, hide = true)]
+    worker: Option<PathBuf>,
+
+    /// Whether that one colors.
+    #[arg(long, hide = true)]
+    worker_colors: bool,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().filter(|&seconds: &f64| seconds > 0.0);
+    let duration = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    duration
+        .filter(|duration| !duration.is_zero())
+        .ok_or_else(|| "write a number of seconds above 0".to_owned())
 }
 
 /// The names of the requirements, and what they stand for.
@@ -159,28 +214,45 @@ impl Args {
         all
     }
 
+    /// Whether standard output is the text of each report.
+    fn prints_reports(&self) -> bool {
+        !(self.json || self.json_lines || self.summary || self.quiet)
+    }
+
     fn searches_self_intersections(&self) -> bool {
         self.requirements().contains(&Requirement::NoSelfIntersections)
     }
 }
 
 pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
+    if let Some(file) = args.worker.take() {
+        args.threads.apply()?;
+        return worker::work(&file, &Rules::find(args.config.as_deref())?.apply(&args, &file));
+    }
     args.files = files::expand(args.files);
     refuse(&args)?;
+    let rules = Rules::find(args.config.as_deref())?;
+    if let Some(limit) = args.file_timeout {
+        return worker::run(&args, limit);
+    }
     args.threads.apply()?;
     if args.fast {
-        return fast::run(&args);
+        return fast::run(&args, &rules);
     }
     let mut out = Output::new();
     let mut outcome = Outcome::Sound;
     let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
     let mut reports = Vec::with_capacity(args.files.len());
-    let mut overview = text::Overview::default();
-    let mut marks = args.mark.is_some().then(|| Marks::naming(args.limit));
-    let mut sketch = args.picture.is_some().then(Sketch::default);
+    let painter = args.color.painter();
+    let mut overview = text::Overview::new(painter);
+    let mut drawings = Drawings {
+        marks: args.mark.is_some().then(|| Marks::naming(args.limit)),
+        sketch: args.picture.is_some().then(Sketch::default),
+        page: args.html.is_some().then(Page::default),
+    };
     let mut up = Up::default();
     for (index, file) in args.files.iter().enumerate() {
-        let report = examine(file, &args, marks.as_mut(), sketch.as_mut());
+        let report = examine(file, &rules.apply(&args, file), &mut drawings);
         up = report.as_ref().ok().and_then(|report| report.format).map_or(Up::Y, Format::up);
         outcome = outcome.max(match (&report, &baseline) {
             (Ok(report), Some(baseline)) => {
@@ -197,28 +269,17 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
                 Outcome::Incomplete
             }
         });
-        overview.add(file, &report);
-        match &report {
-            _ if args.json || args.quiet => {}
-            _ if args.json_lines => {
-                let one = json::document(&[file.to_owned()], std::slice::from_ref(&report), args.limit);
-                out.line(&one["files"][0])?;
-            }
-            _ if args.summary => out.line(text::Summary { file, report: &report })?,
-            Ok(report) => {
-                if index > 0 {
-                    out.text("\n")?;
-                }
-                out.text(text::Report { report, limit: args.limit })?;
-            }
-            Err(_) => {}
+        overview.add(file, &Row::of(&report));
+        if index > 0 && report.is_ok() && args.prints_reports() {
+            out.text("\n")?;
         }
+        out.text(printed(file, &report, &args, painter))?;
         out.flush()?;
         reports.push(report);
     }
     if args.json {
         out.json(&json::document(&args.files, &reports, args.limit))?;
-    } else if args.files.len() > 1 && !args.json_lines && !args.quiet && !args.summary {
+    } else if args.files.len() > 1 && args.prints_reports() {
         out.text(format_args!("\n{overview}"))?;
     }
     out.flush()?;
@@ -232,14 +293,32 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
         write::write_atomic(path, |out| writeln!(out, "{document:#}"))?;
         output::wrote(path);
     }
-    if let (Some(path), Some(marks), Outcome::Sound | Outcome::Unsound) = (&args.mark, marks, outcome) {
+    // One file at a time: where it could not be read, there is nothing to draw.
+    let Some(Ok(report)) = reports.last() else { return Ok(outcome) };
+    if let (Some(path), Some(marks)) = (&args.mark, drawings.marks) {
         write::write(&marks.into_model(), path)?;
         output::wrote(path);
     }
-    if let (Some(path), Some(sketch), Outcome::Sound | Outcome::Unsound) = (&args.picture, sketch, outcome) {
+    if let (Some(path), Some(sketch)) = (&args.picture, drawings.sketch) {
         sketch.write(up, path)?;
     }
+    if let (Some(path), Some(page)) = (&args.html, drawings.page) {
+        let html = page.write(report, up)?;
+        write::write_atomic(path, |out| out.write_all(html.as_bytes()))?;
+        output::wrote(path);
+    }
     Ok(outcome)
+}
+
+/// What is printed of one file, in the form that was asked for; nothing if it is part of one document.
+fn printed(file: &Path, report: &Result<FileReport, Failure>, args: &Args, painter: Painter) -> String {
+    match report {
+        _ if args.json || args.quiet => String::new(),
+        _ if args.json_lines => format!("{}\n", json::line(&file.to_owned(), report, args.limit)),
+        _ if args.summary => format!("{}\n", text::Summary { file, report, painter }),
+        Ok(report) => text::Report { report, limit: args.limit, painter }.to_string(),
+        Err(_) => String::new(),
+    }
 }
 
 /// The report of one file as text, as JSON, and as a marked mesh, self-intersections included.
@@ -256,16 +335,23 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
         json_lines: false,
         summary: false,
         quiet: false,
+        color: ColorChoice::default(),
         baseline: None,
         junit: None,
         sarif: None,
         threads: ThreadArgs::default(),
         picture: None,
         mark: None,
+        html: None,
+        file_timeout: None,
+        config: None,
+        worker: None,
+        worker_colors: false,
     };
-    let mut marks = Marks::naming(args.limit);
-    let report = examine(file, &args, Some(&mut marks), None)?;
-    let text = text::Report { report: &report, limit: args.limit }.to_string();
+    let mut drawings = Drawings { marks: Some(Marks::naming(args.limit)), ..Drawings::default() };
+    let report = examine(file, &args, &mut drawings)?;
+    let marks = drawings.marks.take().expect("it is asked for");
+    let text = text::Report { report: &report, limit: args.limit, painter: Painter::default() }.to_string();
     Ok((text, json::document(&args.files, &[Ok(report)], args.limit), marks.into_model()))
 }
 
@@ -274,13 +360,29 @@ fn refuse(args: &Args) -> Result<(), Failure> {
     if args.fast {
         fast::refuse(args)?;
     }
+    if args.file_timeout.is_some() {
+        let others = [
+            ("--baseline", args.baseline.is_some()),
+            ("--junit", args.junit.is_some()),
+            ("--sarif", args.sarif.is_some()),
+            ("--mark", args.mark.is_some()),
+            ("--picture", args.picture.is_some()),
+            ("--html", args.html.is_some()),
+        ];
+        if let Some((option, _)) = others.into_iter().find(|(_, is_asked)| *is_asked) {
+            let problem = format!(
+                "--file-timeout has each file checked by another process, and {option} needs it in this one"
+            );
+            return Err(Failure::new(problem, "leave one of them out"));
+        }
+    }
     for (option, path) in [("--junit", &args.junit), ("--sarif", &args.sarif)] {
         for file in &args.files {
             refuse_overwriting(option, path.as_deref(), file)?;
         }
         path.as_deref().map_or(Ok(()), require_folder)?;
     }
-    for (option, path) in [("--mark", &args.mark), ("--picture", &args.picture)] {
+    for (option, path) in [("--mark", &args.mark), ("--picture", &args.picture), ("--html", &args.html)] {
         if path.is_some() && args.files.len() > 1 {
             let problem = format!("{option} writes one file, and there are {} to check", args.files.len());
             return Err(Failure::new(problem, "check one file at a time"));
@@ -292,6 +394,13 @@ fn refuse(args: &Args) -> Result<(), Failure> {
     }
     if let Some(path) = &args.picture {
         render::require_png(path)?;
+    }
+    if let Some(path) = &args.html {
+        if path.extension().is_none_or(|found| !found.eq_ignore_ascii_case("html")) {
+            let problem = "--html writes another format";
+            return Err(Failure::new(problem, "name a file that ends in .html").in_file(path));
+        }
+        require_folder(path)?;
     }
     Ok(())
 }
@@ -317,12 +426,18 @@ mod tests {
             json_lines: false,
             summary: false,
             quiet: false,
+            color: ColorChoice::default(),
             baseline: None,
             junit: None,
             sarif: None,
             threads: ThreadArgs::default(),
             picture: None,
             mark: None,
+            html: None,
+            file_timeout: None,
+            config: None,
+            worker: None,
+            worker_colors: false,
         }
     }
 
@@ -340,8 +455,8 @@ mod tests {
         ] {
             let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(format!("{name}.obj"));
             let args = args(&file);
-            let report = examine(&file, &args, None, None).ok().unwrap();
-            let printed = text::Report { report: &report, limit: 5 }.to_string();
+            let report = examine(&file, &args, &mut Drawings::default()).ok().unwrap();
+            let printed = text::Report { report: &report, limit: 5, painter: Painter::default() }.to_string();
             let mesh = args.mesh.read(&file).ok().unwrap().meshes.remove(0);
             let mesh = args.mesh.weld(mesh).mesh;
             let of_library = CrackReport::of(&mesh, &Topology::of(&mesh)).to_string();
@@ -360,7 +475,7 @@ mod tests {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/nested/hollow_cube.obj");
         let args = args(&file);
         // As if the searches had given up before the cavity and before the last T-junction.
-        let mut report = examine(&file, &args, None, None).ok().unwrap();
+        let mut report = examine(&file, &args, &mut Drawings::default()).ok().unwrap();
         assert_eq!(report.verdict(), Verdict::Sound);
         let mesh = &mut report.meshes[0];
         let cavity = mesh.shell_list.iter_mut().find(|shell| shell.depth == 1).unwrap();
@@ -370,7 +485,7 @@ mod tests {
         mesh.verdict = verdict(&[Requirement::Sound], &mesh.counts);
         assert_eq!(mesh.verdict, Verdict::NotProven);
         assert_eq!(verdict(&[Requirement::Watertight], &mesh.counts), Verdict::Sound);
-        let text = text::Report { report: &report, limit: 5 }.to_string();
+        let text = text::Report { report: &report, limit: 5, painter: Painter::default() }.to_string();
         let line = "not proven sound: the mesh is watertight, but nesting not decided within the limit: 1 shell \
                     may be inside out";
         assert!(text.lines().any(|text| text.trim() == line), "{text}");

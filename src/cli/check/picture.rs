@@ -7,10 +7,11 @@ use umbrage::geom::bvh::Bvh;
 use umbrage::geom::{Aabb, Segment};
 use umbrage::mesh::{FaceId, Mesh};
 use umbrage::oracle::Oracle;
-use umbrage::render::{Line, Marker, Overlay};
+use umbrage::render::{Line, Marker, Overlay, Picture};
 use umbrage::topology::Topology;
 use umbrage::view::{Camera, Size, Up};
 
+use super::drawn::{Drawn, color};
 use crate::cli::error::Failure;
 use crate::cli::output;
 use crate::cli::progress::Progress;
@@ -29,13 +30,13 @@ const SAMPLES: usize = 12;
 /// Meshes and what is to be drawn over them.
 #[derive(Default)]
 pub(super) struct Sketch {
-    meshes: Vec<Mesh>,
+    pub(super) meshes: Vec<Mesh>,
     faces: usize,
     overlay: Overlay,
     /// The number of lines, and of markers, that there are.
     lines: usize,
     spots: usize,
-    /// Kinds of defects found so far, in the order of [`DefectKind::ALL`].
+    /// Kinds of defects found so far.
     kinds: Vec<DefectKind>,
 }
 
@@ -49,25 +50,14 @@ impl Sketch {
             self.kinds.push(kind);
             let (_, color) = color(kind);
             for defect in report.items(kind, mesh, topology, usize::MAX) {
-                let line = |ends| Line { ends, color };
-                self.overlay.lines.extend(defect.segments.iter().map(|&ends| line(ends)));
-                match kind {
-                    DefectKind::NonManifoldVertex | DefectKind::TJunction => {
-                        self.overlay.spots.push(Marker { at: defect.position, color });
-                    }
-                    // A face without area is invisible.
-                    DefectKind::CollapsedFace | DefectKind::ZeroAreaFace => {
-                        for &face in &defect.faces {
-                            let [a, b, c] = mesh.corners(face);
-                            self.overlay.lines.extend([line([a, b]), line([b, c])]);
-                        }
-                        self.overlay.spots.push(Marker { at: defect.position, color });
-                    }
-                    DefectKind::DuplicateFace | DefectKind::InsideOutShell | DefectKind::SelfIntersection => {
-                        let faces = defect.faces.iter().map(|face| face.index() + self.faces);
-                        self.overlay.faces.extend(faces.map(|face| (FaceId::new(face), color)));
-                    }
-                    _ => {}
+                let drawn = Drawn::of(kind, &defect, mesh);
+                self.overlay.lines.extend(drawn.lines.into_iter().map(|ends| Line { ends, color }));
+                if drawn.spot {
+                    self.overlay.spots.push(Marker { at: defect.position, color });
+                }
+                if drawn.faces {
+                    let faces = defect.faces.iter().map(|face| face.index() + self.faces);
+                    self.overlay.faces.extend(faces.map(|face| (FaceId::new(face), color)));
                 }
             }
         }
@@ -77,16 +67,55 @@ impl Sketch {
     }
 
     /// Draws everything, writes it, and says what the colors mean.
-    pub(super) fn write(mut self, up: Up, path: &Path) -> Result<(), Failure> {
+    pub(super) fn write(self, up: Up, path: &Path) -> Result<(), Failure> {
+        let kinds = self.found();
+        let size = Size::new(WIDTH, HEIGHT).expect("both are in range");
+        let (oracle, overlay) = self.joined(up, size, "--picture")?;
+        let progress = Progress::bar("drawing", 2 * u64::from(HEIGHT));
+        let picture = overlay.render(&oracle, up, size, &|steps| progress.done(steps));
+        drop(progress);
+        let picture = picture.map_err(|error| Failure::new(error, "leave out --picture"))?;
+        picture.write_png(path)?;
+
+        let legend: Vec<String> = kinds.iter().map(|&kind| format!("{} {kind}", color(kind).0)).collect();
+        let legend = match legend.as_slice() {
+            [] => "no defects".to_owned(),
+            kinds => format!("{}; dimmed where hidden", kinds.join(", ")),
+        };
+        output::say(format_args!("wrote {}: {legend}", output::plain(&path.to_string_lossy())));
+        Ok(())
+    }
+
+    /// Pictures from six sides: towards the eye, each as right, up, back.
+    pub(super) fn six_sides(self, up: Up, size: Size, sides: [[f64; 3]; 6]) -> Result<[Picture; 6], Failure> {
+        let (oracle, overlay) = self.joined(up, size, "--html")?;
+        let progress = Progress::bar("drawing", 6 * 2 * u64::from(size.height()));
+        let pictures = sides.map(|side| {
+            let camera = Camera::fit_from(side, &oracle.bounds(), up, size.aspect());
+            overlay.render_from(camera, &oracle, up, size, &|steps| progress.done(steps))
+        });
+        match pictures {
+            [Ok(a), Ok(b), Ok(c), Ok(d), Ok(e), Ok(f)] => Ok([a, b, c, d, e, f]),
+            pictures => {
+                let error = pictures.into_iter().find_map(Result::err).expect("one of them failed");
+                Err(Failure::new(error, "leave out --html"))
+            }
+        }
+    }
+
+    /// The kinds of defects there are, in the order of [`DefectKind::ALL`].
+    fn found(&self) -> Vec<DefectKind> {
+        DefectKind::ALL.into_iter().filter(|kind| self.kinds.contains(kind)).collect()
+    }
+
+    /// The ray cast over all meshes as one, and what is drawn over it, both cut to what can be drawn.
+    fn joined(mut self, up: Up, size: Size, option: &str) -> Result<(Oracle, Overlay), Failure> {
+        let remedy = format!("leave out {option}");
+        self.overlay.legend = self.found().into_iter().map(|kind| color(kind).1).collect();
         let mesh = match self.meshes.len() {
             1 => self.meshes.remove(0),
-            _ => Mesh::concat(&self.meshes).map_err(|error| Failure::new(error, "leave out --picture"))?,
+            _ => Mesh::concat(&self.meshes).map_err(|error| Failure::new(error, &remedy))?,
         };
-        self.kinds.sort_by_key(|kind| DefectKind::ALL.iter().position(|other| other == kind));
-        self.kinds.dedup();
-        self.overlay.legend = self.kinds.iter().map(|&kind| color(kind).1).collect();
-
-        let size = Size::new(WIDTH, HEIGHT).expect("both are in range");
         for (what, drawn, all) in [
             ("lines", cut(&mut self.overlay.lines), self.lines),
             ("markers", cut(&mut self.overlay.spots), self.spots),
@@ -95,33 +124,20 @@ impl Sketch {
                 output::say(format_args!("note: the picture shows {drawn} of {all} {what}"));
             }
         }
-        let mut oracle = Oracle::build(&mesh);
+        let oracle = Oracle::build(&mesh);
         let step = thinning(&mesh, &oracle, up, size);
-        if step > 1 {
-            output::say(format_args!(
-                "note: the faces lie too deep over each other to draw them all: the picture shows one of {step}"
-            ));
-            self.overlay.faces.retain(|(face, _)| face.index() % step == 0);
-            self.overlay.faces.iter_mut().for_each(|(face, _)| *face = FaceId::new(face.index() / step));
-            let triangles = mesh.triangles().iter().copied().step_by(step).collect();
-            let fewer = Mesh::new(mesh.positions().to_vec(), triangles)
-                .map_err(|error| Failure::new(error, "leave out --picture"))?;
-            oracle = Oracle::build(&fewer);
+        if step == 1 {
+            return Ok((oracle, self.overlay));
         }
-        let progress = Progress::bar("drawing", 2 * u64::from(HEIGHT));
-        let picture = self.overlay.render(&oracle, up, size, &|steps| progress.done(steps));
-        drop(progress);
-        let picture = picture.map_err(|error| Failure::new(error, "leave out --picture"))?;
-        picture.write_png(path)?;
-
-        let legend: Vec<String> =
-            self.kinds.iter().map(|&kind| format!("{} {kind}", color(kind).0)).collect();
-        let legend = match legend.as_slice() {
-            [] => "no defects".to_owned(),
-            kinds => format!("{}; dimmed where hidden", kinds.join(", ")),
-        };
-        output::say(format_args!("wrote {}: {legend}", output::plain(&path.to_string_lossy())));
-        Ok(())
+        output::say(format_args!(
+            "note: the faces lie too deep over each other to draw them all: the picture shows one of {step}"
+        ));
+        self.overlay.faces.retain(|(face, _)| face.index() % step == 0);
+        self.overlay.faces.iter_mut().for_each(|(face, _)| *face = FaceId::new(face.index() / step));
+        let triangles = mesh.triangles().iter().copied().step_by(step).collect();
+        let fewer =
+            Mesh::new(mesh.positions().to_vec(), triangles).map_err(|error| Failure::new(error, &remedy))?;
+        Ok((Oracle::build(&fewer), self.overlay))
     }
 }
 
@@ -155,25 +171,6 @@ fn thinning(mesh: &Mesh, oracle: &Oracle, up: Up, size: Size) -> usize {
         bvh.for_each_along(&Segment::between(ray.origin, end), |_| met += 1);
     }
     (met / (SAMPLES * SAMPLES)).div_ceil(MOST_DEEP).max(1)
-}
-
-/// A color's name and its sRGB bytes.
-fn color(kind: DefectKind) -> (&'static str, [u8; 3]) {
-    match kind {
-        DefectKind::BoundaryLoop => ("red", [230, 25, 25]),
-        DefectKind::NonManifoldEdge => ("magenta", [225, 20, 225]),
-        DefectKind::MisorientedEdge => ("yellow", [245, 215, 20]),
-        DefectKind::NonManifoldVertex => ("cyan", [20, 200, 225]),
-        DefectKind::CollapsedFace => ("white", [255, 255, 255]),
-        DefectKind::ZeroAreaFace => ("orange", [250, 140, 20]),
-        DefectKind::DuplicateFace => ("blue", [40, 90, 240]),
-        DefectKind::NearMissSeam => ("green", [30, 190, 60]),
-        DefectKind::TJunction => ("dark green", [10, 110, 60]),
-        DefectKind::InsideOutShell => ("violet", [150, 90, 235]),
-        DefectKind::SelfIntersection => ("pink", [250, 120, 150]),
-        // The list of kinds may grow.
-        _ => ("black", [0, 0, 0]),
-    }
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ use umbrage::topology::Topology;
 
 use super::Args;
 use super::mark::{self, Marks};
+use super::page::Page;
 use super::picture::Sketch;
 use crate::cli::Failure;
 use crate::cli::load::{self, WeldedMesh};
@@ -95,13 +96,22 @@ pub(super) struct Listed {
 const SHELLS_LISTED: usize = 1000;
 const FACES_LISTED: usize = 64;
 
+/// What is drawn of a file beside its report; each only where it was asked for.
+#[derive(Default)]
+pub(super) struct Drawings {
+    pub(super) marks: Option<Marks>,
+    pub(super) sketch: Option<Sketch>,
+    pub(super) page: Option<Page>,
+}
+
+impl Drawings {
+    fn any(&self) -> bool {
+        self.marks.is_some() || self.sketch.is_some() || self.page.is_some()
+    }
+}
+
 /// Reads a file and reports on it, one mesh at a time.
-pub(super) fn examine(
-    file: &Path,
-    args: &Args,
-    mut marks: Option<&mut Marks>,
-    mut sketch: Option<&mut Sketch>,
-) -> Result<FileReport, Failure> {
+pub(super) fn examine(file: &Path, args: &Args, drawings: &mut Drawings) -> Result<FileReport, Failure> {
     let requirements = args.requirements();
     let scene = args.mesh.scene(file)?;
     let (format, rounding) = (scene.format, scene.judged_rounding(!args.mesh.is_below_scene()));
@@ -124,8 +134,7 @@ pub(super) fn examine(
             }
         }
         if args.searches_self_intersections() {
-            let all = marks.is_some() || sketch.is_some();
-            let keep = if all { mark::PAIRS_MARKED } else { args.limit.min(mark::PAIRS_MARKED) };
+            let keep = if drawings.any() { mark::PAIRS_MARKED } else { args.limit.min(mark::PAIRS_MARKED) };
             report.add_self_intersections(&mesh, &topology, keep);
             if let Some(found) = report.self_intersections.as_ref().filter(|found| !found.complete) {
                 let (file, pairs) = (file.display(), found.pairs);
@@ -142,11 +151,14 @@ pub(super) fn examine(
             tell_in_world(&mut report, placed, &topology, OwnSpace::volume_factor(&world_from_mesh));
         }
         let mesh = placed.as_ref().unwrap_or(&mesh);
-        if let Some(marks) = &mut marks {
+        if let Some(marks) = &mut drawings.marks {
             marks.add(&report, mesh, &topology).map_err(|failure| failure.in_file(file))?;
         }
-        if let Some(sketch) = &mut sketch {
+        if let Some(sketch) = &mut drawings.sketch {
             sketch.add(&report, mesh, &topology);
+        }
+        if let Some(page) = &mut drawings.page {
+            page.add(&report, mesh, &topology);
         }
         let vertices = [vertices, unreferenced];
         meshes.push(MeshReport::of(report, mesh, &topology, vertices, &requirements, args.limit));

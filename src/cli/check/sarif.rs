@@ -9,8 +9,9 @@ use serde_json::{Map, Value, json};
 use umbrage::check::{DefectKind, Severity};
 
 use super::report::{FileReport, Found, MeshReport, Place};
+use super::text::noun;
 use crate::cli::error::Failure;
-use crate::cli::output::{counted, number32};
+use crate::cli::output::number32;
 
 /// All files as one run.
 pub(super) fn document(files: &[std::path::PathBuf], reports: &[Result<FileReport, Failure>]) -> Value {
@@ -80,7 +81,7 @@ fn result(report: &FileReport, index: usize, mesh: &MeshReport, found: &Found, a
     let kind = found.kind;
     let least = if found.complete { "" } else { "at least " };
     let words = kind.name().replace('_', " ");
-    let all = format!("{least}{} in this mesh", counted(found.count, &words, &format!("{words}s")));
+    let all = format!("{least}{} {} in this mesh", found.count, noun(kind, found.count));
     let place = at.map_or_else(String::new, |at| {
         let [x, y, z] = at.position;
         format!(" at {x} {y} {z} ({})", at.name)

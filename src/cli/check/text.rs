@@ -7,8 +7,12 @@ use umbrage::check::{Counts, DefectKind, NearMiss, Requirement, Standing, Verdic
 use umbrage::mesh::{FaceId, Origin};
 
 use super::{FileReport, MeshReport, Place};
+use crate::cli::color::Painter;
 use crate::cli::error::Failure;
-use crate::cli::output::{Table, counted, plain, short, significant};
+use crate::cli::output::{Table, brief, counted, plain, short, significant};
+
+/// Width of a table. Its names are cut for it; names of files, which are behind the numbers, are not.
+const COLUMNS: usize = 80;
 
 /// How many face numbers are printed per defect.
 const FACES_PRINTED: usize = 6;
@@ -17,6 +21,7 @@ const FACES_PRINTED: usize = 6;
 pub(super) struct Report<'a> {
     pub(super) report: &'a FileReport,
     pub(super) limit: usize,
+    pub(super) painter: Painter,
 }
 
 impl Display for Report<'_> {
@@ -35,6 +40,24 @@ impl Display for Report<'_> {
 }
 
 impl Report<'_> {
+    /// The verdict, how rounding may have made the defects, and what would close them: a line each, as in the
+    /// report.
+    pub(super) fn verdict_lines(&self) -> Vec<String> {
+        struct Printed<F>(F);
+        impl<F: Fn(&mut fmt::Formatter<'_>) -> fmt::Result> Display for Printed<F> {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0(f)
+            }
+        }
+        let text = Printed(|f: &mut fmt::Formatter<'_>| {
+            self.verdict(f)?;
+            self.rounding(f)?;
+            self.remedies(f)
+        });
+        let text = text.to_string();
+        text.lines().map(str::trim).filter(|line| !line.is_empty()).map(str::to_owned).collect()
+    }
+
     /// A row for each listed mesh, and the total.
     fn counts(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let meshes = &self.report.meshes;
@@ -49,22 +72,23 @@ impl Report<'_> {
             "closed",
             "euler",
             "boundary",
-            "non-manifold",
-            "misoriented",
+            "non-\nmanifold",
+            "mis-\noriented",
             "volume",
             "",
-        ]);
+        ])
+        .within(COLUMNS);
         let listed = self.listed();
         for &index in &listed {
             let mesh = &meshes[index];
             let vertices = [mesh.vertices, mesh.welded_vertices];
-            table.row(row(label(index, mesh), vertices, &mesh.counts, mesh.verdict));
+            table.row(self.row(column_label(index, mesh), vertices, &mesh.counts, mesh.verdict));
         }
         if meshes.len() > 1 {
             let vertices =
                 [self.report.sum(|mesh| mesh.vertices), self.report.sum(|mesh| mesh.welded_vertices)];
             let name = format!("all {} meshes", meshes.len());
-            table.row(row(name, vertices, &total, self.report.verdict()));
+            table.row(self.row(name, vertices, &total, self.report.verdict()));
         }
         writeln!(f, "{table}")?;
         let hidden = meshes.len() - listed.len();
@@ -114,14 +138,17 @@ impl Report<'_> {
     fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let report = self.report;
         let Some(total) = report.total() else {
-            return writeln!(f, "  {}", Counts::default().summary());
+            return writeln!(f, "  {}", self.painted(&Counts::default().summary(), Verdict::Empty));
         };
         let (meshes, requirements) = (report.meshes.len(), &report.requirements);
         if report.verdict() == Verdict::Empty || total.is_empty() {
             let empty = report.meshes.iter().filter(|mesh| mesh.counts.is_empty()).count();
             return match empty == meshes {
-                true => writeln!(f, "  {}", total.summary()),
-                false => writeln!(f, "  empty: {empty} of {meshes} meshes have no faces to check"),
+                true => writeln!(f, "  {}", self.painted(&total.summary(), Verdict::Empty)),
+                false => {
+                    let word = self.painter.verdict(Verdict::Empty, "empty");
+                    writeln!(f, "  {word}: {empty} of {meshes} meshes have no faces to check")
+                }
             };
         }
         let properties = requirements.iter().copied().filter(|&asked| asked != Requirement::NotEmpty);
@@ -141,15 +168,16 @@ impl Report<'_> {
             return Ok(());
         }
         let who = if meshes == 1 { "the mesh" } else { "every mesh" };
+        let sound = self.painter.verdict(Verdict::Sound, "sound");
         if let Some(at) = held.iter().position(|&asked| asked == Requirement::Sound) {
             held.remove(at);
-            writeln!(f, "  sound: {who} is watertight, and no shell is inside out")?;
+            writeln!(f, "  {sound}: {who} is watertight, and no shell is inside out")?;
         }
         let properties: Vec<&str> = held.into_iter().map(Requirement::property).collect();
         match properties.split_last() {
             None => Ok(()),
-            Some((last, [])) => writeln!(f, "  sound: {who} is {last}"),
-            Some((last, first)) => writeln!(f, "  sound: {who} is {} and {last}", first.join(", ")),
+            Some((last, [])) => writeln!(f, "  {sound}: {who} is {last}"),
+            Some((last, first)) => writeln!(f, "  {sound}: {who} is {} and {last}", first.join(", ")),
         }
     }
 
@@ -174,21 +202,29 @@ impl Report<'_> {
                 let shells = counted(total.undecided_shells, "shell", "shells");
                 writeln!(
                     f,
-                    "  not proven sound: {who} {is} watertight, but nesting not decided within the limit: \
-                     {shells} may be inside out"
+                    "  {}: {who} {is} watertight, but nesting not decided within the limit: \
+                     {shells} may be inside out",
+                    self.painter.verdict(Verdict::NotProven, "not proven sound")
                 )
             }
             Standing::Undecided => {
-                writeln!(
-                    f,
-                    "  not proven: {who} {is} not proven {property}, since the search was not finished"
-                )
+                let word = self.painter.verdict(Verdict::NotProven, "not proven");
+                writeln!(f, "  {word}: {who} {is} not proven {property}, since the search was not finished")
             }
             _ => {
                 let reasons = asked.reasons(&total);
                 let colon = if reasons.is_empty() { "" } else { ": " };
-                writeln!(f, "  cracked: {who} {is_not} {property}{colon}{reasons}")
+                let word = self.painter.verdict(Verdict::Cracked, "cracked");
+                writeln!(f, "  {word}: {who} {is_not} {property}{colon}{reasons}")
             }
+        }
+    }
+
+    /// A line with the verdict before its colon.
+    fn painted(&self, line: &str, verdict: Verdict) -> String {
+        match line.split_once(':') {
+            Some((word, rest)) => format!("{}:{rest}", self.painter.verdict(verdict, word)),
+            None => line.to_owned(),
         }
     }
 
@@ -267,20 +303,45 @@ impl Report<'_> {
         Ok(())
     }
 
+    fn row(
+        &self,
+        name: String,
+        [vertices, welded]: [usize; 2],
+        counts: &Counts,
+        verdict: Verdict,
+    ) -> Vec<String> {
+        vec![
+            name,
+            vertices.to_string(),
+            welded.to_string(),
+            counts.faces.to_string(),
+            counts.edges.to_string(),
+            counts.shells.to_string(),
+            counts.closed_shells.to_string(),
+            counts.euler_characteristic.to_string(),
+            counts.boundary_edges.to_string(),
+            counts.non_manifold_edges.to_string(),
+            counts.misoriented_edges.to_string(),
+            volume(counts.signed_volume, counts.balanced),
+            self.painter.verdict(verdict, verdict.name()),
+        ]
+    }
+
     fn shells(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let total = self.report.sum(|mesh| mesh.counts.shells);
         if total <= 1 || self.report.meshes.len() > self.limit.max(1) {
             return Ok(());
         }
         let mut table =
-            Table::new(&["shell", "first face", "faces", "euler", "genus", "depth", "volume", ""]);
+            Table::new(&["shell", "first face", "faces", "euler", "genus", "depth", "volume", ""])
+                .within(COLUMNS);
         let shells = self.report.meshes.iter().enumerate().flat_map(|(index, mesh)| {
             mesh.shell_list.iter().enumerate().map(move |shell| (index, mesh, shell))
         });
         let mut listed = 0;
         for (index, mesh, (number, shell)) in shells.take(self.limit) {
             let name = if self.report.meshes.len() > 1 {
-                format!("{} {number}", label(index, mesh))
+                format!("{} {number}", column_label(index, mesh))
             } else {
                 number.to_string()
             };
@@ -306,25 +367,36 @@ impl Report<'_> {
     }
 }
 
+/// The name of a kind of defect in words, singular or plural.
+pub(super) fn noun(kind: DefectKind, count: usize) -> String {
+    let words = kind.name().replace('_', " ");
+    match words.strip_suffix("vertex") {
+        _ if count == 1 => words,
+        Some(first) => format!("{first}vertices"),
+        None => format!("{words}s"),
+    }
+}
+
 /// One file in one line: verdict, name, and what there is of each kind of defect.
 pub(super) struct Summary<'a> {
     pub(super) file: &'a Path,
     pub(super) report: &'a Result<FileReport, Failure>,
+    pub(super) painter: Painter,
 }
 
 impl Display for Summary<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let file = plain(&self.file.to_string_lossy());
-        let Ok(report) = self.report else { return write!(f, "error: {file}") };
-        write!(f, "{}: {file}", report.verdict())?;
+        let Ok(report) = self.report else { return write!(f, "{}: {file}", self.painter.bad("error")) };
+        let verdict = report.verdict();
+        write!(f, "{}: {file}", self.painter.verdict(verdict, verdict.name()))?;
         let mut separator = ": ";
         for kind in DefectKind::ALL {
             let found =
                 report.meshes.iter().flat_map(|mesh| &mesh.defects).filter(|found| found.kind == kind);
             let count: usize = found.map(|found| found.count).sum();
             if count > 0 {
-                let words = kind.name().replace('_', " ");
-                write!(f, "{separator}{}", counted(count, &words, &format!("{words}s")))?;
+                write!(f, "{separator}{count} {}", noun(kind, count))?;
                 separator = ", ";
             }
         }
@@ -332,9 +404,38 @@ impl Display for Summary<'_> {
     }
 }
 
+/// A file in the table of several.
+pub(super) struct Row {
+    /// `None` if it could not be checked.
+    pub(super) verdict: Option<Verdict>,
+    /// Faces, shells, boundary edges, non-manifold edges, misoriented edges, shells inside out.
+    pub(super) numbers: Option<[usize; 6]>,
+}
+
+impl Row {
+    pub(super) fn of(report: &Result<FileReport, Failure>) -> Self {
+        let numbers = |total: Counts| {
+            [
+                total.faces,
+                total.shells,
+                total.boundary_edges,
+                total.non_manifold_edges,
+                total.misoriented_edges,
+                total.inside_out_shells,
+            ]
+        };
+        let report = report.as_ref().ok();
+        Self {
+            verdict: report.map(FileReport::verdict),
+            numbers: report.map(|report| report.total().map_or([0; 6], numbers)),
+        }
+    }
+}
+
 /// Several files in one table, and the verdict over all.
 pub(super) struct Overview {
     table: Table,
+    painter: Painter,
     files: usize,
     cracked: usize,
     empty: usize,
@@ -342,47 +443,36 @@ pub(super) struct Overview {
     unreadable: usize,
 }
 
-impl Default for Overview {
-    fn default() -> Self {
-        let columns =
-            ["file", "faces", "shells", "boundary", "non-manifold", "misoriented", "inside out", ""];
-        Self { table: Table::new(&columns), files: 0, cracked: 0, empty: 0, not_proven: 0, unreadable: 0 }
-    }
-}
-
 impl Overview {
-    pub(super) fn add(&mut self, file: &Path, report: &Result<FileReport, Failure>) {
-        let total = report.as_ref().ok().and_then(FileReport::total);
-        let numbers: [fn(&Counts) -> usize; 6] = [
-            |counts| counts.faces,
-            |counts| counts.shells,
-            |counts| counts.boundary_edges,
-            |counts| counts.non_manifold_edges,
-            |counts| counts.misoriented_edges,
-            |counts| counts.inside_out_shells,
-        ];
-        let numbers = numbers.map(|of| match (&total, report) {
-            (Some(total), _) => of(total).to_string(),
-            (None, Ok(_)) => "0".to_owned(),
-            (None, Err(_)) => "-".to_owned(),
-        });
-        let state = match report {
-            Ok(report) => report.verdict().name(),
-            Err(_) => "error",
+    pub(super) fn new(painter: Painter) -> Self {
+        let columns =
+            ["faces", "shells", "boundary", "non-\nmanifold", "mis-\noriented", "inside\nout", "", "file"];
+        let table = Table::new(&columns).name_last();
+        Self { table, painter, files: 0, cracked: 0, empty: 0, not_proven: 0, unreadable: 0 }
+    }
+
+    pub(super) fn add(&mut self, file: &Path, row: &Row) {
+        let numbers: Vec<String> = match row.numbers {
+            Some(numbers) => numbers.iter().map(usize::to_string).collect(),
+            None => vec!["-".to_owned(); 6],
         };
         self.files += 1;
-        self.cracked += usize::from(state == "cracked");
-        self.empty += usize::from(state == Verdict::Empty.name());
-        self.not_proven += usize::from(state == Verdict::NotProven.name());
-        self.unreadable += usize::from(state == "error");
+        let state = match row.verdict {
+            Some(verdict) => self.painter.verdict(verdict, verdict.name()),
+            None => self.painter.bad("error"),
+        };
+        self.cracked += usize::from(row.verdict == Some(Verdict::Cracked));
+        self.empty += usize::from(row.verdict == Some(Verdict::Empty));
+        self.not_proven += usize::from(row.verdict == Some(Verdict::NotProven));
+        self.unreadable += usize::from(row.verdict.is_none());
         let name = plain(&file.to_string_lossy());
-        self.table.row(std::iter::once(name).chain(numbers).chain([state.to_owned()]).collect());
+        self.table.row(numbers.into_iter().chain([state, name]).collect());
     }
 }
 
 impl Display for Overview {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { table, files, cracked, empty, not_proven, unreadable } = self;
+        let Self { table, painter: _, files, cracked, empty, not_proven, unreadable } = self;
         writeln!(f, "{table}")?;
         match (cracked, unreadable) {
             (0, 0) if *empty > 0 => writeln!(f, "verdict: {empty} of {files} files without faces to check"),
@@ -397,31 +487,18 @@ impl Display for Overview {
     }
 }
 
-fn row(name: String, [vertices, welded]: [usize; 2], counts: &Counts, verdict: Verdict) -> Vec<String> {
-    vec![
-        name,
-        vertices.to_string(),
-        welded.to_string(),
-        counts.faces.to_string(),
-        counts.edges.to_string(),
-        counts.shells.to_string(),
-        counts.closed_shells.to_string(),
-        counts.euler_characteristic.to_string(),
-        counts.boundary_edges.to_string(),
-        counts.non_manifold_edges.to_string(),
-        counts.misoriented_edges.to_string(),
-        volume(counts.signed_volume, counts.balanced),
-        verdict.name().into(),
-    ]
-}
-
 /// An open surface has no volume.
-fn volume(signed: f64, balanced: bool) -> String {
+pub(super) fn volume(signed: f64, balanced: bool) -> String {
     if balanced { significant(signed) } else { "-".to_owned() }
 }
 
-fn label(index: usize, mesh: &MeshReport) -> String {
+pub(super) fn label(index: usize, mesh: &MeshReport) -> String {
     if mesh.name.is_empty() { format!("mesh {index}") } else { short(&mesh.name) }
+}
+
+/// The same for a table.
+fn column_label(index: usize, mesh: &MeshReport) -> String {
+    if mesh.name.is_empty() { format!("mesh {index}") } else { brief(&mesh.name) }
 }
 
 /// One defect on a line.
@@ -493,7 +570,7 @@ impl Display for FacesOf<'_> {
 }
 
 /// The numbers of faces, and where the file has them if that is another number: "3 4 (polygon 2, line 9)".
-struct Faces<'a>(&'a [(FaceId, Origin)]);
+pub(super) struct Faces<'a>(pub(super) &'a [(FaceId, Origin)]);
 
 impl Display for Faces<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

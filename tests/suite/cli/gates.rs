@@ -5,6 +5,7 @@ use std::fs;
 use serde_json::Value;
 use umbrage::mesh::Mesh;
 use umbrage::testing::shapes;
+use umbrage::write::{Layer, Model, write};
 
 use super::Folder;
 
@@ -25,9 +26,88 @@ fn check_summary_lines_and_quiet_say_what_the_report_says() {
     assert!(quiet.stderr.contains("garbled.stl"), "{}", quiet.stderr);
     let lines = folder.run(&format!("check {FILES} --json-lines"));
     let whole: Value = serde_json::from_str(&folder.run(&format!("check {FILES} --json")).stdout).unwrap();
-    let each: Vec<Value> = lines.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let entry = |line| {
+        let mut entry: Value = serde_json::from_str(line).unwrap();
+        assert_eq!(entry.as_object_mut().unwrap().shift_remove("version"), Some(1.into()));
+        entry
+    };
+    let each: Vec<Value> = lines.stdout.lines().map(entry).collect();
     assert_eq!(Value::Array(each), whole["files"]);
     assert_eq!(folder.code("check cube.obj --json --summary"), 2, "one form of output at a time");
+}
+
+#[test]
+fn check_colors_the_words_of_verdicts_and_nothing_else() {
+    let folder = Folder::with_cubes();
+    folder.mesh("hollow.obj", &shapes::inside_out(&shapes::cube()));
+    fs::write(folder.path("empty.obj"), "v 0 0 0\n").unwrap();
+    fs::write(folder.path("collapsed.obj"), "v 0 0 0\nf 1 1 1\n").unwrap();
+    let without = |text: &str| {
+        let mut parts = text.split('\x1b');
+        let first = parts.next().unwrap().to_owned();
+        first + &parts.map(|part| part.split_once('m').unwrap().1).collect::<String>()
+    };
+    let files = "cube.obj open.obj garbled.stl hollow.obj empty.obj collapsed.obj";
+    for (form, words) in
+        [("", 4 * 2 + 2 + 6), (" --summary", 6), (" --fast", 5), (" --json", 0), (" --json-lines", 0)]
+    {
+        let [plain, always, never] = ["", " --color always", " --color never"]
+            .map(|color| folder.run(&format!("check {files}{form}{color}")));
+        // Not a terminal: as without colors.
+        assert_eq!(plain.stdout, never.stdout, "{form}");
+        assert!(!plain.stdout.contains('\x1b'), "{form}");
+        assert_eq!(without(&always.stdout), plain.stdout, "{form}: the same text, aligned alike");
+        assert_eq!(always.stdout.matches("\x1b[0m").count(), words, "{form}: {}", always.stdout);
+        assert_eq!((plain.code, always.code), (2, 2));
+    }
+    let colored = folder.run("check cube.obj open.obj garbled.stl --summary --color always").stdout;
+    let lines: Vec<&str> = colored.lines().collect();
+    assert_eq!(lines[0], "\x1b[32msound\x1b[0m: cube.obj");
+    assert_eq!(lines[1], "\x1b[31mcracked\x1b[0m: open.obj: 1 boundary loop");
+    assert_eq!(lines[2], "\x1b[31merror\x1b[0m: garbled.stl");
+    assert_eq!(folder.code("check cube.obj --color sometimes"), 2);
+}
+
+/// On a terminal that `script` makes.
+#[cfg(target_os = "linux")]
+#[test]
+fn check_on_a_terminal_is_colored_unless_the_environment_says_no() {
+    let folder = Folder::with_cubes();
+    if std::process::Command::new("script").arg("--version").output().is_err() {
+        crate::support::skipped("no `script`, which makes a terminal");
+        return;
+    }
+    let command = format!("{} check cube.obj --summary", assert_cmd::cargo::cargo_bin!("umbrage").display());
+    for (environment, colored) in [
+        ([("TERM", "xterm"), ("NO_COLOR", "")], true),
+        ([("TERM", "xterm"), ("NO_COLOR", "1")], false),
+        ([("TERM", "dumb"), ("NO_COLOR", "")], false),
+    ] {
+        let mut script = std::process::Command::new("script");
+        script.args(["-qec", &command, "/dev/null"]).current_dir(folder.path("."));
+        let output = script.envs(environment).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains("cube.obj"), "{text}");
+        assert_eq!(text.contains("\x1b[32msound\x1b[0m"), colored, "{environment:?}: {text}");
+    }
+}
+
+#[test]
+fn check_tables_fit_eighty_columns() {
+    let folder = Folder::new();
+    let name = "a name that is far too long for a table, as those of scanned parts are, part 17";
+    let pieces = [("one", 0.0), (name, 1e7)].map(|(name, x)| {
+        Layer::from(&shapes::translated(&shapes::icosphere(5), [x, 0.0, 0.0]).with_name(name))
+    });
+    write(&Model { layers: pieces.to_vec() }, folder.path("two.glb")).unwrap();
+    let run = folder.run("check two.glb two.glb");
+    // Names are cut in the middle, so that those that end differently do.
+    assert!(run.stdout.contains("a name that…are, part 17"), "{}", run.stdout);
+    for line in run.stdout.lines().filter(|line| !line.contains("two.glb")) {
+        let is_prose = line.contains(": ") || line.contains("not proven") || line.starts_with("    at ");
+        assert!(is_prose || line.chars().count() <= 80, "{line}");
+    }
+    assert!(run.stdout.contains("  mesh  ") && run.stdout.matches("oriented").count() == 3, "{}", run.stdout);
 }
 
 /// Elements of an XML document with their attributes, and the text of all; panics if it is not well-formed.

@@ -1,6 +1,6 @@
 //! The page of `accuracy shadow --html`: charts, a table and pictures in one file that needs nothing else.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 use umbrage::accuracy::{ShadowAccuracy, ShadowRow};
 use umbrage::scene::Lamp;
 use umbrage::shadow::Claim;
@@ -11,6 +11,7 @@ use crate::cli::accuracy::chart;
 use crate::cli::chart::number as grouped;
 use crate::cli::lights;
 use crate::cli::output::plain;
+use crate::cli::page;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -18,30 +19,18 @@ const SCRIPT: &str = include_str!("page.js");
 /// The page of several files. `command` is what made it.
 pub(super) fn page(measured: &[Measured], command: &str) -> String {
     let title = "Accuracy of shadows";
-    let html = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { (title) ": error against time" }
-                p.faint {
-                    "Made by " code { (command) } " (umbrage " (env!("CARGO_PKG_VERSION")) ", " (machine()) ")."
-                }
-                @for (file, of_file) in measured.iter().enumerate() {
-                    @for (index, found) in of_file.found.iter().enumerate() {
-                        (section(of_file, index, &format!("l{file}-{index}"), found))
-                    }
-                }
-                script { (PreEscaped(SCRIPT)) }
+    let body = html! {
+        h1 { (title) ": error against time" }
+        p.faint {
+            "Made by " code { (command) } " (umbrage " (env!("CARGO_PKG_VERSION")) ", " (machine()) ")."
+        }
+        @for (file, of_file) in measured.iter().enumerate() {
+            @for (index, found) in of_file.found.iter().enumerate() {
+                (section(of_file, index, &format!("l{file}-{index}"), found))
             }
         }
     };
-    html.into_string()
+    page::document(title, STYLE, &body, SCRIPT)
 }
 
 fn machine() -> String {
@@ -65,7 +54,7 @@ fn section(of_file: &Measured, index: usize, id: &str, found: &ShadowAccuracy) -
         }
         @if let Some(pictures) = pictures {
             figure.large {
-                img id=(truth_id) src=(pictures::data_url(&pictures.truth)) alt="the truth"
+                img id=(truth_id) src=(page::picture_url(&pictures.truth)) alt="the truth"
                     width=(pictures.truth.size.width()) height=(pictures.truth.size.height());
                 figcaption { "What is true, lit by this lamp alone." }
             }
@@ -207,12 +196,12 @@ fn technique(
                 div.pictures {
                     figure {
                         div.compare data-truth=(format!("#{truth}")) {
-                            img src=(pictures::data_url(&of_row.shown)) alt=(format!("{} draws this", row.technique));
+                            img src=(page::picture_url(&of_row.shown)) alt=(format!("{} draws this", row.technique));
                         }
                         figcaption { "What " (row.technique) " draws." }
                     }
                     figure.large {
-                        img src=(pictures::data_url(&of_row.errors)) alt="where it errs";
+                        img src=(page::picture_url(&of_row.errors)) alt="where it errs";
                         figcaption { (legend(found)) }
                     }
                 }
@@ -242,7 +231,7 @@ fn worst(all: &Pictures, of_row: &RowPictures) -> Markup {
             @for (picture, name) in crops {
                 @if let Some(crop) = pictures::crop(picture, corner) {
                     figure {
-                        img src=(pictures::data_url(&crop)) alt=(name);
+                        img src=(page::picture_url(&crop)) alt=(name);
                         figcaption { (name) ", worst region" }
                     }
                 }

@@ -1,7 +1,5 @@
 //! Pictures of the page: what each technique draws, what is true, and where the two differ.
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use umbrage::accuracy::{ShadowAccuracy, ShadowRow};
 use umbrage::oracle::Verdict;
 use umbrage::render::{MemoryError, Picture, ShadedLight, View, render_samples};
@@ -143,17 +141,4 @@ pub(super) fn crop(picture: &Picture, [left, top]: [u32; 2]) -> Option<Picture> 
         picture.pixels[start..start + size.width() as usize].iter().copied()
     });
     Some(Picture { size, pixels: rows.collect() })
-}
-
-/// A picture as the address of an `img`: PNG without alpha, compressed as far as it goes.
-pub(super) fn data_url(picture: &Picture) -> String {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, picture.size.width(), picture.size.height());
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::High);
-    let colors: Vec<u8> = picture.pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
-    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&colors));
-    written.expect("a Vec takes everything, and the size is that of the picture");
-    format!("data:image/png;base64,{}", STANDARD.encode(bytes))
 }

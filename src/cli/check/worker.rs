@@ -1,0 +1,209 @@
+//! `--file-timeout`: each file in a process of its own, so that none can stop the others.
+//!
+//! The process is this program, called with the same arguments and one more, `--worker=FILE`. It prints a
+//! [`Fragment`] as JSON, and the notes and errors of the file go to the standard error that both share.
+
+use std::ffi::OsString;
+use std::io::Read;
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use umbrage::check::Verdict;
+
+use super::report::{Drawings, FileReport, examine};
+use super::text::{Overview, Row};
+use super::{Args, json, printed};
+use crate::cli::color::Painter;
+use crate::cli::error::Failure;
+use crate::cli::output::{self, Output};
+use crate::cli::{Outcome, interrupt};
+
+/// What the report of one file adds to that of all.
+struct Fragment {
+    row: Row,
+    /// The entry of the JSON document.
+    entry: Value,
+    /// What is printed of the file itself.
+    text: String,
+}
+
+impl Fragment {
+    fn of(file: &Path, report: &Result<FileReport, Failure>, args: &Args, painter: Painter) -> Self {
+        Self {
+            row: Row::of(report),
+            entry: json::entry(&file.to_owned(), report, args.limit),
+            text: printed(file, report, args, painter),
+        }
+    }
+
+    fn to_json(&self) -> Value {
+        json!({
+            "verdict": self.row.verdict.map(Verdict::name),
+            "numbers": self.row.numbers,
+            "entry": self.entry,
+            "text": self.text,
+        })
+    }
+
+    /// `None` if the bytes are no fragment.
+    fn read(bytes: &[u8]) -> Option<Self> {
+        let mut value: Value = serde_json::from_slice(bytes).ok()?;
+        let verdicts = [Verdict::Sound, Verdict::NotProven, Verdict::Empty, Verdict::Cracked];
+        let verdict = match &value["verdict"] {
+            Value::Null => None,
+            name => Some(verdicts.into_iter().find(|verdict| *name == verdict.name())?),
+        };
+        let numbers = match value["numbers"].as_array() {
+            Some(numbers) => {
+                let numbers: Option<Vec<usize>> =
+                    numbers.iter().map(|x| usize::try_from(x.as_u64()?).ok()).collect();
+                Some(numbers?.try_into().ok()?)
+            }
+            None => None,
+        };
+        let text = value["text"].as_str()?.to_owned();
+        Some(Self { row: Row { verdict, numbers }, entry: value["entry"].take(), text })
+    }
+}
+
+/// The process of a worker: one file.
+pub(super) fn work(file: &Path, args: &Args) -> Result<Outcome, Failure> {
+    let report = examine(file, args, &mut Drawings::default());
+    if let Err(failure) = &report {
+        output::say(failure);
+    }
+    let painter = Painter::of_worker(args.worker_colors);
+    let fragment = Fragment::of(file, &report, args, painter);
+    let mut out = Output::new();
+    out.line(fragment.to_json())?;
+    out.flush()?;
+    Ok(outcome(&fragment.row))
+}
+
+fn outcome(row: &Row) -> Outcome {
+    match row.verdict {
+        Some(Verdict::Sound) => Outcome::Sound,
+        Some(_) => Outcome::Unsound,
+        None => Outcome::Incomplete,
+    }
+}
+
+/// All files, each in its worker; what is printed is what one process would print.
+pub(super) fn run(args: &Args, limit: Duration) -> Result<Outcome, Failure> {
+    let painter = args.color.painter();
+    let mut out = Output::new();
+    let mut outcome = Outcome::Sound;
+    let mut overview = Overview::new(painter);
+    let (mut entries, mut verdicts) = (Vec::new(), Vec::new());
+    for (index, file) in args.files.iter().enumerate() {
+        let fragment = ask(file, limit, painter).unwrap_or_else(|failure| {
+            output::say(&failure);
+            Fragment::of(file, &Err(failure), args, painter)
+        });
+        outcome = outcome.max(self::outcome(&fragment.row));
+        overview.add(file, &fragment.row);
+        if index > 0 && fragment.row.verdict.is_some() && args.prints_reports() {
+            out.text("\n")?;
+        }
+        out.text(&fragment.text)?;
+        out.flush()?;
+        verdicts.push(fragment.row.verdict);
+        // All entries are kept for the one document alone.
+        entries.extend(args.json.then_some(fragment.entry));
+    }
+    if args.json {
+        out.json(&json::joined(entries, &verdicts))?;
+    } else if args.files.len() > 1 && args.prints_reports() {
+        out.text(format_args!("\n{overview}"))?;
+    }
+    out.flush()?;
+    Ok(outcome)
+}
+
+/// The worker that is running, so that an interrupt ends it, too.
+static RUNNING: Mutex<Option<Child>> = Mutex::new(None);
+
+fn running() -> MutexGuard<'static, Option<Child>> {
+    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends a worker.
+fn kill(mut child: Child) {
+    // It may have ended by itself.
+    let _ = child.kill();
+    let _ = child.wait();
+}
+
+/// Ends the worker before this program exits, and keeps another one from being started: the lock stays taken.
+fn abandon() {
+    let mut running = running();
+    if let Some(child) = running.take() {
+        kill(child);
+    }
+    std::mem::forget(running);
+}
+
+/// Has a worker check a file.
+fn ask(file: &Path, limit: Duration, painter: Painter) -> Result<Fragment, Failure> {
+    let begin = Instant::now();
+    let failed = |problem: String, remedy: &str| Failure::new(problem, remedy).in_file(file);
+    let cannot =
+        |error| failed(format!("no process can be started for it: {error}"), "leave out --file-timeout");
+    let program = std::env::current_exe().map_err(cannot)?;
+    let mut arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
+    let mut worker = OsString::from("--worker=");
+    worker.push(file);
+    // Behind the name of the command: what follows `--` are files.
+    arguments.insert(arguments.len().min(1), worker);
+    if painter.is_on() {
+        arguments.insert(1, "--worker-colors".into());
+    }
+    interrupt::before_exit(abandon);
+    let mut command = Command::new(program);
+    command.args(arguments).stdout(Stdio::piped());
+    // Under the lock: an interrupt finds each worker that was started.
+    let mut slot = running();
+    let mut stdout = slot.insert(command.spawn().map_err(cannot)?).stdout.take().expect("it is a pipe");
+    drop(slot);
+    let (sender, receiver) = mpsc::channel();
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        let read = stdout.read_to_end(&mut bytes).map(|_| bytes);
+        // The receiver is gone if the time is over.
+        let _ = sender.send(read);
+    });
+    let bytes = match receiver.recv_timeout(limit) {
+        Err(RecvTimeoutError::Timeout) => None,
+        read => Some(read.ok().and_then(Result::ok).unwrap_or_default()),
+    };
+    let status = bytes.is_some().then(|| ended(begin, limit)).flatten();
+    let child = running().take();
+    let (Some(bytes), Some(status)) = (bytes, status) else {
+        child.into_iter().for_each(kill);
+        let problem = format!("not finished within {} s", limit.as_secs_f64());
+        return Err(failed(problem, "raise --file-timeout, or check it with --fast"));
+    };
+    Fragment::read(&bytes).ok_or_else(|| {
+        let problem = format!("the process that checked it ended without a report ({status})");
+        failed(problem, "give it more memory, or check the file alone to see why")
+    })
+}
+
+/// The status of the worker, which has closed its output; `None` if it goes on beyond the limit.
+fn ended(begin: Instant, limit: Duration) -> Option<ExitStatus> {
+    /// Between two looks: it ends at once, but for a fault.
+    const STEP: Duration = Duration::from_millis(1);
+    loop {
+        match running().as_mut()?.try_wait() {
+            Ok(Some(status)) => return Some(status),
+            Ok(None) if begin.elapsed() < limit => {}
+            _ => return None,
+        }
+        thread::sleep(STEP);
+    }
+}

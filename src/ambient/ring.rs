@@ -16,8 +16,8 @@ const ALIKE: f64 = 0.9;
 /// With more rays the mean costs as much in blur as it saves in noise.
 const MOST_RAYS: u32 = 64;
 
-/// Values farther apart than this, in errors that rays have, differ by more than their noise: measured, see the
-/// record. Of two values with that error, as many are farther apart as lie beyond 2.1 standard deviations.
+/// Values farther apart than this, in errors that rays have, differ by more than their noise: measured, see
+/// the record. Of two values with that error, as many are farther apart as lie beyond 2.1 standard deviations.
 const NOISE: f64 = 3.0;
 
 /// Whether the mean brings values closer to the truth.

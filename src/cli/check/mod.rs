@@ -147,8 +147,9 @@ pub(crate) struct Args {
     /// [default: nothing is written]
     ///
     /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow; vertices and faces too
-    /// small to see are marked by an octahedron 0.5 % of the diagonal in size. The first --limit defects of each
-    /// kind are nodes of their own, named by their faces and polygons as in the text; all others are one more.
+    /// small to see are marked by an octahedron 0.5 % of the diagonal in size. The first --limit defects of
+    /// each kind are nodes of their own, named by their faces and polygons as in the text; all others are one
+    /// more.
     #[arg(long, value_name = "OUT.glb")]
     mark: Option<PathBuf>,
 

@@ -21,8 +21,8 @@ const HEIGHT: u32 = 540;
 
 /// The most lines, and the most markers, that are drawn: a million would hide the mesh, and take minutes.
 const MOST_DRAWN: usize = 100_000;
-/// The most faces that a ray may meet on the average up to the first one that it sees, so that a picture takes
-/// seconds: where many lie in one plane, it meets them all.
+/// The most faces that a ray may meet on the average up to the first one that it sees, so that a picture
+/// takes seconds: where many lie in one plane, it meets them all.
 const MOST_DEEP: usize = 64;
 /// Rays along each side of the picture that are counted.
 const SAMPLES: usize = 12;

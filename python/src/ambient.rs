@@ -64,8 +64,8 @@ enum Openness {
 ///     ``openness`` (k,), float32 by rays, float64 exact; ``points`` (k, 3) float32; ``normals`` (k, 3)
 ///     float32, NaN where two sides of a sheet meet; ``corners`` (m, 3) uint32, for each corner of a face the
 ///     index of its value; ``bent`` (k, 3) float32 or None; ``inside`` (j,) uint32, values inside the solid
-///     of another shell; ``standard_error`` of one value, by rays; ``bound``, which no exact value differs from
-///     the truth by more than; ``rounding`` as in `check_arrays`.
+///     of another shell; ``standard_error`` of one value, by rays; ``bound``, the most that an exact value
+///     differs from the truth; ``rounding`` as in `check_arrays`.
 ///
 /// Examples
 /// --------

@@ -17,7 +17,8 @@ const ALIKE: f64 = 0.9;
 const MOST_RAYS: u32 = 64;
 
 /// Values farther apart than this, in errors that rays have, differ by more than their noise: measured, see
-/// the record. Of two values with that error, as many are farther apart as lie beyond 2.1 standard deviations.
+/// the record. Of two values with that error, as many are farther apart as lie beyond 2.1 standard
+/// deviations.
 const NOISE: f64 = 3.0;
 
 /// Whether the mean brings values closer to the truth.

@@ -289,7 +289,7 @@ fn ambient_refuses_what_it_cannot_do_and_leaves_no_file() {
         ("ambient cube.obj -o a.glb --distance 0", "above 0"),
         ("ambient cube.obj -o a.glb --ambient-falloff linear", "add --distance"),
         ("ambient cube.obj -o a.glb --method exact --rays 5", "use --method rays"),
-        ("ambient cube.obj -o a.glb --method exact --bent", "use --method rays"),
+        ("ambient cube.obj -o a.glb --method exact --distance 5", "use --method rays"),
         ("ambient cube.obj -o a.glb --method disks --distance 5", "use --method rays"),
         ("ambient cube.obj -o a.ply --as color", "quality"),
         ("ambient cube.obj -o a.ply --bent", "quality"),

@@ -9,10 +9,11 @@
 import { execFileSync, spawnSync } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 
-const umbrage = process.argv[2];
-if (!umbrage) throw new Error("name the command: node tests/page/check.mjs target/debug/umbrage");
+if (!process.argv[2]) throw new Error("name the command: node tests/page/check.mjs target/debug/umbrage");
+// It runs in a folder of its own.
+const umbrage = resolve(process.argv[2]);
 const chromium =
   process.env.CHROMIUM ?? ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
 if (!chromium || !existsSync(chromium)) {
@@ -27,7 +28,7 @@ f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 4 1 5\
 v 3 -1 0\nv 5 -1 0\nv 3 1 0\nv 5 1 0\nf 9 10 11\nf 9 10 12\nv 2 0 0\nv 2.01 0 0\nv 2 0.01 0\nf 13 14 15\n`;
 writeFileSync(join(folder, "box.obj"), box);
 const run = spawnSync(umbrage, ["check", "box.obj", "--html", "box.html", "--quiet"], { cwd: folder, encoding: "utf8" });
-if (run.status !== 1) throw new Error(run.stderr);
+if (run.status !== 1) throw new Error(run.error ?? run.stderr);
 
 // Presses keys, and tells how many pixels are of a color near that of the first kind, before and after.
 const probe = `<script>

@@ -71,8 +71,8 @@ fn view(
         let run = move || timed(|| relevant(&question(tests)), answer);
         contenders.push(Contender::new(name, run).expects(expected));
     }
-    // A test that keeps everything is never wrong. Of a few casters one or two more are kept.
-    assert!(place != Place::Street || 2 * kept <= 5 * needed + 8, "{kept} kept, {needed} needed");
+    // A test that keeps everything is never wrong. Of a few casters some more are kept.
+    assert!(place != Place::Street || 2 * kept <= 5 * needed + 16, "{kept} kept, {needed} needed");
     let mesh = format!("{}, {name} · {needed} needed, {decisive} decisive", place.name());
     bench.run(Group { stage: STAGE, mesh, units: pieces.len(), unit: "piece", contenders });
 }

@@ -8,8 +8,8 @@ have to lie where every machine sees them.
 
 - A batch of files is one process. If it ends by a signal, or takes too long, its files are asked one by one, and one
   that does so again gets a row that says so: `error` is never silence.
-- A worker that is killed is started again by Ray. A block of files that still fails is left out, and counted; so many
-  are borne as --max-errored-blocks says.
+- A worker that is killed is started again by Ray. A block of files that still fails is left out, and counted; at
+  most --max-errored-blocks of them are accepted.
 - A second run asks only about files without a row, or whose size or time has changed since. The old rows stay: the
   one with the latest time counts. A row is there twice if a worker died just after it was written.
 

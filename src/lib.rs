@@ -177,6 +177,7 @@ pub mod render;
 mod determinism;
 mod built;
 mod choice;
+mod fault;
 #[cfg(feature = "serde")]
 mod json;
 mod parallel;

@@ -85,7 +85,7 @@ pub(crate) fn prepare<'py>(
     results::named(py, "Prepared", fields)
 }
 
-/// Which holes are closed: all, none, or those of at most so many edges.
+/// Which holes are closed: all, none, or those of at most `value` edges.
 fn holes(value: &Bound<'_, PyAny>) -> PyResult<Option<Fill>> {
     if let Ok(all) = value.cast::<PyBool>() {
         return Ok(all.is_true().then(Fill::default));

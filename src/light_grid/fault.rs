@@ -23,16 +23,4 @@ pub(super) enum Fault {
     EdgeOnLeftOut,
 }
 
-/// The fault that is injected: none, outside of tests.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Faults(#[cfg(test)] pub(super) Option<Fault>);
-
-impl Faults {
-    #[inline(always)]
-    pub(super) fn has(self, _fault: Fault) -> bool {
-        #[cfg(test)]
-        return self.0 == Some(_fault);
-        #[cfg(not(test))]
-        false
-    }
-}
+crate::fault::faults!();

@@ -153,7 +153,7 @@ fn light_grid_proves_nothing_that_is_false() {
 
 /// 10⁸ decided points, some hours: `cargo test --release --all-features --lib light_grid_long -- --ignored`.
 #[test]
-#[ignore = "some hours"]
+#[ignore = "some hours; tests/long.sh light_grid_long"]
 fn light_grid_long_proves_nothing_that_is_false() {
     let (mut seed, mut decided) = (1000, 0);
     while decided < 100_000_000 {

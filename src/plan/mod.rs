@@ -6,9 +6,9 @@
 //! allows it.
 //!
 //! **Called for**: an effect (a lamp, its casters, its receivers; the penumbra of a lamp; ambient occlusion)
-//! is called for under a budget if switching it off, together with all else that is switched off, changes
-//! more samples than the budget allows. Each effect that is dropped is charged its bound, and the bounds are
-//! added up, so that many small ones cannot add up unseen.
+//! is called for under a budget if leaving it out changes more samples than the budget allows. Each dropped
+//! effect is charged its bound. The bounds are added up, so that the sum of many small ones is within the
+//! budget too.
 
 mod binomial;
 mod budget;

@@ -95,7 +95,7 @@ impl Receivers {
     }
 }
 
-/// `folds` is the share of the folds, `weight` that of a point in a face with so many.
+/// `folds` is the weight of the folds; `weight` gives that of a point, from its face and the points per face.
 fn fit_with(
     cut: &Pieces<'_>,
     known: &[f32],

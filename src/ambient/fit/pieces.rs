@@ -67,8 +67,8 @@ impl<'a> Pieces<'a> {
         self.whole
     }
 
-    /// Into so many parts each side of a face is cut; the face into the square of it. At least 1; what is not
-    /// a number becomes that.
+    /// Parts per side of a face, at least 1. The face is cut into the square of that. NaN, from meshes
+    /// without area, becomes 1.
     fn cuts(&self, face: FaceId) -> u32 {
         ((self.wanted * self.area(face) / self.whole).sqrt() as u32).max(1)
     }

@@ -226,7 +226,7 @@ fn intersections_of_copies_and_of_pages_are_counted_not_tested() {
 fn windmill(count: u32) -> Mesh {
     let at = |i: u32| {
         let angle = f64::from(i) / f64::from(2 * count) * std::f64::consts::TAU;
-        // Whole numbers, so that the plane is exact.
+        // Integer coordinates, so that the plane is exact.
         let [x, y] = [angle.cos(), angle.sin()].map(|x| (1e5 * x).round() as f32);
         [x, y, x + y]
     };

@@ -136,7 +136,7 @@ fn lod_leaves_casters_that_are_seen_as_they_are() {
     assert!(wrong > 20, "{wrong}");
 }
 
-/// Faces that are seen and do not cast are told from those that do by their corners.
+/// Visible faces that do not cast have the corners of no casting face.
 #[test]
 fn lod_finds_the_shells_of_what_is_seen_beside_receivers() {
     let caster = over_floor(&shapes::icosphere(3), 1.5);

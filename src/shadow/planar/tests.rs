@@ -145,7 +145,7 @@ fn planar_coverage_equals_the_exact_verdict_and_without_a_clip_it_does_not() {
 ///
 /// `cargo test --release --lib -- --ignored planar_coverage_of_a_million`
 #[test]
-#[ignore = "takes minutes without optimization"]
+#[ignore = "takes minutes without optimization; tests/long.sh planar_coverage"]
 fn planar_coverage_of_a_million_points_equals_the_exact_verdict() {
     let tally = tally(16_000, 0);
     assert!(tally.judged > 1_000_000 && tally.dark > 100_000 && tally.wrong == 0, "{tally:?}");

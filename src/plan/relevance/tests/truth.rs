@@ -99,7 +99,7 @@ impl Truth {
 }
 
 impl Between {
-    /// Whether nothing of these pieces touches the way to the lamp.
+    /// Whether the shadow ray touches none of these pieces.
     fn is_lit(&self, of: impl Fn(u32) -> bool) -> bool {
         !self.crossed.iter().chain(&self.touched).any(|&piece| of(piece))
     }

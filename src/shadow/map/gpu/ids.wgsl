@@ -51,7 +51,7 @@ fn crossed(q: vec3f, face: u32) -> u32 {
     let above = volumes > bounds;
     let below = volumes < -bounds;
     if any(above) && any(below) { return MISSED; }
-    // Of the plane: where the line meets it, as a part of the way to the light.
+    // The parameter at which the segment to the light crosses the plane.
     let normal = cross(edges[0], edges[1]);
     let slope = dot(normal, towards);
     let height = dot(normal, a);

@@ -134,4 +134,29 @@ mod tests {
         let texts = ["0.4 %", "0.42 %", "1 %", "0.013 %", "50 %", "100 %", "0 %", "34 %"];
         assert_eq!(fractions.map(percent), texts);
     }
+
+    /// Where a trial shows that hard shadows will do, the reason has the bound of the trial: the larger share
+    /// of what may be in penumbra would contradict the choice.
+    #[test]
+    fn reason_of_hard_shadows_has_the_bound_that_decided() {
+        use crate::plan::costs::{Costs, Work};
+        use crate::plan::{Evidence, binomial};
+        use crate::shadow::Technique;
+        let share = |wrong: u64| {
+            let bound = binomial::upper(wrong, 300, 0.05);
+            Share { of_probe: wrong as f64 / 300.0, bound, is_all: false }
+        };
+        let said = |error: Share| {
+            let costs = Costs::default();
+            let mut candidate = Candidate::plain(Technique::Rays, Work::default(), &costs, Evidence::Sampled);
+            candidate.error = Some((error, Evidence::Sampled));
+            chosen(Rival { candidate: &candidate, time: 2e6 }, Some(share(40)), Some(0.02), &[])
+        };
+        let (tried, not_tried) = (said(share(0)), said(share(40)));
+        assert!(
+            tried.starts_with("hard: at most 1 % of samples are wrong, as tried, 2 % allowed; "),
+            "{tried}"
+        );
+        assert!(not_tried.starts_with("hard: at most 18 % of samples can be in penumbra, "), "{not_tried}");
+    }
 }

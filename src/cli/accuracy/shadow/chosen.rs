@@ -70,18 +70,22 @@ impl Chosen {
     pub(super) fn text(&self) -> String {
         let mut text = format!("the planner chooses {} ({})", self.technique, self.reason);
         match (self.best, self.measured_ms, self.regret()) {
-            (Some((best, _)), _, _) if best == self.technique => text += ": the fastest exact row",
+            (Some((best, _)), _, _) if best == self.technique => {
+                text += ": the fastest exact row on the CPU, preparation included"
+            }
             (Some((best, best_ms)), Some(own), Some(regret)) => {
                 text += &format!(
-                    ": {} ms, {} times the fastest exact row, {best} with {} ms",
+                    ": {} ms, {} times the fastest exact row on the CPU, {best} with {} ms, preparation included",
                     milliseconds(own),
                     significant((100.0 * regret).round() / 100.0),
                     milliseconds(best_ms)
                 );
             }
             (Some((best, ms)), ..) => {
-                text +=
-                    &format!(": no row of it; the fastest exact row is {best} with {} ms", milliseconds(ms));
+                text += &format!(
+                    ": no row of it; the fastest exact row on the CPU is {best} with {} ms",
+                    milliseconds(ms)
+                );
             }
             _ => text += ": there is no exact row to compare it with",
         }

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The modules of the library, lowest first. `gpu` wraps wgpu and knows no mesh. `built`, `choice`,
+/// The modules of the library, lowest first. `gpu` wraps wgpu and knows no mesh. `built`, `choice`, `fault`,
 /// `parallel` and `random` are single files that every module may use.
 const ORDER: [&str; 28] = [
     "random",
+    "fault",
     "parallel",
     "choice",
     "geom",

@@ -71,7 +71,7 @@ impl Chosen {
         let mut text = format!("the planner chooses {} ({})", self.technique, self.reason);
         match (self.best, self.measured_ms, self.regret()) {
             (Some((best, _)), _, _) if best == self.technique => {
-                text += ": the fastest exact row on the CPU, preparation included"
+                text += ": the fastest exact row on the CPU, preparation included";
             }
             (Some((best, best_ms)), Some(own), Some(regret)) => {
                 text += &format!(

@@ -41,10 +41,10 @@ impl Origins {
         }
     }
 
-    /// The next `count` polygons of a file, each a triangle.
+    /// The next `count` polygons of a file, of `triangles` triangles each.
     #[cfg(any(test, feature = "files"))]
-    pub(crate) fn push_triangles(&mut self, first_face: u32, count: u32) {
-        self.faces.extend(first_face.into(), 1, count);
+    pub(crate) fn push_polygons(&mut self, first_face: u32, triangles: u32, count: u32) {
+        self.faces.extend(first_face.into(), triangles, count);
     }
 
     /// Some faces of a mesh, as the next ones, from face `first_face` on.
@@ -174,7 +174,7 @@ mod tests {
             assert_eq!([face, face + corners - 3].map(|face| origins.of(face)), [expected; 2]);
         }
         let mut triangles = Origins::default();
-        triangles.push_triangles(0, 1000);
+        triangles.push_polygons(0, 1, 1000);
         (1000..2000).for_each(|face| triangles.push(face, None));
         assert!(triangles.are_plain(2000));
         // Fault injected: the last polygon is of two triangles, or one before it.

@@ -135,7 +135,7 @@ impl Ply {
     }
 
     fn faces(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {
-        let plain = plain::Triangles::of(element, self.vertex_count);
+        let plain = plain::Polygons::of(element, self.vertex_count);
         self.lists(element, values, plain.as_ref(), |ply, values, number, length| {
             if length < 3 {
                 let at = values.at();
@@ -187,25 +187,20 @@ impl Ply {
     }
 
     /// Calls `each` for the list of vertex indices of each item, with the numbers' type and the list's
-    /// length; it must read them all. Triangles that `plain` can read do not come to it.
+    /// length; it must read them all. Triangles and quads that `plain` can read do not come to it.
     fn lists<V: Values>(
         &mut self,
         element: &Element,
         values: &mut V,
-        plain: Option<&plain::Triangles>,
+        plain: Option<&plain::Polygons>,
         each: impl Fn(&mut Self, &mut V, Number, u64) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
         let list = element.index_list()?;
         let mut index = 0;
         loop {
             if let Some(plain) = plain {
-                let triangles = &mut self.faces.triangles;
-                let before = triangles.len();
-                let bytes = plain.read(values.at_hand(), element.count - index, triangles);
-                let count = (triangles.len() - before) as u64;
-                values.pass(bytes);
-                self.faces.end_triangles(count);
-                index += count;
+                index += self.run::<3>(values, plain, element.count - index);
+                index += self.run::<4>(values, plain, element.count - index);
             }
             if index == element.count {
                 return Ok(());
@@ -223,6 +218,15 @@ impl Ply {
             values.end();
             index += 1;
         }
+    }
+
+    /// Reads the polygons of `N` corners that `plain` can read, at most `most`; how many there were.
+    #[inline]
+    fn run<const N: usize>(&mut self, values: &mut impl Values, plain: &plain::Polygons, most: u64) -> u64 {
+        let (count, bytes) = plain.read::<N>(values.at_hand(), most, &mut self.faces.triangles);
+        values.pass(bytes);
+        self.faces.end_polygons(count, N as u32 - 2);
+        count
     }
 
     fn skip(&mut self, element: &Element, values: &mut impl Values) -> Result<(), ReadError> {

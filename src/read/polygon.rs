@@ -63,9 +63,12 @@ impl Faces {
         corners
     }
 
-    /// Counts the triangles that were added to the list since the last polygon: one polygon each.
-    pub(super) fn end_triangles(&mut self, count: u64) {
-        self.origins.push_triangles(self.triangles.len() as u32 - count as u32, count as u32);
+    /// Counts the triangles that were added to the list since the last polygon, fans included: `count` polygons
+    /// of `triangles` triangles each.
+    pub(super) fn end_polygons(&mut self, count: u64, triangles: u32) {
+        self.n_gons += if triangles > 1 { count } else { 0 };
+        let first = (self.triangles.len() as u32).wrapping_sub(count as u32 * triangles);
+        self.origins.push_polygons(first, triangles, count as u32);
     }
 
     /// Counts the triangles that were added to the list since face `first` as one polygon: a strip. All
@@ -105,10 +108,10 @@ impl Faces {
                 [[a, b, c], last] => {
                     let corners = [*a, *b, *c, last[2]];
                     let quad = Quad::of(corners.map(|vertex| positions[vertex as usize]));
-                    if quad.from == 1 {
-                        (fan[0], fan[1]) =
-                            ([corners[1], corners[2], corners[3]], [corners[1], corners[3], corners[0]]);
-                    }
+                    // By index, not by a branch: nobody can guess which diagonal is shorter.
+                    let corner = |i: usize| corners[(quad.from + i) % 4];
+                    fan[0] = [corner(0), corner(1), corner(2)];
+                    fan[1] = [corner(0), corner(2), corner(3)];
                     !quad.crosses
                 }
                 _ => {

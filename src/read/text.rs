@@ -137,14 +137,27 @@ impl<'a> Line<'a> {
     /// The next word as a number, as it is and correctly rounded. Either may not be finite.
     #[inline]
     fn coordinate(&mut self) -> Result<(f64, f32), ReadError> {
-        let Some(word) = self.word() else { return Err(self.error("a position needs three numbers")) };
-        let Some((wide, value)) = loose(word) else {
-            return Err(self.error(format!("{} is not a number", quote(word))));
+        let blanks = self.rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+        self.rest = &self.rest[blanks..];
+        let short = short_decimal(self.rest)
+            .and_then(|(wide, length)| Some((narrow(wide, || parse(&self.rest[..length]))?, length)));
+        let (wide, value) = match short {
+            Some((both, length)) => {
+                self.rest = &self.rest[length..];
+                both
+            }
+            None => self.rare_coordinate()?,
         };
         if value.is_finite() {
             self.rounding.set(self.rounding.get().max((wide - f64::from(value)).abs()));
         }
         Ok((wide, value))
+    }
+
+    /// [`Line::coordinate`] for what is long, has an exponent, or is no number at all.
+    fn rare_coordinate(&mut self) -> Result<(f64, f32), ReadError> {
+        let Some(word) = self.word() else { return Err(self.error("a position needs three numbers")) };
+        loose(word).ok_or_else(|| self.error(format!("{} is not a number", quote(word))))
     }
 
     /// The next three words as a position.
@@ -179,12 +192,52 @@ pub(super) fn parse<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
 /// values have other low bits.
 #[inline]
 pub(super) fn decimal(word: &[u8]) -> Option<(f64, f32)> {
+    let short = short_decimal(word).filter(|&(_, length)| length == word.len());
+    let wide = short.map(|(wide, _)| wide).or_else(|| parse::<f64>(word))?;
+    narrow(wide, || parse::<f32>(word))
+}
+
+/// A number that was rounded to `wide`, and the nearest `f32`, which `again` reads where `wide` does not tell.
+#[inline]
+fn narrow(wide: f64, again: impl FnOnce() -> Option<f32>) -> Option<(f64, f32)> {
     const LOW: u64 = (1 << 29) - 1;
     const HALFWAY: u64 = 1 << 28;
-    let wide = parse::<f64>(word)?;
     let plain = wide.to_bits() & LOW != HALFWAY && wide.abs() >= f64::from(f32::MIN_POSITIVE);
-    let near = if plain || wide == 0.0 { wide as f32 } else { parse::<f32>(word)? };
+    let near = if plain || wide == 0.0 { wide as f32 } else { again()? };
     Some((wide, near))
+}
+
+/// The number at the beginning of `text`, as the nearest `f64`, and how many bytes it takes, if it has at most
+/// 15 digits and no exponent, and a blank or nothing follows.
+///
+/// Its digits as an integer and the power of ten that divides it are both exact in `f64`, so that the one
+/// division rounds correctly (Clinger, How to read floating point numbers accurately, 1990, section 5).
+#[inline]
+fn short_decimal(text: &[u8]) -> Option<(f64, usize)> {
+    const POWERS: [f64; 16] =
+        [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
+    let signed = usize::from(matches!(text, [b'+' | b'-', ..]));
+    let (mut at, mut mantissa) = (signed, 0_u64);
+    let mut digits = |at: &mut usize| {
+        let start = *at;
+        while let Some(digit) = text.get(*at).map(|byte| byte.wrapping_sub(b'0')).filter(|&digit| digit <= 9)
+        {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+            *at += 1;
+        }
+        *at - start
+    };
+    let whole = digits(&mut at);
+    let mut fraction = 0;
+    if text.get(at) == Some(&b'.') {
+        at += 1;
+        fraction = digits(&mut at);
+    }
+    let known = (1..=15).contains(&(whole + fraction)) && text.get(at).is_none_or(u8::is_ascii_whitespace);
+    known.then(|| {
+        let size = mantissa as f64 / POWERS[fraction];
+        (if text[0] == b'-' { -size } else { size }, at)
+    })
 }
 
 /// As [`decimal`], also for NaN and infinity as the C libraries of Windows and Linux write them: `-nan(ind)`,
@@ -233,6 +286,8 @@ pub(super) fn unreadable(format: Format, place: Place, error: &io::Error) -> Rea
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn lines(text: &[u8], joins: bool) -> Vec<(u64, String)> {
@@ -322,6 +377,23 @@ mod tests {
         let mut line = lines.next_line().unwrap().unwrap();
         assert_eq!(line.point().unwrap().map(|(_, near)| near), [412_345.66, 0.5, 16_777_216.0]);
         assert_eq!(lines.rounding(), 1.0);
+    }
+
+    proptest! {
+        /// Short numbers are those of the standard library, to the last bit, and nothing else is one.
+        #[test]
+        fn decimals_of_few_digits_are_those_of_the_standard_library(
+            word in "[+-]?[0-9]{0,16}[.]?[0-9]{0,16}|[+-]?[0-9]{0,8}[.]?[0-9]{0,8}[.eE_ -]?[0-9]{0,2}",
+        ) {
+            let standard = word.parse::<f64>().ok();
+            match short_decimal(word.as_bytes()).filter(|&(_, length)| length == word.len()) {
+                Some((short, _)) => prop_assert_eq!(Some(short.to_bits()), standard.map(f64::to_bits)),
+                None => {
+                    let digits = word.bytes().filter(u8::is_ascii_digit).count();
+                    prop_assert!(standard.is_none() || digits > 15 || word.contains(['e', 'E']), "{} is short", word);
+                }
+            }
+        }
     }
 
     #[test]

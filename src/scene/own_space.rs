@@ -48,8 +48,10 @@ impl Scene {
         if self.rounding == 0.0 {
             return None;
         }
-        let smallest = self.meshes.iter().filter_map(diagonal).fold(f64::INFINITY, f64::min);
-        (self.rounding > NEGLIGIBLE * smallest).then(|| {
+        // A few corners of a mesh nearly always are far enough apart, and its diagonal is at least that long.
+        let large = |mesh: &Mesh| self.rounding <= NEGLIGIBLE * spread(mesh);
+        let beside = |mesh| diagonal(mesh).is_none_or(|diagonal| self.rounding <= NEGLIGIBLE * diagonal);
+        (!self.meshes.iter().all(|mesh| large(mesh) || beside(mesh))).then(|| {
             format!(
                 "coordinates have more digits than 32-bit numbers hold: the largest moved by {}; move the model \
                  towards the origin before it is exported",
@@ -105,6 +107,13 @@ impl OwnSpace {
 
 fn exact(world_from_mesh: &DMat4, p: [f32; 3]) -> DVec3 {
     world_from_mesh.transform_point3(DVec3::from_array(p.map(f64::from)))
+}
+
+/// The diagonal of the box around the first corner of some 64 faces.
+fn spread(mesh: &Mesh) -> f64 {
+    let step = mesh.face_count() / 64 + 1;
+    let corners = mesh.triangles().iter().step_by(step).map(|face| mesh.positions()[face[0] as usize]);
+    Aabb::around(corners).diagonal()
 }
 
 fn diagonal(mesh: &Mesh) -> Option<f64> {

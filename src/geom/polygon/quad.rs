@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use super::outline::{cross, dominant, less, minus};
-use crate::geom::predicate::turn;
+use crate::geom::predicate::{surely_convex, turn};
 
 /// How a quad is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +24,11 @@ impl Quad {
         // Both diagonals turn into each other, up to one sign, where the quad begins at its next corner:
         // every number below is then the same to the last bit.
         let normal = cross(minus(c, a), minus(d, b));
-        let mut inside = insides([a, b, c, d], dominant(normal));
+        let axis = dominant(normal);
+        if surely_convex([a, b, c, d], axis) {
+            return Self { from: usize::from(is_better([b, d], [a, c])), crosses: false };
+        }
+        let mut inside = insides([a, b, c, d], axis);
         if inside == [0; 2] {
             // No area, or two lobes that cancel: then another axis may show them.
             let axes = [0, 1, 2].map(|axis| insides([a, b, c, d], axis));
@@ -48,17 +52,21 @@ fn insides([a, b, c, d]: [[f32; 3]; 4], axis: usize) -> [i32; 2] {
 }
 
 /// Whether the first diagonal is shorter, or as long and holds the least corner.
+///
+/// Which of two is shorter follows no pattern that a processor could guess, so that no branch hangs on it.
+#[inline]
 fn is_better(first: [[f32; 3]; 2], second: [[f32; 3]; 2]) -> bool {
     let square = |[p, q]: [[f32; 3]; 2]| {
         let [x, y, z] = minus(p, q);
         x * x + y * y + z * z
     };
+    let (one, other) = (square(first), square(second));
+    if one == other { holds_the_least(first, second) } else { one < other }
+}
+
+#[cold]
+fn holds_the_least(first: [[f32; 3]; 2], second: [[f32; 3]; 2]) -> bool {
     let least = |[p, q]: [[f32; 3]; 2]| if less(p, q) == Ordering::Greater { [q, p] } else { [p, q] };
-    match square(first).total_cmp(&square(second)) {
-        Ordering::Equal => {
-            let ([p, q], [r, s]) = (least(first), least(second));
-            less(p, r).then(less(q, s)) == Ordering::Less
-        }
-        order => order == Ordering::Less,
-    }
+    let ([p, q], [r, s]) = (least(first), least(second));
+    less(p, r).then(less(q, s)) == Ordering::Less
 }

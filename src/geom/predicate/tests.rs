@@ -375,3 +375,43 @@ fn parting_tells_wedges_apart_and_no_others() {
     assert!(!surely_parted(o, east, [[1.0, 0.0, 1.0], [1.0, 0.0, -1.0]]), "through each other");
     assert!(!surely_parted(o, east, east) && !surely_parted(o, [o; 2], [o; 2]));
 }
+
+/// Quads whose corners lie on a line through the origin, at distances whose difference is rounded, and others.
+fn quads() -> impl Iterator<Item = [[f32; 3]; 4]> {
+    let mut random = SplitMix64(7);
+    (0..20_000).map(move |i| {
+        let mut below = |n: u64| (random.next() % n) as f32;
+        if i % 2 == 0 {
+            let direction = [0; 3].map(|_| 1.0 + below(1 << 24));
+            [0; 4].map(|_| below(50)).map(|k| direction.map(|x| x * (-k).exp2()))
+        } else {
+            let far = if i % 4 == 1 { 0.1 * below(1000) } else { 0.0 };
+            [0; 4].map(|_| [0; 3].map(|_| far + 0.1 * below(10)))
+        }
+    })
+}
+
+#[test]
+fn surely_convex_is_what_four_turns_say() {
+    let (mut known, mut open, mut wrong) = (0, 0, 0);
+    for quad @ [a, b, c, d] in quads() {
+        for axis in 0..3 {
+            let turns = [[d, a, b], [a, b, c], [b, c, d], [c, d, a]].map(|[p, q, r]| turn(p, q, r, axis));
+            let convex = turns[0] != Sign::Zero && turns.iter().all(|&sign| sign == turns[0]);
+            match surely_convex(quad, axis) {
+                true => assert!(convex, "{quad:?} along {axis}"),
+                false => open += u32::from(convex),
+            }
+            known += u32::from(convex);
+            // Fault injected: no filter, so that rounding decides.
+            let rounded = match axis {
+                0 => surely_convex_in::<1, 2>(quad, 0.0),
+                1 => surely_convex_in::<2, 0>(quad, 0.0),
+                _ => surely_convex_in::<0, 1>(quad, 0.0),
+            };
+            wrong += u32::from(rounded && !convex);
+        }
+    }
+    assert!(known > 1000 && open < known / 100, "{open} of {known} left open");
+    assert!(wrong > 0, "rounding alone decides every quad");
+}

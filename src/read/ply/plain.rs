@@ -1,5 +1,5 @@
 //! Layouts that nearly every binary file has, read in runs: vertices of nothing but numbers, their positions
-//! as `float`; faces that are one list of 32-bit indices after a byte.
+//! as `float`; triangles and quads that are one list of 32-bit indices after a byte.
 //!
 //! A run ends before the first item that is wrong or rare. That one is read as any other, which also finds
 //! the words for what is wrong with it.
@@ -44,16 +44,13 @@ impl Points {
     }
 }
 
-/// Bytes of a triangle: how many corners, and these.
-const TRIANGLE: usize = 13;
-
 /// What bounds the indices of faces.
-pub(super) struct Triangles {
+pub(super) struct Polygons {
     /// Every index is below.
     end: u32,
 }
 
-impl Triangles {
+impl Polygons {
     pub(super) fn of(element: &Element, vertex_count: u64) -> Option<Self> {
         let [property] = element.properties.as_slice() else { return None };
         let most = match property.kind {
@@ -65,17 +62,28 @@ impl Triangles {
         Some(Self { end: u32::try_from(vertex_count).unwrap_or(u32::MAX).min(most) })
     }
 
-    /// Adds at most `most` triangles; how many bytes they had.
-    pub(super) fn read(&self, bytes: &[u8], most: u64, triangles: &mut Vec<[u32; 3]>) -> usize {
-        let before = triangles.len();
-        for face in bytes.chunks_exact(TRIANGLE).take(usize::try_from(most).unwrap_or(usize::MAX)) {
-            let [a, b, c] = [number(face, 1), number(face, 5), number(face, 9)];
-            if face[0] != 3 || a.max(b).max(c) >= self.end {
+    /// Adds at most `most` polygons of `N` corners, as fans around their first corner; how many there were, and
+    /// how many bytes they had.
+    #[inline]
+    pub(super) fn read<const N: usize>(
+        &self,
+        bytes: &[u8],
+        most: u64,
+        triangles: &mut Vec<[u32; 3]>,
+    ) -> (u64, usize) {
+        let size = 1 + 4 * N; // how many corners, and these
+        let mut count = 0;
+        for face in bytes.chunks_exact(size).take(usize::try_from(most).unwrap_or(usize::MAX)) {
+            let corners: [u32; N] = std::array::from_fn(|i| number(face, 1 + 4 * i));
+            if usize::from(face[0]) != N || corners.iter().any(|&corner| corner >= self.end) {
                 break;
             }
-            triangles.push([a, b, c]);
+            for i in 2..N {
+                triangles.push([corners[0], corners[i - 1], corners[i]]);
+            }
+            count += 1;
         }
-        TRIANGLE * (triangles.len() - before)
+        (count, size * count as usize)
     }
 }
 

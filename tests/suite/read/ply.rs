@@ -336,8 +336,12 @@ fn large(big: bool, signed: bool, quads: bool, seed: u64) -> Vec<u8> {
             put(&mut (below(1 << 16) as u16).to_le_bytes());
         }
     }
+    let mut corners = 3;
     for _ in 0..faces {
-        let corners = if quads && below(50) == 0 { 4 + below(3) } else { 3 };
+        // Runs of triangles and of quads, and single polygons of more corners.
+        if quads && (corners > 4 || below(50) == 0) {
+            corners = 3 + below(4);
+        }
         put(&mut [corners as u8]);
         for _ in 0..corners {
             put(&mut below(vertices).to_le_bytes());

@@ -29,6 +29,7 @@ use super::files;
 use super::load::MeshArgs;
 use super::output::{self, Output};
 use super::parsers::{refuse_overwriting, require_folder, whole};
+use super::pose::PoseArgs;
 use super::resources::ThreadArgs;
 use super::{Failure, Outcome, render};
 use baseline::Baseline;
@@ -55,6 +56,9 @@ pub(crate) struct Args {
 
     #[command(flatten)]
     mesh: MeshArgs,
+
+    #[command(flatten)]
+    pose: PoseArgs,
 
     /// Require this of every mesh, instead of soundness; a list, or repeated [default: sound]
     ///
@@ -327,6 +331,7 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
     let args = Args {
         files: vec![file.to_owned()],
         mesh: MeshArgs::default(),
+        pose: PoseArgs::default(),
         require: Vec::new(),
         allow_empty: false,
         fast: false,
@@ -418,6 +423,7 @@ mod tests {
         Args {
             files: vec![file.to_owned()],
             mesh: MeshArgs::default(),
+            pose: PoseArgs::default(),
             require: Vec::new(),
             allow_empty: false,
             fast: false,

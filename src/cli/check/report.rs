@@ -113,7 +113,8 @@ impl Drawings {
 /// Reads a file and reports on it, one mesh at a time.
 pub(super) fn examine(file: &Path, args: &Args, drawings: &mut Drawings) -> Result<FileReport, Failure> {
     let requirements = args.requirements();
-    let scene = args.mesh.scene(file)?;
+    let whole = args.pose.apply(load::read_whole(file)?, file)?;
+    let scene = args.mesh.chosen(whole, file)?;
     let (format, rounding) = (scene.format, scene.judged_rounding(!args.mesh.is_below_scene()));
     let spaces = args.mesh.own_spaces(scene, file)?;
     let _progress = Progress::spinner(format!("checking {}", file.display()));

@@ -33,7 +33,7 @@ pub(crate) struct PoseArgs {
     fps: Option<f64>,
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite());
     seconds.ok_or_else(|| "write a finite number of seconds".to_owned())
 }
@@ -100,6 +100,79 @@ impl PoseArgs {
             None => Err(no_such(wanted, clips).in_file(file)),
         }
     }
+}
+
+/// The most frames that are drawn or checked: ten minutes at 16 a second.
+pub(crate) const MOST_FRAMES: usize = 10_000;
+
+impl PoseArgs {
+    /// All moments from one time to another, one each frame length; by default those of the whole clip, or
+    /// all frames of the file. `option` is what asks for them.
+    pub(crate) fn frames(
+        &self,
+        scene: &Scene,
+        file: &Path,
+        option: &str,
+        from: Option<f64>,
+        to: Option<f64>,
+    ) -> Result<Vec<Pose>, Failure> {
+        let (clip, fps) = (self.clip(scene, file)?, self.fps());
+        let (last, chosen) = (scene.last_frame(), scene.rig.clips().get(clip.unwrap_or(0)));
+        let span = match chosen {
+            Some(clip) => clip.span(),
+            None if last > 0 => [0.0, last as f64 / fps],
+            None => {
+                let problem = format!("{option}: nothing in the file moves over time: no clip, no frames");
+                return Err(Failure::new(problem, format!("leave out {option}")).in_file(file));
+            }
+        };
+        let (from, to) = (from.unwrap_or(span[0]), to.unwrap_or(span[1]));
+        if to < from {
+            let problem = format!("--to {to} is before --from {from}");
+            return Err(Failure::new(problem, "exchange them").in_file(file));
+        }
+        if from < span[0] || to > span[1] {
+            output::say(format_args!(
+                "note: {}: the clip lasts from {} to {} s; outside, its ends are held",
+                file.display(),
+                span[0],
+                span[1]
+            ));
+        }
+        // A time of a file is rounded to 32 bits: that part of it may be missing at the last frame.
+        let frames = (to - from) * fps * (1.0 + f64::from(f32::EPSILON));
+        if frames >= MOST_FRAMES as f64 {
+            return Err(too_many(frames as usize + 1, option).in_file(file));
+        }
+        let first = from * fps;
+        let moment = |frame: u32| match first.fract() == 0.0 && first >= 0.0 && last > 0 {
+            true => Moment::Frame((first as u32).saturating_add(frame).min(last as u32)),
+            false => Moment::Seconds((from + f64::from(frame) / fps).min(to)),
+        };
+        Ok((0..=frames as u32).map(|frame| Pose { clip, moment: moment(frame), fps }).collect())
+    }
+
+    /// The moments of all keys of the clip; all frames of the file; or, where --fps is given, one each frame
+    /// length.
+    pub(crate) fn keys(&self, scene: &Scene, file: &Path, option: &str) -> Result<Vec<Pose>, Failure> {
+        let clip = self.clip(scene, file)?;
+        let keys = scene.rig.clips().get(clip.unwrap_or(0)).map(Clip::key_times).unwrap_or_default();
+        if self.fps.is_some() || keys.is_empty() {
+            return self.frames(scene, file, option, None, None);
+        }
+        if keys.len() > MOST_FRAMES {
+            return Err(too_many(keys.len(), option).in_file(file));
+        }
+        let pose = |time: f64| Pose { clip, ..Pose::at(time) };
+        Ok(keys.into_iter().map(pose).collect())
+    }
+}
+
+fn too_many(frames: usize, option: &str) -> Failure {
+    let problem = format!("{option}: {frames} frames are too many (at most {MOST_FRAMES})");
+    let remedy =
+        if option == "--animate" { "choose a smaller --fps, or --from and --to" } else { "choose --fps" };
+    Failure::new(problem, remedy)
 }
 
 /// A scene at a moment.

@@ -22,6 +22,7 @@
 //! | [`mesh`] | [`Mesh`](mesh::Mesh), ids, welding |
 //! | [`view`] | cameras, projections, the rays of pixels |
 //! | `gpu` | graphics devices and what runs on them |
+//! | [`animate`] | clips, skins and morph targets; poses |
 //! | [`scene`] | instances, lamps, cameras of a file |
 //! | `read`, `write` | one format per file |
 //! | [`oracle`] | exact shadow rays and primary hits; visible fractions of lights with an extent |
@@ -151,6 +152,7 @@ pub mod mesh;
 pub mod view;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod animate;
 pub mod scene;
 #[cfg(feature = "files")]
 pub mod read;

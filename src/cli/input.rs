@@ -6,11 +6,12 @@ use umbrage::caster::{Caster, CasterGroup};
 use umbrage::geom::Aabb;
 use umbrage::mesh::{Mesh, MeshError};
 use umbrage::render::Ground;
-use umbrage::scene::{Lamp, Material, Pattern};
+use umbrage::scene::{Lamp, Material, Pattern, Scene};
 use umbrage::view::Up;
 
 use super::lights::LightArgs;
 use super::load::{MeshArgs, parse_pattern};
+use super::pose::PoseArgs;
 use super::view::Cameras;
 use super::{Failure, load};
 
@@ -23,6 +24,9 @@ pub(crate) struct SourceArgs {
 
     #[command(flatten)]
     pub(crate) mesh: MeshArgs,
+
+    #[command(flatten)]
+    pub(crate) pose: PoseArgs,
 
     #[command(flatten)]
     pub(crate) cast: CastArgs,
@@ -67,7 +71,18 @@ pub(crate) struct Source {
 impl SourceArgs {
     /// Reads, bakes, welds and joins the file, and chooses the lights. Notes go to standard error.
     pub(crate) fn load(&self) -> Result<Source, Failure> {
-        let (baked, receivers) = self.mesh.read_visible(&self.file, &self.cast.no_cast)?;
+        self.of(self.scene()?, None)
+    }
+
+    /// The whole scene at the moment that is asked for.
+    fn scene(&self) -> Result<Scene, Failure> {
+        self.pose.apply(load::read_whole(&self.file)?, &self.file)
+    }
+
+    /// The same of a scene that was read. `bounds` is what lights without a place of their own are placed by,
+    /// and what is looked at; that of the scene if there is none.
+    pub(crate) fn of(&self, whole: Scene, bounds: Option<Aabb>) -> Result<Source, Failure> {
+        let (baked, receivers) = self.mesh.visible(whole, &self.file, &self.cast.no_cast)?;
         let up = baked.up;
         let mesh = self.mesh.joined(baked.meshes, &self.file)?;
         load::note_no_faces(&self.file, &mesh);
@@ -79,7 +94,7 @@ impl SourceArgs {
                 Some(all.map_err(|error| Failure::new(error, "split the file").in_file(&self.file))?)
             }
         };
-        let bounds = load::bounds(seen.as_ref().unwrap_or(&mesh));
+        let bounds = bounds.unwrap_or_else(|| load::bounds(seen.as_ref().unwrap_or(&mesh)));
         let lights = self.lights.resolve(baked.lights, bounds, up);
         let format = baked.format.map(|format| format.name());
         Ok(Source {
@@ -98,7 +113,7 @@ impl SourceArgs {
 impl SourceArgs {
     /// All that casts, as one mesh, for questions without lights.
     pub(crate) fn load_caster(&self) -> Result<Mesh, Failure> {
-        let (baked, _) = self.mesh.read_visible(&self.file, &self.cast.no_cast)?;
+        let (baked, _) = self.mesh.visible(self.scene()?, &self.file, &self.cast.no_cast)?;
         self.mesh.joined(baked.meshes, &self.file)
     }
 }

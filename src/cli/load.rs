@@ -23,7 +23,8 @@ pub(crate) struct MeshArgs {
     /// or a distance in mesh units [default: exact]
     ///
     /// Raise the distance when a report speaks of near-miss seams: nothing moves farther than that. Where a
-    /// file has frames (md2), vertices are one only if they coincide in all frames.
+    /// file has frames (md2), vertices are one only if they coincide in all frames; in a pose, only if they
+    /// coincide at rest and the clip moves them alike.
     #[arg(long, value_name = "exact|none|DIST", value_parser = parse_weld, allow_negative_numbers = true)]
     weld: Option<Weld>,
 
@@ -104,17 +105,18 @@ impl Default for MeshArgs {
 impl MeshArgs {
     /// Reads and bakes a file, as it is stored. What the reader has to say goes to standard error.
     pub(crate) fn read(&self, file: &Path) -> Result<Baked, Failure> {
-        self.baked(self.scene(file)?, file)
+        self.baked(self.chosen(read_whole(file)?, file)?, file)
     }
 
-    /// Reads and bakes a file without what is invisible by its material: the meshes that cast, and the meshes
+    /// Bakes a whole scene without what is invisible by its material: the meshes that cast, and the meshes
     /// that only receive, which match `no_cast`.
-    pub(crate) fn read_visible(
+    pub(crate) fn visible(
         &self,
+        whole: Scene,
         file: &Path,
         no_cast: &[Pattern],
     ) -> Result<(Baked, Vec<Mesh>), Failure> {
-        let mut scene = self.scene(file)?;
+        let mut scene = self.chosen(whole, file)?;
         leave_out_invisible(&mut scene, file)?;
         if no_cast.is_empty() {
             return Ok((self.baked(scene, file)?, Vec::new()));
@@ -126,10 +128,6 @@ impl MeshArgs {
             .and_then(|()| receivers.retain(|part| matches_any(part, no_cast)));
         split.map_err(|error| Failure::new(error, "leave out --no-cast").in_file(file))?;
         Ok((self.baked(scene, file)?, self.bake(receivers, file)?))
-    }
-
-    pub(crate) fn scene(&self, file: &Path) -> Result<Scene, Failure> {
-        self.chosen(read_whole(file)?, file)
     }
 
     /// What of a scene is asked for. What the reader has to say goes to standard error.

@@ -15,6 +15,7 @@ mod load;
 mod output;
 mod page;
 mod parsers;
+mod pose;
 mod progress;
 mod resources;
 mod search;

@@ -11,7 +11,18 @@ use super::error::Failure;
 
 /// Prints one line on standard error. A closed standard error is ignored.
 pub(crate) fn say(text: impl Display) {
-    let _ = writeln!(io::stderr().lock(), "umbrage: {text}");
+    let line = text.to_string();
+    if !(line.starts_with("note: ") && NOTED.load(Ordering::Relaxed)) {
+        let _ = writeln!(io::stderr().lock(), "umbrage: {line}");
+    }
+}
+
+/// Whether all notes have been said, and are not to be said again.
+static NOTED: AtomicBool = AtomicBool::new(false);
+
+/// Says no note from here on, or says them again: what is done many times is noted once.
+pub(crate) fn noted(noted: bool) {
+    NOTED.store(noted, Ordering::Relaxed);
 }
 
 /// Reports that a file was written.

@@ -1,6 +1,7 @@
 //! Progress on standard error, for what takes longer than a second.
 
 use std::io::{self, IsTerminal};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -16,7 +17,11 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub(crate) struct Progress {
     bar: ProgressBar,
     watch: Option<(Sender<()>, JoinHandle<()>)>,
+    is_alone: bool,
 }
+
+/// Whether a bar of many steps stands for all that happens in each.
+static ALONE: AtomicBool = AtomicBool::new(false);
 
 /// The bar that may be on the terminal.
 fn shown() -> MutexGuard<'static, Option<ProgressBar>> {
@@ -44,8 +49,8 @@ impl Progress {
 
     fn start(what: String, total: Option<u64>) -> Self {
         let bar = ProgressBar::with_draw_target(total, ProgressDrawTarget::hidden());
-        if !io::stderr().is_terminal() {
-            return Self { bar, watch: None };
+        if !io::stderr().is_terminal() || ALONE.load(Ordering::Relaxed) {
+            return Self { bar, watch: None, is_alone: false };
         }
         let template = match total {
             None => "{spinner} {msg} {elapsed}",
@@ -63,7 +68,14 @@ impl Progress {
                 *shown = Some(late);
             }
         });
-        Self { bar, watch: Some((stop, watch)) }
+        Self { bar, watch: Some((stop, watch)), is_alone: false }
+    }
+
+    /// The same; no other appears while it is there.
+    pub(crate) fn alone(mut self) -> Self {
+        self.is_alone = true;
+        ALONE.store(true, Ordering::Relaxed);
+        self
     }
 
     /// Counts `steps` as done.
@@ -80,6 +92,9 @@ impl Drop for Progress {
             shown().take();
         }
         self.bar.finish_and_clear();
+        if self.is_alone {
+            ALONE.store(false, Ordering::Relaxed);
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! `umbrage render`: a picture with shadows.
 
+mod animation;
 mod planned;
 
 use std::path::{Path, PathBuf};
@@ -26,6 +27,7 @@ use super::input::{Source, SourceArgs};
 use super::lights;
 use super::parsers::{large, refuse_overwriting, require_folder};
 use super::plan::{FalloffArg, Saved, shaded};
+use super::pose::seconds;
 use super::progress::Progress;
 use super::resources::{AdapterArgs, ThreadArgs};
 use super::search::Searcher;
@@ -91,9 +93,34 @@ pub(crate) struct Args {
     #[arg(long)]
     ground: bool,
 
-    /// Where the picture is written, as PNG in sRGB (required)
-    #[arg(short, long, value_name = "OUT.png")]
-    output: PathBuf,
+    /// Where the picture is written, as PNG in sRGB (this or --animate is required)
+    #[arg(
+        short,
+        long,
+        value_name = "OUT.png",
+        required_unless_present = "animate",
+        conflicts_with = "animate"
+    )]
+    output: Option<PathBuf>,
+
+    /// Instead of one picture, one for each frame of a clip, or of md2; `%04d` in the name is the number of
+    /// the frame, from 0, with four digits [default: one picture]
+    ///
+    /// Without such a number the frames become one animated PNG, which plays for ever; its name ends in .png
+    /// or .apng. A camera that is fitted, and a default light, are those of all frames together. At most
+    /// 10000 frames. For example: --animate walk_%04d.png --clip Walk --fps 30.
+    #[arg(long, value_name = "OUT_%04d.png", conflicts_with_all = ["time", "frame"])]
+    animate: Option<PathBuf>,
+
+    /// The time of the first picture in seconds, for --animate [default: the first key of the clip; 0 for
+    /// md2]
+    #[arg(long, value_name = "T", value_parser = seconds, allow_negative_numbers = true)]
+    from: Option<f64>,
+
+    /// The time that no picture is after, in seconds, for --animate [default: the last key of the clip; the
+    /// last frame of md2]
+    #[arg(long, value_name = "T", value_parser = seconds, allow_negative_numbers = true)]
+    to: Option<f64>,
 
     #[command(flatten)]
     threads: ThreadArgs,
@@ -187,15 +214,37 @@ pub(crate) fn require_png(path: &Path) -> Result<(), Failure> {
 }
 
 pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
-    require_png(&args.output)?;
-    refuse_overwriting("--output", Some(&args.output), &args.source.file)?;
-    require_folder(&args.output)?;
+    if let Some(pattern) = args.animate.clone() {
+        return animation::run(&args, &pattern);
+    }
+    for (option, is_asked) in [("--from", args.from.is_some()), ("--to", args.to.is_some())] {
+        if is_asked {
+            let problem = format!("{option} is for --animate");
+            return Err(Failure::new(problem, "add --animate OUT_%04d.png, or use --time"));
+        }
+    }
+    let output = args.output.clone().expect("the parser requires it");
+    require_png(&output)?;
+    refuse_overwriting("--output", Some(&output), &args.source.file)?;
+    require_folder(&output)?;
     args.view.refuse()?; // before the file is read
-    let mut renderer = args.shadow.settle(&args.adapter, args.ambient)?;
+    let renderer = args.shadow.settle(&args.adapter, args.ambient)?;
     args.threads.apply()?;
 
     let saved = args.shadow.plan()?.map(|path| Ok::<_, Failure>((path, Saved::read(path)?))).transpose()?;
-    let mut source = args.source.load()?;
+    let (picture, outcome) = draw(&args, &renderer, saved, args.source.load()?)?;
+    picture.write_png(&output)?;
+    output::wrote(&output);
+    Ok(outcome)
+}
+
+/// The picture of a scene, and whether it keeps within its budget.
+fn draw(
+    args: &Args,
+    renderer: &Renderer,
+    saved: Option<(&Path, Saved)>,
+    mut source: Source,
+) -> Result<(Picture, Outcome), Failure> {
     let techniques = args.shadow.of_lamps(&source.lights)?;
     let camera =
         args.view.choose(&source.cameras, &args.source.file, &source.bounds, source.up, args.size)?;
@@ -207,13 +256,11 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     };
     // Without faces there is nothing to plan: the rays of the picture meet nothing, and cost as little.
     let is_empty = source.seen().mesh().face_count() == 0;
-    if matches!(renderer, Renderer::Planned) && is_empty && saved.is_none() {
-        renderer = Renderer::Rays;
+    let is_planned = matches!(renderer, Renderer::Planned);
+    if is_planned && (!is_empty || saved.is_some()) {
+        return planned::run(args, &source, camera, ground, &techniques, saved);
     }
-    if matches!(renderer, Renderer::Planned) {
-        return planned::run(&args, &source, camera, ground, &techniques, saved);
-    }
-    let lamps = shining_lamps(&args, &source, &techniques);
+    let lamps = shining_lamps(args, &source, &techniques);
     // What is dark is not asked for.
     let casting: Vec<(Lamp, Option<Technique>)> = (source.lights.iter().cloned().zip(techniques))
         .filter(|&(_, technique)| technique != Some(Technique::Dark))
@@ -238,15 +285,12 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let ambient = args.ambient.then(|| PointRays::new(AMBIENT_RAYS));
     let ambient = ambient.as_ref();
     let picture = match renderer {
-        Renderer::Rays => by_rays(source, view(RAYS_SAMPLES), ambient)?,
+        Renderer::Rays | Renderer::Planned => by_rays(source, view(RAYS_SAMPLES), ambient)?,
         Renderer::Samples => by_samples(&source, &view(STENCIL_SAMPLES), &casting, ambient, &args.adapter)?,
         #[cfg(feature = "gpu")]
-        Renderer::Device(gpu) => by_stencil(&gpu, &source, view(STENCIL_SAMPLES), &casting)?,
-        Renderer::Planned => unreachable!("a plan is run above"),
+        Renderer::Device(gpu) => by_stencil(gpu, &source, view(STENCIL_SAMPLES), &casting)?,
     };
-    picture.write_png(&args.output)?;
-    output::wrote(&args.output);
-    Ok(Outcome::Sound)
+    Ok((picture, Outcome::Sound))
 }
 
 /// The lamps that shine, in their order: all but those that are dark.

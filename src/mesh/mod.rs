@@ -2,6 +2,7 @@
 
 mod id;
 mod origin;
+mod posed;
 mod steps;
 mod weld;
 
@@ -11,6 +12,8 @@ use std::sync::Arc;
 pub use id::{EdgeId, FaceId, HalfEdgeId, VertexId};
 pub use origin::Origin;
 pub(crate) use origin::Origins;
+pub(crate) use posed::as_frames as movers_as_frames;
+pub(crate) use posed::moved as moved_positions;
 pub(crate) use weld::weld_points;
 pub use weld::{Weld, Welded, weld, weld_in_place};
 
@@ -37,11 +40,13 @@ pub struct Mesh {
     origins: Option<Arc<Origins>>,
     /// `None` if no skin moves the mesh.
     skin: Option<Arc<Vec<u32>>>,
+    /// Where the vertices of a posed mesh stand at rest: there they are welded. `None` if it is not posed.
+    rest: Option<Arc<Vec<[f32; 3]>>>,
 }
 
 impl PartialEq for Mesh {
     fn eq(&self, other: &Self) -> bool {
-        let Self { name, positions, triangles, parts, frames, origins: _, skin: _ } = self;
+        let Self { name, positions, triangles, parts, frames, origins: _, skin: _, rest: _ } = self;
         (name, positions, triangles, parts, frames)
             == (&other.name, &other.positions, &other.triangles, &other.parts, &other.frames)
     }
@@ -269,6 +274,25 @@ impl Mesh {
         self.skin.as_ref()
     }
 
+    /// The same mesh in a pose: its vertices are still welded by where they stand at rest, which is here
+    /// unless said otherwise.
+    pub(crate) fn posed(mut self, positions: Vec<[f32; 3]>) -> Result<Self, MeshError> {
+        let rest = self.rest.take().unwrap_or_else(|| Arc::new(self.positions.clone()));
+        self.set_positions(positions)?;
+        self.rest = Some(rest);
+        Ok(self)
+    }
+
+    /// The same mesh, welded by these positions. A list of another length is left out.
+    pub(crate) fn with_rest(mut self, rest: Option<Arc<Vec<[f32; 3]>>>) -> Self {
+        self.rest = rest.filter(|rest| rest.len() == self.vertex_count());
+        self
+    }
+
+    pub(crate) fn rest(&self) -> Option<&Arc<Vec<[f32; 3]>>> {
+        self.rest.as_ref()
+    }
+
     /// The polygon of the file that `face` is, or was cut from. Logarithmic in the changes of the number of
     /// corners from polygon to polygon.
     ///
@@ -461,8 +485,12 @@ impl Mesh {
                 parts.push(Part { name, faces, material: part.material });
             }
         }
-        let skin = concatenated_skins(meshes);
-        Ok(Mesh::new(positions, triangles)?.with_parts(parts).with_origins(origins).with_skin(skin))
+        let joined = Mesh::new(positions, triangles)?.with_parts(parts).with_origins(origins);
+        if meshes.iter().any(|mesh| mesh.rest.is_some()) {
+            let (rest, movers) = posed::concatenated(meshes);
+            return Ok(joined.with_rest(Some(rest.into())).with_skin(Some(movers.into())));
+        }
+        Ok(joined.with_skin(concatenated_skins(meshes)))
     }
 }
 

@@ -17,6 +17,8 @@ mod verdicts;
 
 use glam::Vec3;
 
+#[cfg(feature = "files")]
+pub use self::png::AnimatedPng;
 #[cfg(feature = "gpu")]
 pub use gpu::render_visibility;
 pub use ground::Ground;

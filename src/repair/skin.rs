@@ -3,7 +3,7 @@
 use hashbrown::HashSet;
 
 use super::change::{ChangeKind, Step};
-use crate::mesh::{Mesh, VertexId, Weld, Welded, weld_in_place};
+use crate::mesh::{Mesh, VertexId, Weld, Welded, movers_as_frames, weld_in_place};
 
 /// Makes vertices one by the rule `how`, but only those with the same number in the skin of the mesh.
 ///
@@ -15,14 +15,7 @@ pub(super) fn weld(mut mesh: Mesh, how: Weld) -> Welded {
     let (name, origins) = (mesh.name.clone(), mesh.origins().cloned());
     let (positions, triangles, parts, mut frames) = mesh.into_parts();
     let own = frames.len();
-    let bits = 32 - skin.iter().max().map_or(0, |most| most.leading_zeros()).min(32);
-    let far = |number: u32, bit: u32| match number.checked_shr(bit).unwrap_or(0) & 1 {
-        0 => -f32::MAX,
-        _ => f32::MAX,
-    };
-    for first in (0..bits).step_by(3) {
-        frames.push(skin.iter().map(|&number| [0, 1, 2].map(|axis| far(number, first + axis))).collect());
-    }
+    frames.extend(movers_as_frames(&skin));
     mesh = Mesh::new(positions, triangles).expect("it was a mesh").with_name(name).with_parts(parts);
     mesh = mesh.with_origins_of(origins).with_frames(frames).expect("finite, and as many as vertices");
     let mut welded = weld_in_place(mesh, how);

@@ -5,6 +5,7 @@ mod lamp;
 mod material;
 mod own_space;
 mod pattern;
+mod pose;
 mod visible;
 
 use glam::Mat4;
@@ -17,7 +18,8 @@ pub use own_space::OwnSpace;
 pub use pattern::Pattern;
 pub use visible::PlacedPart;
 
-use crate::mesh::{Mesh, MeshError, Origins, Part};
+use crate::animate::{AtRest, Rig};
+use crate::mesh::{Mesh, MeshError, Origins, Part, moved_positions};
 use crate::view::{Camera, Up};
 
 /// The content of a file.
@@ -44,6 +46,8 @@ pub struct Scene {
     /// How far a coordinate moved at most, in mesh units, when the numbers of the file were rounded to `f32`;
     /// 0 where the file itself stores `f32`.
     pub rounding: f64,
+    /// What moves it; see [`Scene::pose`].
+    pub rig: Rig,
 }
 
 /// A camera of a file.
@@ -133,14 +137,14 @@ impl Scene {
             uses[instance.mesh] += 1;
         }
         let mut baked = Vec::with_capacity(self.instances.len());
-        for instance in &self.instances {
+        for (index, instance) in self.instances.iter().enumerate() {
             uses[instance.mesh] -= 1;
             let mesh = if uses[instance.mesh] == 0 {
                 std::mem::take(&mut self.meshes[instance.mesh])
             } else {
                 self.meshes[instance.mesh].clone()
             };
-            baked.push(place(mesh, instance)?);
+            baked.push(place(mesh, instance, self.rig.at_rest.get(index))?);
         }
         match scope {
             Scope::Mesh => Ok(baked),
@@ -154,26 +158,35 @@ impl Scene {
     }
 }
 
-/// `mesh` transformed by `instance`, and named after the node (and the mesh, where the two differ).
-fn place(mesh: Mesh, instance: &Instance) -> Result<Mesh, MeshError> {
+/// `mesh` transformed by `instance`, and named after the node (and the mesh, where the two differ). If the
+/// scene is posed, `posed` says where the instance stands at rest.
+fn place(mesh: Mesh, instance: &Instance, posed: Option<&AtRest>) -> Result<Mesh, MeshError> {
     let name = match (instance.name.as_str(), mesh.name.as_str()) {
         ("", name) | (name, "") => name.to_owned(),
         (node, mesh) if node == mesh => node.to_owned(),
         (node, mesh) => format!("{node} / {mesh}"),
     };
-    if instance.world_from_mesh == Mat4::IDENTITY {
+    let world_from_mesh = instance.world_from_mesh;
+    let at_rest = posed.map_or(world_from_mesh, |at_rest| at_rest.world_from_mesh);
+    if (world_from_mesh, at_rest) == (Mat4::IDENTITY, Mat4::IDENTITY) {
         return Ok(mesh.with_name(name));
     }
-    let (origins, skin) = (mesh.origins().cloned(), mesh.skin().cloned());
-    let (mut positions, mut triangles, parts, mut frames) = mesh.into_parts();
-    for position in frames.iter_mut().flatten().chain(&mut positions) {
-        *position = instance.world_from_mesh.transform_point3((*position).into()).into();
+    let (origins, mut skin) = (mesh.origins().cloned(), mesh.skin().cloned());
+    if let (None, Some(posed)) = (&skin, posed.filter(|posed| posed.mover > 0)) {
+        skin = Some(vec![posed.mover; mesh.vertex_count()].into());
     }
-    if instance.world_from_mesh.as_dmat4().determinant() < 0.0 {
+    let placed = |matrix: Mat4| move |p: [f32; 3]| -> [f32; 3] { matrix.transform_point3(p.into()).into() };
+    // What moves is welded where it stands at rest.
+    let here = (at_rest != world_from_mesh).then(|| mesh.positions().to_vec().into());
+    let rest = moved_positions(mesh.rest().cloned().or(here).as_ref(), placed(at_rest));
+    let (mut positions, mut triangles, parts, mut frames) = mesh.into_parts();
+    frames.iter_mut().flatten().for_each(|position| *position = placed(at_rest)(*position));
+    positions.iter_mut().for_each(|position| *position = placed(world_from_mesh)(*position));
+    if world_from_mesh.as_dmat4().determinant() < 0.0 {
         triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
     }
     let placed = Mesh::new(positions, triangles)?.with_name(name).with_parts(parts);
-    placed.with_origins_of(origins).with_skin(skin).with_frames(frames)
+    Ok(placed.with_origins_of(origins).with_skin(skin).with_frames(frames)?.with_rest(rest))
 }
 
 /// Each part of `mesh` as a mesh of its own, with only the vertices that it uses.
@@ -218,6 +231,7 @@ fn pick(mesh: &Mesh, faces: &[[u32; 3]], new_of_old: &mut [u32]) -> Result<Mesh,
     let picked = Mesh::new(pick(mesh.positions()), triangles)?
         .with_frames(mesh.frames().iter().map(|frame| pick(frame)).collect())?;
     let skin = mesh.skin().map(|skin| old_of_new.iter().map(|&old| skin[old as usize]).collect::<Vec<_>>());
+    let rest = mesh.rest().map(|rest| pick(rest).into());
     old_of_new.iter().for_each(|&old| new_of_old[old as usize] = u32::MAX);
-    Ok(picked.with_skin(skin.map(Into::into)))
+    Ok(picked.with_skin(skin.map(Into::into)).with_rest(rest))
 }

@@ -34,6 +34,7 @@ impl Scene {
         }
         let unplaced =
             |instance: &mut Instance| std::mem::replace(&mut instance.world_from_mesh, Mat4::IDENTITY);
+        self.rig.at_rest.iter_mut().for_each(|at_rest| at_rest.world_from_mesh = Mat4::IDENTITY);
         let transforms: Vec<Mat4> = self.instances.iter_mut().map(unplaced).collect();
         let mut all = Vec::with_capacity(transforms.len());
         for (mesh, world_from_mesh) in self.bake(Scope::Mesh)?.into_iter().zip(transforms) {

@@ -67,6 +67,8 @@ impl Scene {
             };
             instances.push(Instance { mesh: slot, ..instance.clone() });
         }
+        let kept: Vec<bool> = kept.iter().map(|parts| parts.contains(&true)).collect();
+        self.rig.retain(&kept);
         (self.meshes, self.instances) = (meshes, instances);
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod ambient;
+mod animate;
 mod check;
 mod check_page;
 mod corpus;

@@ -1,6 +1,7 @@
 //! glTF and GLB: every feature on a document made here, every defect refused with one line, real files by
 //! their facts.
 
+mod animation;
 mod buffer;
 mod defect;
 mod draco;

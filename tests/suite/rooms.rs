@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the library, lowest first. `gpu` wraps wgpu and knows no mesh. `built`, `choice`, `fault`,
 /// `parallel` and `random` are single files that every module may use.
-const ORDER: [&str; 29] = [
+const ORDER: [&str; 30] = [
     "random",
     "fault",
     "parallel",
@@ -16,6 +16,7 @@ const ORDER: [&str; 29] = [
     "built",
     "view",
     "gpu",
+    "animate",
     "scene",
     "read",
     "write",

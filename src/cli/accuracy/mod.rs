@@ -23,6 +23,7 @@ use super::lights::LightArgs;
 use super::load::MeshArgs;
 use super::output::{self, Output};
 use super::parsers::{large, refuse_overwriting, require_folder, seed};
+use super::pose::PoseArgs;
 use super::progress::Progress;
 use super::render::parse_samples;
 use super::resources::{AdapterArgs, ThreadArgs};
@@ -56,6 +57,9 @@ pub(crate) struct Args {
 
     #[command(flatten)]
     mesh: MeshArgs,
+
+    #[command(flatten)]
+    pose: PoseArgs,
 
     #[command(flatten)]
     cast: CastArgs,
@@ -156,6 +160,7 @@ impl Args {
         SourceArgs {
             file: file.to_owned(),
             mesh: self.mesh.clone(),
+            pose: self.pose.clone(),
             cast: self.cast.clone(),
             lights: self.lights.clone(),
         }

@@ -54,6 +54,7 @@ pub(super) fn refuse(args: &Args) -> Result<(), Failure> {
     let asked = args.require.iter().find(more).map(|asked| format!("--require {asked}"));
     let within = args.mesh.welds_within().then(|| "--weld DIST".to_owned());
     let others = [
+        (args.pose.asked().is_some(), "a pose"),
         (args.self_intersections, "--self-intersections"),
         (args.mark.is_some(), "--mark"),
         (args.picture.is_some(), "--picture"),

@@ -9,6 +9,7 @@ use umbrage::read::Format;
 use umbrage::topology::Topology;
 
 use super::fast::Screened;
+use super::frames::Frames;
 use super::report::Listed;
 use super::{FileReport, Found, MeshReport, Place};
 use crate::cli::error::Failure;
@@ -51,6 +52,7 @@ pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>
         verdict: report.verdict(),
         requirements: report.requirements.iter().map(|&asked| requirement(report, asked)).collect(),
         rounding: report.rounding,
+        frames: report.frames.as_ref().map(Frames::to_json),
         meshes: report.meshes.iter().map(mesh).collect(),
         total: total(report, limit),
     };
@@ -64,6 +66,7 @@ pub(super) fn screened(files: &[PathBuf], reports: &[Result<Screened, Failure>])
         verdict: report.verdict(),
         requirements: Value::Null,
         rounding: None,
+        frames: None,
         meshes: report
             .meshes
             .iter()
@@ -85,6 +88,8 @@ struct Entry {
     verdict: Verdict,
     requirements: Value,
     rounding: Option<f64>,
+    /// There only if it was asked for.
+    frames: Option<Value>,
     meshes: Vec<Value>,
     total: Value,
 }
@@ -101,10 +106,11 @@ fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry,
                 Err(failure) => (failure.format, Some(failure.to_string())),
             };
             let rounding = report.as_ref().ok().and_then(|entry| entry.rounding);
+            let frames = report.as_ref().ok().and_then(|entry| entry.frames.clone());
             let (meshes, total, requirements) = report.map_or((vec![], Value::Null, Value::Null), |entry| {
                 (entry.meshes, entry.total, entry.requirements)
             });
-            json!({
+            let mut entry = json!({
                 "file": file.to_string_lossy(),
                 "format": format.map(|format| format.name()),
                 "error": error,
@@ -112,7 +118,11 @@ fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry,
                 "total": total,
                 "requirements": requirements,
                 "rounding": rounding,
-            })
+            });
+            if let Some(frames) = frames {
+                entry["frames"] = frames;
+            }
+            entry
         })
         .collect();
     joined(entries, &verdicts)

@@ -3,6 +3,7 @@
 mod baseline;
 mod drawn;
 mod fast;
+mod frames;
 mod json;
 mod junit;
 mod mark;
@@ -29,6 +30,7 @@ use super::files;
 use super::load::MeshArgs;
 use super::output::{self, Output};
 use super::parsers::{refuse_overwriting, require_folder, whole};
+use super::pose::PoseArgs;
 use super::resources::ThreadArgs;
 use super::{Failure, Outcome, render};
 use baseline::Baseline;
@@ -56,6 +58,9 @@ pub(crate) struct Args {
     #[command(flatten)]
     mesh: MeshArgs,
 
+    #[command(flatten)]
+    pose: PoseArgs,
+
     /// Require this of every mesh, instead of soundness; a list, or repeated [default: sound]
     ///
     /// Sound: watertight, and no shell inside out. Watertight: every edge has exactly two faces, in opposite
@@ -81,6 +86,13 @@ pub(crate) struct Args {
     /// Also look for faces that intersect, and require that there are none; about a microsecond per face
     #[arg(long)]
     self_intersections: bool,
+
+    /// Check every pose: all keys of the clip, each frame at --fps if that is given, or all frames of md2
+    ///
+    /// Says which defects only some poses have, and which pose has each kind first; the rest of the report is
+    /// of the first pose. The verdict is the worst of any pose. At most 10000 poses.
+    #[arg(long, conflicts_with_all = ["time", "frame", "fast"])]
+    all_frames: bool,
 
     /// How many meshes, shells, and defects of each kind are listed
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole, allow_negative_numbers = true)]
@@ -327,10 +339,12 @@ pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
     let args = Args {
         files: vec![file.to_owned()],
         mesh: MeshArgs::default(),
+        pose: PoseArgs::default(),
         require: Vec::new(),
         allow_empty: false,
         fast: false,
         self_intersections: true,
+        all_frames: false,
         limit: 5,
         json: false,
         json_lines: false,
@@ -418,10 +432,12 @@ mod tests {
         Args {
             files: vec![file.to_owned()],
             mesh: MeshArgs::default(),
+            pose: PoseArgs::default(),
             require: Vec::new(),
             allow_empty: false,
             fast: false,
             self_intersections: false,
+            all_frames: false,
             limit: 5,
             json: false,
             json_lines: false,

@@ -13,6 +13,7 @@ use umbrage::scene::OwnSpace;
 use umbrage::topology::Topology;
 
 use super::Args;
+use super::frames::Frames;
 use super::mark::{self, Marks};
 use super::page::Page;
 use super::picture::Sketch;
@@ -32,6 +33,8 @@ pub(in crate::cli) struct FileReport {
     pub(super) joinable: bool,
     /// How far rounding moved a coordinate that was judged; `None` if that is negligible.
     pub(super) rounding: Option<f64>,
+    /// What other poses have; `None` if that was not asked for.
+    pub(super) frames: Option<Frames>,
 }
 
 /// The report of one mesh; the mesh itself is not kept.
@@ -113,7 +116,12 @@ impl Drawings {
 /// Reads a file and reports on it, one mesh at a time.
 pub(super) fn examine(file: &Path, args: &Args, drawings: &mut Drawings) -> Result<FileReport, Failure> {
     let requirements = args.requirements();
-    let scene = args.mesh.scene(file)?;
+    let whole = load::read_whole(file)?;
+    let (whole, frames) = match args.all_frames {
+        true => Frames::check(&whole, args, file, &requirements).map(|(first, all)| (first, Some(all)))?,
+        false => (args.pose.apply(whole, file)?, None),
+    };
+    let scene = args.mesh.chosen(whole, file)?;
     let (format, rounding) = (scene.format, scene.judged_rounding(!args.mesh.is_below_scene()));
     let spaces = args.mesh.own_spaces(scene, file)?;
     let _progress = Progress::spinner(format!("checking {}", file.display()));
@@ -166,7 +174,7 @@ pub(super) fn examine(file: &Path, args: &Args, drawings: &mut Drawings) -> Resu
     let total = |of: fn(&Counts) -> usize| meshes.iter().map(|mesh| of(&mesh.counts)).sum();
     load::note_none_left(file, total(|counts| counts.faces), total(|counts| counts.collapsed_faces));
     let joinable = args.mesh.is_below_scene() && meshes.len() > 1;
-    Ok(FileReport { file: file.to_owned(), format, meshes, requirements, joinable, rounding })
+    Ok(FileReport { file: file.to_owned(), format, meshes, requirements, joinable, rounding, frames })
 }
 
 /// The report on meshes that are in memory, without places of defects.
@@ -192,6 +200,7 @@ pub(in crate::cli) fn report_on(
         requirements: requirements.to_vec(),
         joinable: false,
         rounding: None,
+        frames: None,
     }
 }
 
@@ -288,11 +297,12 @@ impl FileReport {
         self.verdict() == Verdict::Sound
     }
 
-    /// The worst of any mesh; a file without one is empty.
+    /// The worst of any mesh and pose; a file without a mesh is empty.
     pub(in crate::cli) fn verdict(&self) -> Verdict {
         let empty = self.requirements.contains(&Requirement::NotEmpty);
         let nothing = if empty { Verdict::Empty } else { Verdict::Sound };
-        self.meshes.iter().map(|mesh| mesh.verdict).max().unwrap_or(nothing)
+        let of_meshes = self.meshes.iter().map(|mesh| mesh.verdict).max().unwrap_or(nothing);
+        self.frames.as_ref().map_or(of_meshes, |frames| of_meshes.max(frames.verdict()))
     }
 
     /// `None` if there is no mesh.

@@ -30,6 +30,7 @@ impl Display for Report<'_> {
         writeln!(f, "{} ({format})", plain(&self.report.file.to_string_lossy()))?;
         self.counts(f)?;
         self.verdict(f)?;
+        self.frames(f)?;
         self.rounding(f)?;
         for kind in DefectKind::ALL {
             self.defects(f, kind)?;
@@ -179,6 +180,11 @@ impl Report<'_> {
             Some((last, [])) => writeln!(f, "  {sound}: {who} is {last}"),
             Some((last, first)) => writeln!(f, "  {sound}: {who} is {} and {last}", first.join(", ")),
         }
+    }
+
+    /// What the other poses have.
+    fn frames(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.report.frames.as_ref().map_or(Ok(()), |frames| frames.print(f, self.painter))
     }
 
     /// A property that some meshes do not have, or are not proven to have.

@@ -5,7 +5,7 @@ use std::path::Path;
 use umbrage::ambient::PointRays;
 use umbrage::mesh::FaceId;
 use umbrage::plan::{Check, Costs, Judgment, Scenery, Task, check, plan, run as run_tasks};
-use umbrage::render::{CLAY, Ground, View, render_samples};
+use umbrage::render::{CLAY, Ground, Picture, View, render_samples};
 use umbrage::shadow::{Samples, Technique, Visibility};
 use umbrage::view::Camera;
 
@@ -27,7 +27,7 @@ pub(super) fn run(
     ground: Option<Ground>,
     techniques: &[Option<Technique>],
     saved: Option<(&Path, Saved)>,
-) -> Result<Outcome, Failure> {
+) -> Result<(Picture, Outcome), Failure> {
     require_faces(source, &args.source.file)?;
     let physical = args.falloff == FalloffArg::Physical;
     if let Some((path, saved)) = &saved {
@@ -106,9 +106,7 @@ pub(super) fn run(
     let picture = render_samples(&samples, &view, &visibility);
     drop(progress);
     let picture = picture.map_err(|error| Failure::new(error, "choose a smaller --size"))?;
-    picture.write_png(&args.output)?;
-    output::wrote(&args.output);
-    Ok(if meets_budget && !failed { Outcome::Sound } else { Outcome::Unsound })
+    Ok((picture, if meets_budget && !failed { Outcome::Sound } else { Outcome::Unsound }))
 }
 
 /// A technique that was asked for by name: it may exceed the budget, and is not replaced.

@@ -1,5 +1,7 @@
 //! Accessors: elements in a buffer view, some of them replaced by sparse values.
 
+use glam::DMat4;
+
 use super::asset::Asset;
 use super::component::Component;
 use super::document::Kind;
@@ -42,6 +44,43 @@ pub(super) fn vectors<const N: usize>(
         }
     }
     Ok(vectors)
+}
+
+/// Finite numbers; small integers are fractions of their largest where the accessor says so.
+pub(super) fn scalars(asset: &Asset, index: usize, what: &str) -> Result<Vec<f32>, ReadError> {
+    let object = asset.document.item(Kind::Accessor, index)?;
+    let component = Component::of(&object)?;
+    expect_shape(&object, "SCALAR", what)?;
+    let normalized = object.flag("normalized")?;
+    let numbers =
+        elements(asset, &object, component.bytes(), 0.0, |bytes| component.float(bytes, normalized))?;
+    match numbers.iter().position(|number: &f32| !number.is_finite()) {
+        None => Ok(numbers),
+        Some(element) => {
+            let value = numbers[element];
+            Err(object.error(format!("element {element} is {value}, which is not a finite number")))
+        }
+    }
+}
+
+/// Matrices of 32-bit floats, all finite.
+pub(super) fn matrices(asset: &Asset, index: usize, what: &str) -> Result<Vec<DMat4>, ReadError> {
+    let object = asset.document.item(Kind::Accessor, index)?;
+    expect_shape(&object, "MAT4", what)?;
+    if Component::of(&object)? != Component::F32 {
+        return Err(object.error(format!("holds integers, but {what} is of 32-bit floats")));
+    }
+    let count = object.required("count", object.whole("count")?)?;
+    // A matrix takes more bytes than an element is charged as.
+    asset.charge_bytes(count.saturating_mul(size_of::<DMat4>()), &object)?;
+    let matrices = elements(asset, &object, 64, DMat4::IDENTITY, |bytes| {
+        let column = |at: usize| f64::from(Component::F32.float(&bytes[4 * at..], false));
+        DMat4::from_cols_array(&std::array::from_fn(column))
+    })?;
+    match matrices.iter().position(|matrix: &DMat4| !matrix.is_finite()) {
+        None => Ok(matrices),
+        Some(element) => Err(object.error(format!("element {element} has a number that is not finite"))),
+    }
 }
 
 /// The vertex indices that an accessor holds.

@@ -11,6 +11,9 @@ use super::skin::Numbers;
 use crate::mesh::{Mesh, Part};
 use crate::read::{Place, ReadError};
 
+/// What is said of a mesh that is not posed.
+pub(super) const DEFAULT_WEIGHTS: &str = "default morph weights ignored, read at rest";
+
 /// How a primitive's indices are to be taken.
 #[derive(Clone, Copy)]
 enum Mode {
@@ -41,19 +44,18 @@ pub(super) struct Primitive {
     displacements: Vec<Option<Vec<[f32; 3]>>>,
 }
 
-/// Reads mesh `index` of the document; `skinned` if some node moves it by a skin.
-pub(super) fn read(asset: &Asset, index: usize, skinned: bool) -> Result<Mesh, ReadError> {
+/// Reads mesh `index` of the document; with `skin` if some node moves it by one.
+pub(super) fn read(asset: &Asset, index: usize, mut skin: Option<&mut Numbers>) -> Result<Mesh, ReadError> {
     let notes = asset.notes;
     let object = asset.document.item(Kind::Mesh, index)?;
     if is_morphed(&object) {
-        notes.add("default morph weights ignored, read at rest", &object.place);
+        notes.add(DEFAULT_WEIGHTS, &object.place);
     }
     let mut primitives = Vec::new();
-    let mut skin = skinned.then(Numbers::default);
     for (index, primitive) in object.objects("primitives", "primitive")?.enumerate() {
         let primitive = primitive?;
         if let Some(geometry) = read_primitive(asset, &primitive)? {
-            if let Some(skin) = &mut skin {
+            if let Some(skin) = skin.as_deref_mut() {
                 skin.add(asset, &primitive, geometry.positions.len());
             }
             let what = "material that does not exist left out";
@@ -90,7 +92,7 @@ pub(super) fn read(asset: &Asset, index: usize, skinned: bool) -> Result<Mesh, R
     }
     Mesh::new(positions, triangles)
         .and_then(|mesh| mesh.with_parts(parts).with_name(object.name()).with_frames(frames))
-        .map(|mesh| mesh.with_skin(skin.map(|skin| skin.of_vertices.into())))
+        .map(|mesh| mesh.with_skin(skin.map(|skin| skin.take().into())))
         .map_err(|error| object.error(error.to_string()))
 }
 

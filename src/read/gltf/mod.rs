@@ -5,12 +5,14 @@
 //! the scene shows is read: a mesh that no node names is noted, not decoded.
 //!
 //! A skinned mesh is read in its bind pose, and its node's transform is ignored, as the specification says
-//! (§3.7.3). Of its joints and weights only a number per vertex is kept, equal for equal ones. Morph targets
-//! become frames of the mesh, each target at full weight on its own.
+//! (§3.7.3). Its vertices have a number each, equal for equal joints and weights. Morph targets become frames
+//! of the mesh, each target at full weight on its own. Where something moves, [`rig`] keeps what
+//! [`Scene::pose`] needs.
 //!
 //! Work and memory are linear in the bytes of the file and its buffers: see [`asset`] for the bound.
 
 mod accessor;
+mod animation;
 mod asset;
 mod camera;
 mod component;
@@ -27,6 +29,7 @@ mod meshopt;
 mod node;
 mod notes;
 mod object;
+mod rig;
 mod skin;
 pub(crate) mod stored;
 mod tree;
@@ -42,6 +45,8 @@ use self::asset::Asset;
 use self::document::{Document, Kind};
 use self::notes::Notes;
 use self::object::Object;
+use self::rig::{Hanging, Hung};
+use self::skin::Numbers;
 use super::{Format, Place, ReadError, Source};
 use crate::scene::{Instance, LeftOutCamera, Scene};
 
@@ -73,6 +78,12 @@ fn read_untagged<R: BufRead>(
     scene(&Asset::new(&document, &notes, bin, folder, bytes.len()))
 }
 
+/// What is said of a scene that is not posed.
+const SKINNED: &str = "skinned node read in the bind pose, its own transform ignored";
+const WEIGHTS: &str = "morph weights of the node ignored, its mesh read at rest";
+const ANIMATION: &str = "animation ignored";
+const AT_REST: [&str; 4] = [SKINNED, WEIGHTS, mesh::DEFAULT_WEIGHTS, ANIMATION];
+
 /// The default scene, or else the first, or else all root nodes, or else every mesh once.
 fn scene(asset: &Asset) -> Result<Scene, ReadError> {
     let (document, notes) = (asset.document, asset.notes);
@@ -80,11 +91,16 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
     // Whether some node moves the mesh by a skin.
     let mut is_skinned = vec![false; document.list(Kind::Mesh).len()];
     // `mesh` is an index of the document until all that stands in the scene is known.
-    for placed in node::scene_nodes(document, notes)? {
+    let nodes = node::scene_nodes(document, notes)?;
+    let mut hanging = Hanging::default();
+    for (at, placed) in nodes.iter().enumerate() {
         let node = document.item(Kind::Node, placed.index)?;
         let world = placed.world_from_node;
         match camera::read(document, &node, world, notes) {
-            Some(Ok(camera)) => scene.cameras.push(camera),
+            Some(Ok(camera)) => {
+                scene.cameras.push(camera);
+                hanging.camera_nodes.push(at);
+            }
             Some(Err(camera::Unusable { name, problem })) => {
                 let number = scene.cameras.len() + scene.left_out_cameras.len() + 1;
                 scene.left_out_cameras.push(LeftOutCamera { name, number, problem });
@@ -95,20 +111,23 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
             continue;
         }
         scene.lamps.extend(light::read(document, &node, world, notes));
+        hanging.lamp_nodes.resize(scene.lamps.len(), at);
         if let Some(mesh) = node.link("mesh", document, Kind::Mesh)? {
-            let skinned = node.link("skin", document, Kind::Skin)?.is_some();
+            let skin = node.link("skin", document, Kind::Skin)?;
+            let skinned = skin.is_some();
             is_skinned[mesh] |= skinned;
             if skinned {
-                notes.add("skinned node read in the bind pose, its own transform ignored", &node.place);
+                notes.add(SKINNED, &node.place);
             }
             if mesh::is_morphed(&node) {
-                notes.add("morph weights of the node ignored, its mesh read at rest", &node.place);
+                notes.add(WEIGHTS, &node.place);
             }
             let world = if skinned { glam::DMat4::IDENTITY } else { world };
             match instancing::read(asset, &node, world)? {
                 None => {
                     let instance = Instance { mesh, name: node.name(), world_from_mesh: world.as_mat4() };
                     scene.instances.push(instance);
+                    hanging.instances.push(Hung { node: Some(at), mesh, skin, copy: None });
                 }
                 Some(transforms) => {
                     let name = node.name();
@@ -117,6 +136,8 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
                         name: format!("{name} [{index}]"),
                         world_from_mesh,
                     };
+                    let hung = |copy| Hung { node: Some(at), mesh, skin, copy: Some(copy) };
+                    hanging.instances.extend((0..transforms.len()).map(hung));
                     scene.instances.extend(transforms.into_iter().enumerate().map(instance));
                 }
             }
@@ -128,15 +149,17 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
             notes.add("mesh placed at the origin, for the file has no nodes", &object.place);
             let name = object.name();
             scene.instances.push(Instance { mesh, name, world_from_mesh: Mat4::IDENTITY });
+            hanging.instances.push(Hung { node: None, mesh, skin: None, copy: None });
         }
     }
 
+    let mut numbers = Numbers::default();
     let mut slot_of_mesh = vec![None; document.list(Kind::Mesh).len()];
     scene.instances.iter().for_each(|instance| slot_of_mesh[instance.mesh] = Some(0));
     for (mesh, slot) in slot_of_mesh.iter_mut().enumerate() {
         if slot.is_some() {
             *slot = Some(scene.meshes.len());
-            scene.meshes.push(mesh::read(asset, mesh, is_skinned[mesh])?);
+            scene.meshes.push(mesh::read(asset, mesh, is_skinned[mesh].then_some(&mut numbers))?);
         } else {
             notes.add("mesh not read, for it stands nowhere in the scene", &Object::place(Kind::Mesh, mesh));
         }
@@ -147,7 +170,14 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
     let materials = 0..document.list(Kind::Material).len();
     scene.materials = materials.map(|index| material::read(document, index, notes)).collect();
     let animations = document.object().list("animations").map_or(0, <[_]>::len);
-    notes.add_many("animation ignored", "animation 0", animations);
-    scene.notes = notes.lines();
+    notes.add_many(ANIMATION, "animation 0", animations);
+    scene.notes = notes.take_lines();
+    let morphs = (0..slot_of_mesh.len()).map(|mesh| rig::has_targets(asset, mesh)).collect::<Vec<_>>();
+    scene.rig = rig::read(asset, nodes, hanging, &numbers, &morphs);
+    if !scene.rig.is_empty() {
+        let is_at_rest = |note: &&String| AT_REST.iter().any(|text| note.contains(text));
+        scene.rig.notes_at_rest = scene.notes.iter().filter(is_at_rest).cloned().collect();
+        scene.rig.notes = notes.take_lines();
+    }
     Ok(scene)
 }

@@ -8,6 +8,7 @@ use super::document::{Document, Kind};
 use super::notes::Notes;
 use super::object::Object;
 use super::tree::Tree;
+use crate::animate::Local;
 use crate::read::ReadError;
 
 /// A node of the scene.
@@ -18,23 +19,32 @@ pub(super) struct Placed {
     pub(super) world_from_node: DMat4,
     /// Whether it or a node above it says that it is not to be seen.
     pub(super) hidden: bool,
+    /// Its place in this list.
+    pub(super) parent: Option<usize>,
+    /// Its own transform.
+    pub(super) local: Local,
 }
 
 /// The nodes of the default scene, parents before children. Transforms are multiplied in `f64`.
 pub(super) fn scene_nodes(document: &Document, notes: &Notes) -> Result<Vec<Placed>, ReadError> {
     let tree = Tree::new(document, notes)?;
     let mut nodes = Vec::new();
-    let mut pending: Vec<(usize, DMat4, bool)> =
-        tree.roots.iter().rev().map(|&root| (root, DMat4::IDENTITY, false)).collect();
-    while let Some((index, world_from_parent, hidden)) = pending.pop() {
+    let mut pending: Vec<(usize, Option<usize>)> =
+        tree.roots.iter().rev().map(|&root| (root, None)).collect();
+    while let Some((index, parent)) = pending.pop() {
         let node = document.item(Kind::Node, index)?;
-        let world_from_node = world_from_parent * parent_from_node(&node)?;
+        let above = parent.map(|parent: usize| &nodes[parent]);
+        let (world_from_parent, hidden) =
+            above.map_or((DMat4::IDENTITY, false), |above: &Placed| (above.world_from_node, above.hidden));
+        let local = parent_from_node(&node)?;
+        let world_from_node = world_from_parent * local.matrix();
         if !world_from_node.as_mat4().is_finite() {
             return Err(node.error("stands beyond the range of 32-bit floats"));
         }
         let hidden = hidden || hides(&node, notes);
-        nodes.push(Placed { index, world_from_node, hidden });
-        pending.extend(tree.children[index].iter().rev().map(|&child| (child, world_from_node, hidden)));
+        let this = Some(nodes.len());
+        nodes.push(Placed { index, world_from_node, hidden, parent, local });
+        pending.extend(tree.children[index].iter().rev().map(|&child| (child, this)));
     }
     Ok(nodes)
 }
@@ -56,13 +66,13 @@ fn hides(node: &Object, notes: &Notes) -> bool {
 }
 
 /// A node's own transform: a matrix, or translation, rotation and scale.
-fn parent_from_node(node: &Object) -> Result<DMat4, ReadError> {
+fn parent_from_node(node: &Object) -> Result<Local, ReadError> {
     if let Some(columns) = node.numbers::<16>("matrix")? {
         let matrix = DMat4::from_cols_array(&columns);
         if matrix.row(3) != DVec4::W {
             return Err(node.error("has a matrix whose last row is not 0, 0, 0, 1"));
         }
-        return Ok(matrix);
+        return Ok(Local::Matrix(matrix));
     }
     let translation = node.numbers("translation")?.map_or(DVec3::ZERO, DVec3::from_array);
     let scale = node.numbers("scale")?.map_or(DVec3::ONE, DVec3::from_array);
@@ -70,7 +80,7 @@ fn parent_from_node(node: &Object) -> Result<DMat4, ReadError> {
         None => DQuat::IDENTITY,
         Some(xyzw) => rotation(xyzw).ok_or_else(|| node.error("has a rotation of length zero"))?,
     };
-    Ok(DMat4::from_scale_rotation_translation(scale, rotation, translation))
+    Ok(Local::Parts { translation, rotation, scale })
 }
 
 /// A quaternion at unit length: written as 32-bit floats, or less, it is a unit only nearly. `None` if it has

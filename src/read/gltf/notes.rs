@@ -51,7 +51,14 @@ impl Notes {
         }
     }
 
-    pub(super) fn lines(&self) -> Vec<String> {
+    /// The lines so far; what is noted from here on is told apart.
+    pub(super) fn take_lines(&self) -> Vec<String> {
+        let lines = self.lines();
+        self.kinds.borrow_mut().clear();
+        lines
+    }
+
+    fn lines(&self) -> Vec<String> {
         let line = |Note { what, place, why, times }: &Note| {
             let place = match times {
                 1 => place.clone(),

@@ -13,15 +13,30 @@ use crate::read::ReadError;
 /// order of the joints.
 type Influences = Vec<(u32, u32)>;
 
-/// The numbers of vertices, mesh by mesh: equal for equal influences.
+/// The numbers of vertices: equal for equal influences, also in different meshes.
 #[derive(Default)]
 pub(super) struct Numbers {
     known: HashMap<Influences, u32>,
-    /// One a vertex of all primitives so far.
-    pub(super) of_vertices: Vec<u32>,
+    /// One a vertex of all primitives of the mesh so far.
+    of_vertices: Vec<u32>,
 }
 
 impl Numbers {
+    /// The numbers of a mesh, whose primitives have been added.
+    pub(super) fn take(&mut self) -> Vec<u32> {
+        std::mem::take(&mut self.of_vertices)
+    }
+
+    /// Joints and weights of each number.
+    pub(super) fn lists(&self) -> Vec<Vec<(u32, f32)>> {
+        let mut lists = vec![Vec::new(); self.known.len()];
+        for (influences, &number) in &self.known {
+            let weighted = influences.iter().map(|&(joint, bits)| (joint, f32::from_bits(bits)));
+            lists[number as usize] = weighted.collect();
+        }
+        lists
+    }
+
     /// Adds the `count` vertices of a primitive. What cannot be read moves nothing, and is noted.
     pub(super) fn add(&mut self, asset: &Asset, primitive: &Object, count: usize) {
         let influences = match read(asset, primitive, count) {

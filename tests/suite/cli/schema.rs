@@ -89,6 +89,12 @@ fn wrong(root: &Value, schema: &Value, value: &Value, at: &str) -> Option<String
     None
 }
 
+/// Panics where a document is not as the schema says.
+pub(super) fn require(document: &Value) {
+    let schema = schema();
+    assert_eq!(wrong(&schema, &schema, document, ""), None);
+}
+
 #[test]
 fn schema_describes_every_kind_of_report() {
     let schema = schema();

@@ -8,7 +8,7 @@ use super::shadow::{ShadowAccuracy, ShadowRow, mark_dominated, timed};
 use crate::caster::{CasterGroup, GpuCaster};
 use crate::gpu::{Gpu, GpuError, wgpu};
 use crate::shadow::planar::gpu::{GpuGround, PlanarPass};
-use crate::shadow::stencil::{StencilMethod, StencilPass};
+use crate::shadow::stencil::{ReceiverTiles, StencilMethod, StencilPass};
 use crate::shadow::{Claim, Depth, GpuSamples, Request, Samples, Technique, Visibility};
 use crate::verify::errors::{Errors, Made, Truth};
 use crate::verify::pixels::{PixelVerdict, PlanarFootprint, Rendered, compare};
@@ -47,12 +47,14 @@ impl ShadowAccuracy {
         for (technique, method) in ON_DEVICE {
             let (volumes, volume_ms) = timed(|| {
                 let volumes = caster.stencil_volumes(&light, projection, None, method);
-                volumes.upload(gpu).map(|uploaded| (volumes, uploaded))
+                volumes.upload_in_pieces(gpu, caster).map(|uploaded| (volumes, uploaded))
             });
             let (volumes, uploaded) = volumes?;
             let (draws, counting) = (uploaded.draws(), volumes.counting());
+            // Where the volumes may count depends on the camera, so it is found again in each frame.
             let frame = || {
-                let visibility = pass.visibility(&drawn, &draws, counting)?;
+                let within = pass.within(ReceiverTiles::facing(samples, &light));
+                let visibility = within.visibility(&drawn, &draws, counting)?;
                 gpu.attempt(|| gpu.device().poll(wgpu::PollType::wait_indefinitely()))?.ok();
                 Ok::<_, GpuError>(visibility)
             };

@@ -25,7 +25,7 @@ mod zpass_verdict;
 pub(super) use cpu::StencilCounting;
 pub use depth_complexity::{DepthComplexity, max_depth_complexity};
 #[cfg(feature = "gpu")]
-pub use gpu::{Draw, StencilFrame, StencilPass};
+pub use gpu::{Draw, MaskedPass, StencilFrame, StencilPass, ZPassPlusPass};
 pub use mask::{Counting, ShadowMask};
 pub use method::ShellMethods;
 #[cfg(feature = "gpu")]

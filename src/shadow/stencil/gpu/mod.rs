@@ -8,13 +8,17 @@
 //! anywhere.
 
 mod frame;
+mod masked;
 mod pipelines;
+mod zpass_plus;
 
 use std::sync::Arc;
 
 use frame::Scissored;
 pub use frame::StencilFrame;
+pub use masked::MaskedPass;
 use pipelines::Pipelines;
+pub use zpass_plus::ZPassPlusPass;
 
 use super::{Counting, ReceiverTiles, ShadowMask};
 use crate::caster::GpuCaster;
@@ -346,7 +350,7 @@ mod tests {
                 let volume = volume.unwrap();
                 let draw = [Draw { volume: &volume, method: StencilMethod::ZFail }];
                 let counts = |behind| {
-                    let pipelines = Pipelines::behind(&gpu, Depth::Plane, behind).unwrap();
+                    let pipelines = Pipelines::behind_by(&gpu, Depth::Plane, behind).unwrap();
                     let pass = StencilPass { gpu: gpu.clone(), depth: Depth::Plane, pipelines, within: None };
                     let mask = pass.mask(&projection, size, &receivers, &draw, Counting::Stencil).unwrap();
                     mask.raw().to_vec()

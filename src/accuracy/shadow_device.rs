@@ -1,7 +1,9 @@
 //! The device form of techniques, beside their CPU form.
 
+mod counted;
 mod maps;
 
+use self::counted::Counted;
 use self::maps::{MapForms, Passes};
 use super::Spread;
 use super::shadow::{ShadowAccuracy, ShadowRow, mark_dominated, timed};
@@ -11,7 +13,7 @@ use crate::shadow::planar::gpu::{GpuGround, PlanarPass};
 use crate::shadow::stencil::{StencilMethod, StencilPass};
 use crate::shadow::{Claim, Depth, GpuSamples, Request, Samples, Technique, Visibility};
 use crate::verify::errors::{Errors, Made, Truth};
-use crate::verify::pixels::{PixelVerdict, PlanarFootprint, Rendered, compare};
+use crate::verify::pixels::PlanarFootprint;
 
 /// The techniques with a device form, and the method that counts every shell.
 const ON_DEVICE: [(Technique, Option<StencilMethod>); 3] = [
@@ -36,7 +38,6 @@ impl ShadowAccuracy {
     ) -> Result<(), GpuError> {
         let ([caster], 1) = (casters.casters(), samples.per_side()) else { return Ok(()) };
         let (lamp, truth) = (self.lamp.clone(), self.truth.clone());
-        let light = *lamp.light();
         let request = Request { casters, lamp: &lamp, samples };
         let pass = StencilPass::new(gpu, Depth::Plane)?;
         let (on_device, upload_ms) =
@@ -44,66 +45,29 @@ impl ShadowAccuracy {
         let on_device = on_device?;
         let (projection, size) = (samples.projection(), samples.size());
         let drawn = on_device.samples(projection, size, Depth::Plane)?;
+        let counted =
+            Counted { gpu, caster, request: &request, truth: &truth, pass, drawn, on_device, rounds };
+        let prepare_ms = self.counting_ms + upload_ms;
         for (technique, method) in ON_DEVICE {
-            let (volumes, volume_ms) = timed(|| {
-                let volumes = caster.stencil_volumes(&light, projection, None, method);
-                volumes.upload(gpu).map(|uploaded| (volumes, uploaded))
-            });
-            let (volumes, uploaded) = volumes?;
-            let (draws, counting) = (uploaded.draws(), volumes.counting());
-            let frame = || {
-                let visibility = pass.visibility(&drawn, &draws, counting)?;
-                gpu.attempt(|| gpu.device().poll(wgpu::PollType::wait_indefinitely()))?.ok();
-                Ok::<_, GpuError>(visibility)
-            };
-            let visibility = frame()?;
-            let (values, readback_ms) = timed(|| visibility.download(gpu));
-            let frames = (0..rounds.max(1)).map(|_| timed(frame)).map(|(found, ms)| found.map(|_| ms));
-            let frames = frames.collect::<Result<Vec<f64>, _>>()?;
-            // z-pass claims something only where it was chosen, not where it was asked for.
-            let claim = match method {
-                Some(StencilMethod::ZPass) => Claim::Approximate,
-                _ => Claim::WithinFootprint,
-            };
-            let shown = Visibility::from_values(samples, &light, values?, claim);
-            let mask = pass.mask(projection, size, &on_device, &draws, counting)?;
-            let rendered = Rendered {
-                caster,
-                seen: casters.seen_caster(),
-                signs: &volumes.signs,
-                light: &light,
-                projection,
-                // Samples are cut at the near plane, too.
-                seen_from: projection.near,
-                mask: &mask,
-                unsure: &[],
-            };
-            let verdicts = compare(&rendered, 0, &|_| {}).verdicts;
-            let footprint: Vec<bool> = verdicts.iter().map(|&v| v == PixelVerdict::Grazing).collect();
-            let made = Made { footprint: &footprint, ..Made::default() };
-            let errors = Errors::of(&request, &shown, &truth, &made);
-            self.rows.push(ShadowRow {
-                technique,
-                device: Some(gpu.name()),
-                claim,
-                holds: errors.hold(claim),
-                errors,
-                asked_exactly: None,
-                prepare_ms: self.counting_ms + upload_ms + volume_ms,
-                frame_ms: Spread::of(frames),
-                readback_ms: Some(readback_ms),
-                reads: None,
-                bias_world: None,
-                texel_world: None,
-                bytes: (volumes.volumes.iter().map(|(_, volume)| volume.bytes()).sum::<usize>()
-                    + samples.len()) as u64,
-                dominated_by: None,
-                values: shown.values().to_vec(),
-            });
+            self.rows.push(counted.row(technique, method, prepare_ms)?);
         }
+        let others = self.rows.clone().into_iter().filter(|row| row.device.is_none());
+        for technique in others.map(|row| row.technique) {
+            let row = match technique {
+                Technique::ZPassPlus => counted.zpass_plus(prepare_ms),
+                Technique::Hybrid(options) => counted.masked(options, prepare_ms),
+                _ => continue,
+            };
+            match row {
+                // Counts that the stencil does not hold.
+                Err(GpuError::NotBuilt(_)) => {}
+                row => self.rows.push(row?),
+            }
+        }
+        let drawn = &counted.drawn;
         let passes = Passes::new(gpu)?;
-        MapForms::new(gpu, &passes, &request, &truth, &drawn, rounds)?.add_rows(&mut self.rows)?;
-        self.add_planar(gpu, &request, &truth, &drawn, rounds)?;
+        MapForms::new(gpu, &passes, &request, &truth, drawn, rounds)?.add_rows(&mut self.rows)?;
+        self.add_planar(gpu, &request, &truth, drawn, rounds)?;
         mark_dominated(&mut self.rows);
         Ok(())
     }

@@ -5,7 +5,7 @@ use umbrage::facing::CasterFaces;
 use umbrage::gpu::{Gpu, GpuError};
 use umbrage::render::{Picture, ShadedLight, View, render_visibility};
 use umbrage::shadow::stencil::{
-    Counting, Draw, GpuStencilVolumes, ShadowMask, StencilMethod, StencilPass, StencilVolumes,
+    Counting, Draw, GpuStencilVolumes, ReceiverTiles, ShadowMask, StencilMethod, StencilPass, StencilVolumes,
 };
 use umbrage::shadow::{Depth, GpuVisibility};
 use umbrage::view::Projection;
@@ -31,6 +31,9 @@ pub(crate) struct Stage<'a> {
     volumes: Vec<Option<GpuStencilVolumes>>,
 }
 
+/// Samples whose depth is read back, for 8 bytes each, so that volumes are drawn only where they may count.
+const MOST_READ: usize = 1 << 24;
+
 impl<'a> Stage<'a> {
     /// `seen` has the faces of `caster` and those that only receive; `shadows` has one entry per lamp. All
     /// faces cast: proving that half of them are enough takes longer than drawing the other half once.
@@ -53,7 +56,9 @@ impl<'a> Stage<'a> {
                 Shadowing::Lit => None,
             })
             .collect();
-        let upload = |casting: &Option<StencilVolumes>| casting.as_ref().map(|it| it.upload(gpu)).transpose();
+        let upload = |casting: &Option<StencilVolumes>| {
+            casting.as_ref().map(|it| it.upload_in_pieces(gpu, caster)).transpose()
+        };
         let volumes = castings.iter().map(upload).collect::<Result<_, _>>()?;
         let pass = StencilPass::new(gpu, Depth::Plane)?;
         let on_device = GpuCaster::upload(gpu, seen)?;
@@ -68,8 +73,12 @@ impl<'a> Stage<'a> {
     /// The lit picture.
     pub(crate) fn picture(&self) -> Result<Picture, GpuError> {
         let samples = self.view.samples(&self.on_device, &self.projection, self.pass.depth())?;
+        let pass = match samples.size().pixels() <= MOST_READ {
+            true => self.pass.within(ReceiverTiles::read(&samples)?),
+            false => self.pass.clone(),
+        };
         render_visibility(&samples, self.seen, &self.view, |lamp| match self.counted(lamp) {
-            Some((draws, counting)) => self.pass.visibility(&samples, &draws, counting),
+            Some((draws, counting)) => pass.visibility(&samples, &draws, counting),
             None => GpuVisibility::constant(self.on_device.gpu(), samples.size(), 1.0),
         })
     }

@@ -8,6 +8,8 @@
 
 pub mod area;
 mod batch;
+mod expected;
+mod fault;
 mod from_surface;
 mod margin;
 mod primary_hit;
@@ -17,6 +19,7 @@ mod segment_triangle;
 mod tests;
 
 pub(crate) use batch::Curve;
+pub use expected::ExpectedHits;
 pub(crate) use from_surface::sorted_corners;
 pub use primary_hit::PrimaryHit;
 pub use segment_triangle::{Intersection, intersect};
@@ -201,20 +204,37 @@ impl Oracle {
         p: [f32; 3],
         light: &Light,
         way: &SegmentFilter,
+        visit: impl FnMut(usize, Intersection) -> Step,
+    ) {
+        self.meetings_to::<NEAREST>(p, light, way, None, visit);
+    }
+
+    /// As [`Oracle::meetings`], but no farther than a parameter of the segment from the start.
+    #[inline(always)]
+    fn meetings_to<const NEAREST: bool>(
+        &self,
+        p: [f32; 3],
+        light: &Light,
+        way: &SegmentFilter,
+        end: Option<f64>,
         mut visit: impl FnMut(usize, Intersection) -> Step,
     ) {
-        self.tree.walk::<NEAREST>(p, light, |slot| {
-            let triangle = &self.triangles[slot];
-            match way.passes(triangle) {
-                Outcome::Missed => Step::On,
-                Outcome::Crossed(Sign::Positive) => visit(slot, Intersection::Crossing(Facing::Front)),
-                Outcome::Crossed(_) => visit(slot, Intersection::Crossing(Facing::Back)),
-                Outcome::Unsure => match intersect_exactly(p, light, triangle) {
-                    Intersection::None => Step::On,
-                    meeting => visit(slot, meeting),
-                },
-            }
+        self.tree.walk_to::<NEAREST>(p, light, end, |slot| match self.meeting(p, light, way, slot) {
+            Intersection::None => Step::On,
+            meeting => visit(slot, meeting),
         });
+    }
+
+    /// How the segment meets the face in a slot.
+    #[inline(always)]
+    fn meeting(&self, p: [f32; 3], light: &Light, way: &SegmentFilter, slot: usize) -> Intersection {
+        let triangle = &self.triangles[slot];
+        match way.passes(triangle) {
+            Outcome::Missed => Intersection::None,
+            Outcome::Crossed(Sign::Positive) => Intersection::Crossing(Facing::Front),
+            Outcome::Crossed(_) => Intersection::Crossing(Facing::Back),
+            Outcome::Unsure => intersect_exactly(p, light, triangle),
+        }
     }
 
     /// The segment to a light, prepared for the filter.

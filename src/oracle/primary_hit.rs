@@ -75,10 +75,21 @@ impl Oracle {
         nearest: f64,
     ) -> Option<PrimaryHit> {
         let (slot, t) = first_slot(self, origin, direction, nearest)?;
+        Some(self.visible_at(slot, origin, direction, t))
+    }
+
+    /// The hit of the face in a slot, which a ray passes at `t`.
+    pub(super) fn visible_at(
+        &self,
+        slot: usize,
+        origin: [f32; 3],
+        direction: [f32; 3],
+        t: f64,
+    ) -> PrimaryHit {
         let corners = self.triangles[slot];
         let side = side_of_point(corners, origin);
         let point = before(corners, side, origin, direction, t);
-        Some(PrimaryHit { face: FaceId(self.order[slot]), corners, side, t, point })
+        PrimaryHit { face: FaceId(self.order[slot]), corners, side, t, point }
     }
 }
 
@@ -109,23 +120,62 @@ impl Oracle {
 /// Slot in `triangles` of the first face, and the distance of the face. The traversal uses AVX2 instructions
 /// where the processor has them.
 #[multiversion(targets("x86_64+avx2+bmi1+bmi2+lzcnt"))]
-fn first_slot(oracle: &Oracle, origin: [f32; 3], direction: [f32; 3], nearest: f64) -> Option<(usize, f64)> {
+pub(super) fn first_slot(
+    oracle: &Oracle,
+    origin: [f32; 3],
+    direction: [f32; 3],
+    nearest: f64,
+) -> Option<(usize, f64)> {
     let towards = Light::directional(direction.map(|x| -x)).ok()?;
-    let mut first: Option<(f64, u32, usize)> = None;
+    let mut first = Nearest::beyond(nearest);
     oracle.meetings::<true>(origin, &towards, &oracle.way(origin, &towards), |slot, meeting| {
+        first.take(oracle, origin, &towards, slot, meeting)
+    });
+    first.slot()
+}
+
+/// The nearest face so far, among those that are not too near.
+pub(super) struct Nearest {
+    nearest: f64,
+    /// Distance, face, slot.
+    first: Option<(f64, u32, usize)>,
+}
+
+impl Nearest {
+    pub(super) fn beyond(nearest: f64) -> Self {
+        Self { nearest, first: None }
+    }
+
+    pub(super) fn t(&self) -> Option<f64> {
+        self.first.map(|(t, ..)| t)
+    }
+
+    pub(super) fn slot(&self) -> Option<(usize, f64)> {
+        self.first.map(|(t, _, slot)| (slot, t))
+    }
+
+    /// Takes a face that the ray meets, unless it is edge-on, too near, or not nearer.
+    #[inline(always)]
+    pub(super) fn take(
+        &mut self,
+        oracle: &Oracle,
+        origin: [f32; 3],
+        towards: &Light,
+        slot: usize,
+        meeting: Intersection,
+    ) -> Step {
         let triangle = oracle.triangles[slot];
         if meeting == Intersection::Touching && side_of_point(triangle, origin).is_zero() {
             return Step::On;
         }
-        let (t, face) = (distance(origin, &towards, triangle), oracle.order[slot]);
+        let (t, face) = (distance(origin, towards, triangle), oracle.order[slot]);
         // Among equal distances the face with the lowest id, whatever the order of the BVH.
-        if t >= nearest && first.is_none_or(|(least, id, _)| (t, face) < (least, id)) {
-            first = Some((t, face, slot));
+        if t >= self.nearest && self.first.is_none_or(|(least, id, _)| (t, face) < (least, id)) {
+            self.first = Some((t, face, slot));
             return Step::NoFarther(t * NEARLY);
         }
         Step::On
-    });
-    first.map(|(t, _, slot)| (slot, t))
+    }
 }
 
 /// The first `f32` point on `side` of the face, going from the hit at `t` back to the eye. Steps are one unit

@@ -39,6 +39,7 @@ mod samples;
 pub mod soft;
 pub mod stencil;
 mod technique;
+pub(crate) mod tiles;
 mod visibility;
 pub mod volume;
 

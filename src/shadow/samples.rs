@@ -1,8 +1,9 @@
 //! Samples: the visible points at which techniques compute visibility.
 
 use crate::caster::CasterGroup;
-use crate::oracle::PrimaryHit;
-use crate::view::{Projection, Rays, Size};
+use crate::mesh::FaceId;
+use crate::oracle::{ExpectedHits, PrimaryHit};
+use crate::view::{Projection, Ray, Rays, Size};
 
 /// The visible points of a view: one exact primary hit per sample, `per_side`² samples per pixel.
 ///
@@ -36,6 +37,40 @@ impl Samples {
         size: Size,
         per_side: u32,
     ) -> Result<Self, TooManySamples> {
+        let oracle = casters.seen();
+        Self::of_rays(projection, size, per_side, |_, ray, near| {
+            oracle.first_visible_beyond(ray.origin, ray.direction, near)
+        })
+    }
+
+    /// The same samples, faster where it is known which face a sample probably sees, by its number among
+    /// those of [`CasterGroup::seen`]: from a rasterizer, or from the frame before. `expected` has an entry per
+    /// sample, in their order; missing and wrong ones cost time and change nothing.
+    ///
+    /// # Errors
+    ///
+    /// As [`Samples::of_view`].
+    pub fn of_view_expecting(
+        casters: &CasterGroup<'_>,
+        projection: &Projection,
+        size: Size,
+        per_side: u32,
+        expected: &[Option<FaceId>],
+    ) -> Result<Self, TooManySamples> {
+        let (oracle, hits) = (casters.seen(), ExpectedHits::of(casters.seen()));
+        Self::of_rays(projection, size, per_side, |index, ray, near| match expected.get(index) {
+            Some(&Some(face)) => hits.first_visible_beyond(face, ray.origin, ray.direction, near),
+            _ => oracle.first_visible_beyond(ray.origin, ray.direction, near),
+        })
+    }
+
+    /// `hit` is given the number of a sample, its ray, and the near plane.
+    fn of_rays(
+        projection: &Projection,
+        size: Size,
+        per_side: u32,
+        hit_of: impl Fn(usize, Ray, f64) -> Option<PrimaryHit> + Sync,
+    ) -> Result<Self, TooManySamples> {
         let per_side = per_side.max(1);
         let count = size.pixels().saturating_mul((per_side as usize).saturating_pow(2));
         let mut hits = Vec::new();
@@ -43,12 +78,11 @@ impl Samples {
         hits.resize(count, None);
         let width = size.width() as usize * per_side as usize;
         let rays = Rays::new(projection, size);
-        let oracle = casters.seen();
         crate::parallel::rows(&mut hits, width, |y, row| {
             for (x, hit) in row.iter_mut().enumerate() {
+                let index = y * width + x;
                 let [x, y] = [x, y].map(|i| (i as f64 + 0.5) / f64::from(per_side));
-                let ray = rays.ray(x, y);
-                *hit = oracle.first_visible_beyond(ray.origin, ray.direction, projection.near.into());
+                *hit = hit_of(index, rays.ray(x, y), projection.near.into());
             }
         });
         Ok(Self { projection: *projection, size, per_side, hits })

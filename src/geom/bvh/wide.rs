@@ -86,12 +86,30 @@ impl WideBvh {
         light: &Light,
         visit: impl FnMut(usize) -> Step,
     ) {
-        match Narrow::to_light(p, light).filter(|_| self.narrow) {
-            Some(mut narrow) if self.most_put_off < SHORT => {
-                self.walk_by::<NEAREST>(&mut narrow, &mut [(0, 0); SHORT], visit);
+        self.walk_to::<NEAREST>(p, light, None, visit);
+    }
+
+    /// As [`WideBvh::walk`], but no farther than a parameter of the segment from the start.
+    #[inline(always)]
+    pub(crate) fn walk_to<const NEAREST: bool>(
+        &self,
+        p: [f32; 3],
+        light: &Light,
+        end: Option<f64>,
+        visit: impl FnMut(usize) -> Step,
+    ) {
+        fn ending(mut way: impl Enter, end: Option<f64>) -> impl Enter {
+            if let Some(end) = end {
+                way.shorten(end);
             }
-            Some(narrow) => self.walk_far(narrow, visit),
-            None => self.walk_far(Segment::to_light(p, light), visit),
+            way
+        }
+        match Narrow::to_light(p, light).filter(|_| self.narrow) {
+            Some(narrow) if self.most_put_off < SHORT => {
+                self.walk_by::<NEAREST>(&mut ending(narrow, end), &mut [(0, 0); SHORT], visit);
+            }
+            Some(narrow) => self.walk_far(ending(narrow, end), visit),
+            None => self.walk_far(ending(Segment::to_light(p, light), end), visit),
         }
     }
 

@@ -78,10 +78,20 @@ impl Drawing {
 
     /// Draws the first `corners` corners of a triangle list.
     pub(crate) fn all(&self, pass: &mut wgpu::RenderPass<'_>, triangles: &wgpu::Buffer, corners: u32) {
+        self.some(pass, triangles, 0..corners);
+    }
+
+    /// Draws some corners of a triangle list.
+    pub(crate) fn some(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        triangles: &wgpu::Buffer,
+        corners: std::ops::Range<u32>,
+    ) {
         self.begin(pass, triangles);
         match self.indexed {
-            true => pass.draw_indexed(0..corners, 0, 0..1),
-            false => pass.draw(0..corners, 0..1),
+            true => pass.draw_indexed(corners, 0, 0..1),
+            false => pass.draw(corners, 0..1),
         }
     }
 

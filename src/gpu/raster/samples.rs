@@ -62,6 +62,14 @@ impl GpuSamples {
         Ok(Self { gpu, projection, receivers, frame, uniform, target, depth, faces })
     }
 
+    /// Reads the depth back, row after row from the top: reversed, 0 where nothing is seen.
+    pub(crate) fn download_depth(&self) -> Result<Vec<f32>, GpuError> {
+        let texture = &self.target.0;
+        let back = self.gpu.staging_for(texture, 4)?;
+        self.gpu.submit(|encoder| texture.copy(encoder, wgpu::TextureAspect::DepthOnly, 4, &back))?;
+        self.gpu.mapped(&back, |bytes| texture.rows(bytes, 4, bytemuck::pod_read_unaligned))
+    }
+
     /// Samples per row and column.
     #[must_use]
     pub fn size(&self) -> Size {

@@ -31,7 +31,7 @@ use self::key::{CasterKey, LightKey, RelevanceKey, ViewKey, VisibilityKey};
 use super::relevance::{Pieces, Question, Relevance, TestSet, relevant};
 use crate::caster::{Caster, CasterGroup};
 use crate::facing::CasterFaces;
-use crate::mesh::{Mesh, MeshError};
+use crate::mesh::{FaceId, Mesh, MeshError};
 use crate::oracle::Oracle;
 use crate::scene::{Lamp, OwnSpace};
 use crate::shadow::volume::{Caps, ShadowVolume};
@@ -281,11 +281,14 @@ impl FrameCache {
         self.tree = Some((of, oracle, pieces.clone()));
 
         let key = ViewKey::of(keys, view, self.faults);
-        let samples = match self.samples.take().filter(|(of, _)| *of == key) {
-            Some((_, samples)) => samples,
-            None => {
+        let samples = match self.samples.take() {
+            Some((of, samples)) if of == key => samples,
+            last => {
                 self.made.samples += 1;
-                Samples::of_view(&group, &view.0, view.1, 1)?
+                // Most pixels see the face that they saw in the last frame.
+                let last = last.iter().flat_map(|(_, samples)| samples.hits());
+                let expected: Vec<Option<FaceId>> = last.map(|hit| hit.map(|hit| hit.face)).collect();
+                Samples::of_view_expecting(&group, &view.0, view.1, 1, &expected)?
             }
         };
         let (_, samples) = self.samples.insert((key.clone(), samples));

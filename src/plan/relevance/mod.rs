@@ -48,7 +48,6 @@ mod dropped;
 mod fault;
 mod grid;
 mod lamp;
-mod parting;
 mod pieces;
 mod question;
 mod reach;
@@ -58,7 +57,6 @@ mod solids;
 mod test_set;
 #[cfg(test)]
 mod tests;
-mod tiles;
 
 pub use casting::casting;
 pub use dropped::{Dropped, Equality, RelevanceTest, Triple};

@@ -2,7 +2,6 @@
 
 use super::fault::{Fault, Faults};
 use super::grid::Grid;
-use super::parting::{Frustum, LampBox, Parting};
 use super::reach::Reach;
 use super::receivers::Receivers;
 use super::shadowed::Shadowing;
@@ -12,6 +11,7 @@ use crate::caster::CasterGroup;
 use crate::light_grid::Chain;
 use crate::scene::Lamp;
 use crate::shadow::Samples;
+use crate::shadow::volume::parting::{Frustum, LampBox, Parting};
 
 /// What is asked: which pieces can change a sample of a view, under one lamp.
 #[derive(Clone, Copy, Debug)]

@@ -10,9 +10,9 @@
 use glam::DVec3;
 
 use super::fault::{Fault, Faults};
-use super::parting::LampBox;
 use crate::geom::Aabb;
 use crate::scene::Lamp;
+use crate::shadow::volume::parting::LampBox;
 
 /// See the head of this file.
 const COSINE: f64 = 1.0 / (1 << 20) as f64;

@@ -1,9 +1,9 @@
 //! The samples that a lamp may light, in tiles.
 
 use super::reach::Reach;
-use super::tiles::Tiles;
 use crate::oracle::PrimaryHit;
 use crate::scene::Lamp;
+use crate::shadow::tiles::Tiles;
 use crate::shadow::{Samples, is_front_lit};
 
 /// Which samples a lamp may light, and the boxes of tiles of them.

@@ -4,10 +4,10 @@ use hashbrown::HashMap;
 
 use super::apart::{Corners, winding};
 use super::fault::Faults;
-use super::parting::LampBox;
 use super::receivers::Receivers;
 use super::{Pieces, Question};
 use crate::scene::Lamp;
+use crate::shadow::volume::parting::LampBox;
 
 /// Face tests, boxes and samples that are looked at for one lamp; beyond that nothing is claimed.
 const MOST_TESTS: usize = 1 << 16;

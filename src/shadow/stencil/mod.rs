@@ -7,10 +7,16 @@
 mod cpu;
 mod depth_complexity;
 #[cfg(feature = "gpu")]
+mod fault;
+#[cfg(feature = "gpu")]
 mod gpu;
 mod light_pyramid;
 mod mask;
 mod method;
+#[cfg(feature = "gpu")]
+mod scissor;
+#[cfg(all(test, feature = "gpu"))]
+mod scissor_tests;
 mod tiled;
 mod volumes;
 mod zpass_plus;
@@ -19,9 +25,11 @@ mod zpass_verdict;
 pub(super) use cpu::StencilCounting;
 pub use depth_complexity::{DepthComplexity, max_depth_complexity};
 #[cfg(feature = "gpu")]
-pub use gpu::{Draw, StencilFrame, StencilPass};
+pub use gpu::{Draw, MaskedPass, StencilFrame, StencilPass, ZPassPlusPass};
 pub use mask::{Counting, ShadowMask};
 pub use method::ShellMethods;
+#[cfg(feature = "gpu")]
+pub use scissor::ReceiverTiles;
 pub use tiled::CounterOptions;
 pub(super) use tiled::{ClosedVolume, Counter, TiledCounting};
 #[cfg(feature = "gpu")]

@@ -166,3 +166,40 @@ fn lit() -> @location(0) f32 {
 fn lit_by_count(@builtin(position) position: vec4f) -> @location(0) f32 {
     return select(0.0, 1.0, atomicLoad(&counts[pixel(position)]) == 0);
 }
+
+// The masked stencil: only samples of which nothing is proven are counted.
+
+// What is proven of each sample: 0 nothing, 1 lit, 2 dark.
+@group(0) @binding(6) var<storage, read> proven: array<u32>;
+
+@fragment
+fn undecided(@builtin(position) position: vec4f) {
+    if proven[pixel(position)] != 0u { discard; }
+}
+
+@fragment
+fn proven_lit(@builtin(position) position: vec4f) -> @location(0) f32 {
+    if proven[pixel(position)] != 1u { discard; }
+    return 1.0;
+}
+
+// A corner of a casting face, seen from the light on the near plane: where the line through the corner and
+// the light meets it. With g(X) = forward·X − near·w, which is 0 on the plane, for the corner V and the light
+// L this is the point g(L)·V − g(V)·L. Its weight is positive where the light is farther from the plane than
+// V, on V's side; V is between the two where g(V) has the sign of g(L), which clipping by depth ensures.
+@vertex
+fn near_vertex(@builtin(vertex_index) id: u32) -> Corner {
+    let v = vertex(base(id)) * frame.scale - frame.eye;
+    // The light in the same units, up to a positive factor.
+    let weight = frame.light_w * (frame.light_scale / frame.scale);
+    let light = frame.light - frame.eye * weight;
+    let of_light = dot(frame.forward, light) - frame.near * weight;
+    let of_vertex = dot(frame.forward, v) - frame.near;
+    let side = sign(of_light);
+    let q = side * (of_light * v - of_vertex * light);
+    let w = side * (of_light - of_vertex * weight);
+    // As project(q, w), but with a depth that is small and positive between light and plane.
+    let depth = exp2(-24.0) * frame.near * side * of_vertex;
+    let clip = vec4f(dot(frame.right, q), dot(frame.up, q), depth, frame.near * w);
+    return Corner(clip, vec3f(0.0), 0u);
+}

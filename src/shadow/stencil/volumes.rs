@@ -114,9 +114,10 @@ impl StencilVolumes {
 #[cfg(feature = "gpu")]
 mod on_device {
     use super::StencilVolumes;
+    use crate::caster::Caster;
     use crate::gpu::{Gpu, GpuError};
     use crate::shadow::stencil::{Draw, StencilMethod};
-    use crate::shadow::volume::GpuVolume;
+    use crate::shadow::volume::{GpuVolume, VolumePieces};
 
     /// Device copy of the volumes of a [`StencilVolumes`].
     #[derive(Clone, Debug)]
@@ -125,6 +126,25 @@ mod on_device {
     }
 
     impl StencilVolumes {
+        /// Copies the volumes of `caster` to the device, in connected pieces that can be drawn apart
+        /// ([`StencilPass::within`](crate::shadow::stencil::StencilPass::within)).
+        ///
+        /// # Errors
+        ///
+        /// Those of [`GpuVolume::upload`].
+        ///
+        /// # Panics
+        ///
+        /// Panics if the volumes are those of another mesh.
+        pub fn upload_in_pieces(&self, gpu: &Gpu, caster: &Caster) -> Result<GpuStencilVolumes, GpuError> {
+            let upload = |(method, volume): &(_, _)| {
+                let signs = self.methods.signs_of(*method, caster.shells(), &self.signs);
+                let pieces = VolumePieces::of(caster.mesh(), &signs, volume);
+                Ok((*method, GpuVolume::upload_in_pieces(gpu, volume, &pieces)?))
+            };
+            Ok(GpuStencilVolumes { volumes: self.volumes.iter().map(upload).collect::<Result<_, _>>()? })
+        }
+
         /// Copies the volumes to the device.
         ///
         /// # Errors

@@ -6,9 +6,12 @@ use wgpu::BufferUsages;
 
 pub use extrude::{Demand, GpuExtrusion, VolumeShaders};
 
-use super::ShadowVolume;
+use std::ops::Range;
+use std::sync::Arc;
+
 use super::closed::{BoundarySum, boundary_sum};
-use crate::geom::Light;
+use super::{ShadowVolume, VolumePieces};
+use crate::geom::{Aabb, Light};
 use crate::gpu::{Gpu, GpuError, wgpu};
 
 /// A shadow volume on the device, as [the buffers](crate::gpu#buffers) describes.
@@ -24,6 +27,16 @@ pub struct GpuVolume {
     arguments: wgpu::Buffer,
     light: Light,
     largest: f32,
+    pieces: Arc<[GpuPiece]>,
+}
+
+/// A connected piece of a volume on the device.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::shadow) struct GpuPiece {
+    /// The box around its casting faces.
+    pub(in crate::shadow) bounds: Aabb,
+    /// Its corners among the triangles, for each part.
+    pub(in crate::shadow) corners: [Range<u32>; 3],
 }
 
 /// A part of a volume.
@@ -56,12 +69,46 @@ impl GpuVolume {
     ///
     /// [`GpuError::TooLarge`] if it does not fit the device's limits, [`GpuError::OutOfMemory`].
     pub fn upload(gpu: &Gpu, volume: &ShadowVolume) -> Result<Self, GpuError> {
+        Self::upload_ordered(gpu, volume, volume.triangles(), Vec::new())
+    }
+
+    /// The same, with the triangles of each part ordered by their piece.
+    pub(in crate::shadow) fn upload_in_pieces(
+        gpu: &Gpu,
+        volume: &ShadowVolume,
+        pieces: &VolumePieces,
+    ) -> Result<Self, GpuError> {
+        let mut order: Vec<usize> = (0..volume.triangles().len()).collect();
+        let mut found: Vec<GpuPiece> =
+            pieces.boxes.iter().map(|&bounds| GpuPiece { bounds, corners: [(); 3].map(|()| 0..0) }).collect();
+        let parts = [volume.light_cap(), volume.sides(), volume.dark_cap()];
+        for (part, range) in parts.into_iter().enumerate() {
+            let first = range.start;
+            order[range.clone()].sort_by_key(|&triangle| pieces.of_triangle[triangle]);
+            let runs = order[range].chunk_by(|&a, &b| pieces.of_triangle[a] == pieces.of_triangle[b]);
+            let mut start = 3 * first as u32; // corners are counted in 32 bits
+            for run in runs {
+                let end = start + 3 * run.len() as u32;
+                found[pieces.of_triangle[run[0]] as usize].corners[part] = start..end;
+                start = end;
+            }
+        }
+        let triangles: Vec<[u32; 3]> = order.into_iter().map(|index| volume.triangles()[index]).collect();
+        Self::upload_ordered(gpu, volume, &triangles, found)
+    }
+
+    fn upload_ordered(
+        gpu: &Gpu,
+        volume: &ShadowVolume,
+        triangles: &[[u32; 3]],
+        pieces: Vec<GpuPiece>,
+    ) -> Result<Self, GpuError> {
         let count = volume.positions().len() as u32; // vertex ids are 32 bits
         let id = |index: u32| match index.checked_sub(count) {
             None => index,
             Some(far) => count + volume.extruded[far as usize],
         };
-        let triangles: Vec<[u32; 3]> = volume.triangles().iter().map(|corners| corners.map(id)).collect();
+        let triangles: Vec<[u32; 3]> = triangles.iter().map(|corners| corners.map(id)).collect();
         let parts = [volume.light_cap(), volume.sides(), volume.dark_cap()];
         let arguments = parts.map(|part| [3 * part.len() as u32, 1, 3 * part.start as u32, 0, 0]);
         Ok(Self {
@@ -71,7 +118,13 @@ impl GpuVolume {
             arguments: gpu.upload_for("draw arguments", &arguments, BufferUsages::INDIRECT)?,
             light: *volume.light(),
             largest: volume.positions().as_flattened().iter().fold(0.0, |most, x| most.max(x.abs())),
+            pieces: pieces.into(),
         })
+    }
+
+    /// The connected pieces; none if they were not told apart.
+    pub(in crate::shadow) fn pieces(&self) -> &[GpuPiece] {
+        &self.pieces
     }
 
     /// Finite vertices: `array<f32>`, three per vertex.

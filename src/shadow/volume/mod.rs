@@ -19,6 +19,9 @@ mod finite;
 mod frame;
 #[cfg(feature = "gpu")]
 mod gpu;
+pub(crate) mod parting;
+#[cfg(feature = "gpu")]
+mod pieces;
 #[cfg(feature = "verify")]
 mod winding_brute;
 #[cfg(test)]
@@ -34,6 +37,8 @@ pub use finite::FiniteVolume;
 pub use frame::{FrameExtruder, FrameVolume};
 #[cfg(feature = "gpu")]
 pub use gpu::{Demand, GpuExtrusion, GpuVolume, Part, VolumeShaders};
+#[cfg(feature = "gpu")]
+pub(super) use pieces::VolumePieces;
 #[cfg(feature = "verify")]
 pub(crate) use winding::stands_on;
 pub use winding::{WindingIndex, winding_number};

@@ -299,7 +299,8 @@ fn accuracy_of_shadows_has_the_agreed_keys_and_every_technique() {
             on_device.is_empty()
                 || on_device.starts_with(&["stencil".into(), "zfail".into(), "zpass".into()])
         );
-        let maps = ["map", "pcf", "hybrid-3x3", "pcss", "single-sample"].map(str::to_owned);
+        let maps =
+            ["map", "pcf", "hybrid-3x3", "pcss", "single-sample", "hybrid", "zpass-plus"].map(str::to_owned);
         assert!(on_device.is_empty() || maps.iter().all(|map| on_device.contains(map)), "{on_device:?}");
         assert!(on_device.iter().all(|name| all.contains(&name.as_str())), "{on_device:?}");
         assert!(rows[on_cpu.len()..].iter().all(|row| row["device"].is_string()));

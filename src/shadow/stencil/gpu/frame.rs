@@ -1,10 +1,13 @@
 //! Recording the pass into the caller's encoder: nothing is submitted, and nothing waits.
 
+use std::ops::Range;
+
 use super::{Draw, Pipelines, StencilPass};
 use crate::caster::GpuCaster;
 use crate::gpu::raster::{Drawing, FORMAT};
 use crate::gpu::{Gpu, GpuError, wgpu};
 use crate::shadow::stencil::StencilMethod;
+use crate::shadow::stencil::scissor::PixelRectangle;
 use crate::shadow::volume::{GpuVolume, Part};
 use crate::view::{Projection, Size};
 
@@ -93,6 +96,44 @@ impl StencilFrame {
             draw_volume(pass, *method, bind, volume, pipelines.stencil());
         }
     }
+}
+
+/// Some corners of each part of a volume, and where in the picture they are drawn.
+#[derive(Clone, Debug)]
+pub(super) struct Scissored {
+    pub(super) corners: Vec<[Range<u32>; 3]>,
+    pub(super) rectangles: Vec<PixelRectangle>,
+}
+
+/// Draws the pieces of one volume, each within its rectangles; then the whole picture is drawn into again.
+pub(super) fn draw_within(
+    pass: &mut wgpu::RenderPass<'_>,
+    draw: &Draw<'_>,
+    scissored: &[Scissored],
+    [zpass, zfail, caps]: [&Drawing; 3],
+    size: Size,
+) {
+    let [sides, caps] = match draw.method {
+        StencilMethod::ZPass => [zpass, caps],
+        StencilMethod::ZFail => [zfail, caps],
+    };
+    for part in Part::ALL {
+        let drawing = if part == Part::Sides { sides } else { caps };
+        if draw.method == StencilMethod::ZPass && part != Part::Sides {
+            continue;
+        }
+        for Scissored { corners, rectangles } in scissored {
+            for rect in rectangles {
+                pass.set_scissor_rect(rect.x, rect.y, rect.width, rect.height);
+                for corners in corners.iter().map(|parts| parts[part as usize].clone()) {
+                    if !corners.is_empty() {
+                        drawing.some(pass, draw.volume.triangles(), corners);
+                    }
+                }
+            }
+        }
+    }
+    pass.set_scissor_rect(0, 0, size.width(), size.height());
 }
 
 /// Draws the parts of one volume that its method asks for, with the pipelines for z-pass sides, z-fail sides

@@ -8,12 +8,19 @@
 //! anywhere.
 
 mod frame;
+mod masked;
 mod pipelines;
+mod zpass_plus;
 
+use std::sync::Arc;
+
+use frame::Scissored;
 pub use frame::StencilFrame;
+pub use masked::MaskedPass;
 use pipelines::Pipelines;
+pub use zpass_plus::ZPassPlusPass;
 
-use super::{Counting, ShadowMask};
+use super::{Counting, ReceiverTiles, ShadowMask};
 use crate::caster::GpuCaster;
 use crate::gpu::raster::{Depth, Frame, GpuSamples, GpuVisibility, Target, everywhere};
 use crate::gpu::{Gpu, GpuError, wgpu};
@@ -35,6 +42,7 @@ pub struct StencilPass {
     gpu: Gpu,
     depth: Depth,
     pipelines: Pipelines,
+    within: Option<Arc<ReceiverTiles>>,
 }
 
 impl StencilPass {
@@ -44,7 +52,42 @@ impl StencilPass {
     ///
     /// [`GpuError::Lost`], [`GpuError::OutOfMemory`].
     pub fn new(gpu: &Gpu, depth: Depth) -> Result<Self, GpuError> {
-        Ok(Self { gpu: gpu.clone(), depth, pipelines: Pipelines::new(gpu, depth)? })
+        Ok(Self { gpu: gpu.clone(), depth, pipelines: Pipelines::new(gpu, depth)?, within: None })
+    }
+
+    /// The same pass for a view whose visible points are known: [`StencilPass::mask`] and
+    /// [`StencilPass::visibility`] draw each piece of a volume only where it may count. This concerns volumes
+    /// that were [uploaded in pieces](super::StencilVolumes::upload_in_pieces); others are drawn whole. The
+    /// counts are the same.
+    ///
+    /// Both panic if the picture is not as large as the one whose visible points these are.
+    ///
+    /// ```
+    /// # use umbrage::caster::{Caster, CasterGroup, GpuCaster};
+    /// # use umbrage::gpu::{Gpu, GpuError};
+    /// # use umbrage::shadow::stencil::{ReceiverTiles, StencilPass};
+    /// # use umbrage::shadow::{Depth, Samples};
+    /// # use umbrage::{testing::shapes, view::{Camera, Size, Up}};
+    /// # let gpu = match Gpu::new() { Err(GpuError::NoAdapter(_)) => return Ok(()), gpu => gpu? };
+    /// # let (size, light) = (Size::new(64, 48)?, "point:3,9,5".parse()?);
+    /// # let caster = Caster::new(shapes::torus(24, 12, 2.0, 0.7));
+    /// # let camera = Camera::look_at([6.0, 5.0, 7.0], [0.0; 3], 0.8, Up::Y)?;
+    /// # let projection = camera.projection(size, 0.1);
+    /// # let receivers = GpuCaster::upload(&gpu, &caster)?;
+    /// let samples = Samples::of_view(&CasterGroup::new(vec![&caster]), &projection, size, 1)?;
+    /// let tiles = ReceiverTiles::of(&samples);
+    /// let volumes = caster.stencil_volumes(&light, &projection, None, None);
+    /// let uploaded = volumes.upload_in_pieces(&gpu, &caster)?;
+    /// let pass = StencilPass::new(&gpu, Depth::Plane)?;
+    /// let mask = |pass: &StencilPass| {
+    ///     pass.mask(&projection, size, &receivers, &uploaded.draws(), volumes.counting())
+    /// };
+    /// assert_eq!(mask(&pass.within(tiles))?, mask(&pass)?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn within(&self, tiles: ReceiverTiles) -> Self {
+        Self { within: Some(Arc::new(tiles)), ..self.clone() }
     }
 
     /// Counts for each pixel of a picture how many of the `volumes` its visible point is in. All volumes of
@@ -186,7 +229,27 @@ impl StencilPass {
             }
         };
         let bindings = volumes.iter().map(bind).collect::<Result<_, _>>()?;
-        Ok(Counter { volumes, bindings, counts })
+        let scissored = volumes.iter().map(|draw| self.scissored(draw, target.0.size)).collect();
+        Ok(Counter { volumes, bindings, scissored, counts })
+    }
+
+    /// The pieces of a volume with the rectangles that they are drawn in; `None` to draw it whole. Pieces of
+    /// the same rectangles go together.
+    fn scissored(&self, draw: &Draw<'_>, size: Size) -> Option<Vec<Scissored>> {
+        let tiles = self.within.as_ref().filter(|_| !draw.volume.pieces().is_empty())?;
+        assert_eq!(tiles.size(), [size.width(), size.height()], "visible points of another view");
+        let mut found: Vec<Scissored> = Vec::new();
+        for piece in draw.volume.pieces() {
+            let rectangles = tiles.rectangles(draw.volume.light(), &piece.bounds);
+            if rectangles.is_empty() {
+                continue;
+            }
+            match found.iter_mut().find(|found| found.rectangles == rectangles) {
+                Some(found) => found.corners.push(piece.corners.clone()),
+                None => found.push(Scissored { corners: vec![piece.corners.clone()], rectangles }),
+            }
+        }
+        Some(found)
     }
 
     /// Counts in the stencil, which is cleared to 0 first, or in the counter's buffer. The depth is drawn
@@ -197,8 +260,15 @@ impl StencilPass {
             None => (target.begin_counting(encoder), pipelines.stencil()),
             Some(_) => (target.begin_read_only(encoder, &[]), pipelines.integer()),
         };
-        for (draw, bind) in counter.volumes.iter().zip(&counter.bindings) {
-            frame::draw_volume(&mut pass, draw.method, bind, draw.volume, chosen);
+        for ((draw, bind), scissored) in counter.volumes.iter().zip(&counter.bindings).zip(&counter.scissored)
+        {
+            match scissored {
+                None => frame::draw_volume(&mut pass, draw.method, bind, draw.volume, chosen),
+                Some(scissored) => {
+                    pass.set_bind_group(0, bind, &[]);
+                    frame::draw_within(&mut pass, draw, scissored, chosen, target.0.size);
+                }
+            }
         }
     }
 
@@ -244,6 +314,8 @@ fn volume_bindings<'a>(
 struct Counter<'a> {
     volumes: &'a [Draw<'a>],
     bindings: Vec<wgpu::BindGroup>,
+    /// Per volume: where its pieces are drawn; `None` if it is drawn whole.
+    scissored: Vec<Option<Vec<Scissored>>>,
     /// One `i32` per pixel, where the stencil does not count.
     counts: Option<wgpu::Buffer>,
 }
@@ -278,8 +350,8 @@ mod tests {
                 let volume = volume.unwrap();
                 let draw = [Draw { volume: &volume, method: StencilMethod::ZFail }];
                 let counts = |behind| {
-                    let pipelines = Pipelines::behind(&gpu, Depth::Plane, behind).unwrap();
-                    let pass = StencilPass { gpu: gpu.clone(), depth: Depth::Plane, pipelines };
+                    let pipelines = Pipelines::behind_by(&gpu, Depth::Plane, behind).unwrap();
+                    let pass = StencilPass { gpu: gpu.clone(), depth: Depth::Plane, pipelines, within: None };
                     let mask = pass.mask(&projection, size, &receivers, &draw, Counting::Stencil).unwrap();
                     mask.raw().to_vec()
                 };

@@ -37,6 +37,19 @@ pub(super) enum Behind {
     Passes { sides: CompareFunction, caps: CompareFunction },
 }
 
+/// Which samples a stencil counts, and in which bits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bits {
+    pub(super) compare: CompareFunction,
+    pub(super) read: u32,
+    pub(super) write: u32,
+}
+
+impl Bits {
+    /// All samples, in all bits.
+    const ALL: Self = Self { compare: CompareFunction::Always, read: 0xff, write: 0xff };
+}
+
 const KEEP: StencilFaceState = StencilFaceState::IGNORE;
 
 impl Pipelines {
@@ -51,29 +64,35 @@ impl Pipelines {
     }
 
     pub(super) fn new(gpu: &Gpu, depth: Depth) -> Result<Self, GpuError> {
-        Self::behind(gpu, depth, Behind::Fails)
+        Self::behind(gpu, depth, Behind::Fails, Bits::ALL)
+    }
+
+    /// Counted in the bits of a stencil that has others besides.
+    pub(super) fn in_bits(gpu: &Gpu, depth: Depth, bits: Bits) -> Result<Self, GpuError> {
+        Self::behind(gpu, depth, Behind::Fails, bits)
     }
 
     /// With a given state for what lies behind the visible point.
-    pub(super) fn behind(gpu: &Gpu, depth: Depth, behind: Behind) -> Result<Self, GpuError> {
+    #[cfg(test)]
+    pub(super) fn behind_by(gpu: &Gpu, depth: Depth, behind: Behind) -> Result<Self, GpuError> {
+        Self::behind(gpu, depth, behind, Bits::ALL)
+    }
+
+    fn behind(gpu: &Gpu, depth: Depth, behind: Behind, bits: Bits) -> Result<Self, GpuError> {
         use StencilOperation::{DecrementWrap, IncrementWrap};
-        let source = format!("{}\n{}", raster::SOURCE, include_str!("../stencil.wgsl"));
-        let module = Shader::new("stencil", &source).module(gpu)?;
+        let module = module(gpu)?;
         let receivers = ReceiverDepth::new(gpu, depth)?;
         let counting_layout = counting_layout(gpu)?;
         let (side, of_side) = match depth {
             Depth::Plane => ("volume", Some("side_plane")),
             Depth::Interpolated => ("volume_vertex", None),
         };
-        let fails = |operation| StencilFaceState {
-            depth_fail_op: operation,
-            compare: CompareFunction::Always,
-            ..KEEP
-        };
-        let passes =
-            |operation| StencilFaceState { pass_op: operation, compare: CompareFunction::Always, ..KEEP };
+        let fails = |operation| StencilFaceState { depth_fail_op: operation, compare: bits.compare, ..KEEP };
+        let passes = |operation| StencilFaceState { pass_op: operation, compare: bits.compare, ..KEEP };
         let build = |vertex, fragment, compare, front, back| {
-            let depth_stencil = Some(depth_stencil(false, compare, front, back));
+            let mut depth_stencil = depth_stencil(false, compare, front, back);
+            (depth_stencil.stencil.read_mask, depth_stencil.stencil.write_mask) = (bits.read, bits.write);
+            let depth_stencil = Some(depth_stencil);
             let layout = Some(&receivers.layout);
             Drawing::new(Pipeline { vertex, fragment, targets: &[], depth_stencil, layout }, gpu, &module)
         };
@@ -111,4 +130,10 @@ impl Pipelines {
             counting_layout,
         })
     }
+}
+
+/// The shaders.
+pub(super) fn module(gpu: &Gpu) -> Result<wgpu::ShaderModule, GpuError> {
+    let source = format!("{}\n{}", raster::SOURCE, include_str!("../stencil.wgsl"));
+    Shader::new("stencil", &source).module(gpu)
 }

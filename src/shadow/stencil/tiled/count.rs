@@ -44,6 +44,11 @@ impl Counter {
         Self { state: Some(state), ..self }
     }
 
+    /// Every triangle counted by the complement of z-fail's test: as many fragments as z-fail has.
+    pub(in crate::shadow) fn reversed() -> Self {
+        Self::default().with_state(State::REVERSED)
+    }
+
     /// The count of each sample that is asked; `None` where a point lies on a volume.
     ///
     /// Memory: some 220 bytes per triangle that is in the picture, part by part, and 8 per triangle and tile

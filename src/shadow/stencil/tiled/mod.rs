@@ -31,7 +31,6 @@ pub use options::CounterOptions;
 
 pub(in crate::shadow) use self::count::Counter;
 pub(in crate::shadow) use self::parts::ClosedVolume;
-use self::state::State;
 use crate::caster::CasterGroup;
 use crate::geom::Light;
 use crate::oracle::Verdict;
@@ -60,7 +59,7 @@ impl<'a> TiledCounting<'a> {
 
     /// For the technique `zpass-reversed`.
     pub(in crate::shadow) fn prepare_reversed(casters: &'a CasterGroup<'a>, light: &Light) -> Self {
-        Self::with(casters, light, Counter::default().with_state(State::REVERSED))
+        Self::with(casters, light, Counter::reversed())
     }
 
     fn with(casters: &'a CasterGroup<'a>, light: &Light, counter: Counter) -> Self {

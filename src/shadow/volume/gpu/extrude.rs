@@ -296,6 +296,7 @@ impl GpuExtrusion {
             arguments: self.arguments.clone(),
             light: *light,
             largest: caster.largest(),
+            pieces: [].into(),
         })
     }
 

@@ -36,13 +36,13 @@ const LARGEST: f64 = 1.0 / FLUSH;
 
 /// A box by its center and the halves of its sides.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Centered {
+pub(crate) struct Centered {
     at: DVec3,
     half: DVec3,
 }
 
 impl Centered {
-    pub(super) fn of(aabb: &Aabb) -> Self {
+    pub(crate) fn of(aabb: &Aabb) -> Self {
         let [low, high] = [aabb.low, aabb.high].map(|p| DVec3::from(p.map(f64::from)));
         Self { at: 0.5 * (low + high), half: 0.5 * (high - low) }
     }
@@ -72,13 +72,13 @@ impl Centered {
 
 /// A box around all points of a lamp, or around all its directions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LampBox {
+pub(crate) struct LampBox {
     place: Centered,
     is_directional: bool,
 }
 
 impl LampBox {
-    pub(super) fn of(lamp: &Lamp) -> Self {
+    pub(crate) fn of(lamp: &Lamp) -> Self {
         let at = DVec3::from(lamp.light().xyz().map(f64::from));
         let half = match &lamp.shape {
             LampShape::Hard(_) => DVec3::ZERO,
@@ -102,12 +102,12 @@ impl LampBox {
     }
 
     /// A bound of the distance of a lamp's points from its center; 0 for a lamp without extent.
-    pub(super) fn radius(&self) -> f64 {
+    pub(crate) fn radius(&self) -> f64 {
         self.place.half.length() * (1.0 + ERROR)
     }
 
     /// Whether no point of the lamp lies in a box; a directional lamp is far away.
-    pub(super) fn is_off(&self, bounds: &Aabb) -> bool {
+    pub(crate) fn is_off(&self, bounds: &Aabb) -> bool {
         let bounds = Centered::of(bounds);
         let gap = (bounds.at - self.place.at).abs() - (bounds.half + self.place.half) * (1.0 + ERROR);
         self.is_directional || gap.max_element() > ERROR * bounds.size().max(self.place.size()).max_element()
@@ -140,7 +140,7 @@ struct Receivers {
 
 /// What is parted, and the last normal that parted it: the first to try for the next box.
 #[derive(Clone, Debug)]
-pub(super) struct Parting {
+pub(crate) struct Parting {
     lamp: LampBox,
     normal: DVec3,
     /// Whether the points at infinity are forgotten.
@@ -149,7 +149,7 @@ pub(super) struct Parting {
 
 /// A view as a drawn volume sees it.
 #[derive(Clone, Debug)]
-pub(super) struct Frustum {
+pub(crate) struct Frustum {
     eye: DVec3,
     receivers: Receivers,
     rows: [DVec3; 3],
@@ -159,7 +159,7 @@ pub(super) struct Frustum {
 
 impl Frustum {
     /// The view of a picture, for visible points of a scene in a box.
-    pub(super) fn of(projection: &Projection, size: Size, bounds: &Aabb) -> Self {
+    pub(crate) fn of(projection: &Projection, size: Size, bounds: &Aabb) -> Self {
         let wide = |p: [f32; 3]| DVec3::from(p.map(f64::from));
         let rows = [projection.right, projection.up, projection.forward].map(wide);
         let inverse = DMat3::from_cols(rows[0], rows[1], rows[2]).transpose().inverse();
@@ -203,12 +203,12 @@ const VIEW_STEPS: usize = 24;
 const TILE_STEPS: usize = 8;
 
 impl Parting {
-    pub(super) fn new(lamp: LampBox, no_extruded: bool) -> Self {
+    pub(crate) fn new(lamp: LampBox, no_extruded: bool) -> Self {
         Self { lamp, normal: DVec3::X, no_extruded }
     }
 
     /// Whether a plane parts the shadow volume of `bounds` from a view, as it is drawn.
-    pub(super) fn parts_view(&mut self, frustum: &Frustum, bounds: &Aabb) -> bool {
+    pub(crate) fn parts_view(&mut self, frustum: &Frustum, bounds: &Aabb) -> bool {
         let volume = Centered::of(bounds).minus(frustum.eye);
         let lamp = match self.lamp.is_directional {
             true => self.lamp,
@@ -235,7 +235,7 @@ impl Parting {
     }
 
     /// Whether a plane parts the shadow volume of `bounds` from all points of a box.
-    pub(super) fn parts_box(&mut self, tile: &Aabb, bounds: &Aabb) -> bool {
+    pub(crate) fn parts_box(&mut self, tile: &Aabb, bounds: &Aabb) -> bool {
         if tile.overlaps(bounds) {
             return false;
         }

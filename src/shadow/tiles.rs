@@ -5,14 +5,14 @@ use std::ops::Range;
 use crate::geom::Aabb;
 
 /// Samples along each side of a tile.
-const SIDE: usize = 16;
+pub(crate) const SIDE: usize = 16;
 
 /// Most tiles that are looked at for one piece; beyond that nothing is claimed.
 const MOST: usize = 64;
 
 /// Boxes of tiles of samples, of 2 × 2 tiles, and so on up to a single box.
 #[derive(Clone, Debug)]
-pub(super) struct Tiles {
+pub(crate) struct Tiles {
     /// From the tiles up.
     levels: Vec<Level>,
     row_len: usize,
@@ -34,13 +34,18 @@ impl Level {
 
 impl Tiles {
     /// The tiles of `count` samples in rows of `row_len`; `point` gives the sample's point if it counts.
-    pub(super) fn of(row_len: usize, count: usize, point: impl Fn(usize) -> Option<[f32; 3]>) -> Self {
+    pub(crate) fn of(row_len: usize, count: usize, point: impl Fn(usize) -> Option<[f32; 3]>) -> Self {
+        Self::of_boxes(row_len, count, |index| point(index).map(|p| Aabb { low: p, high: p }))
+    }
+
+    /// The same, with a box around each sample that counts.
+    pub(crate) fn of_boxes(row_len: usize, count: usize, around: impl Fn(usize) -> Option<Aabb>) -> Self {
         let (row_len, rows) = (row_len.max(1), count.div_ceil(row_len.max(1)));
         let mut level = Level::empty(row_len.div_ceil(SIDE).max(1), rows.div_ceil(SIDE).max(1));
         for index in 0..count {
-            if let Some(p) = point(index) {
+            if let Some(own) = around(index) {
                 let tile = index / row_len / SIDE * level.columns + index % row_len / SIDE;
-                level.boxes[tile] = level.boxes[tile].join(&Aabb { low: p, high: p });
+                level.boxes[tile] = level.boxes[tile].join(&own);
             }
         }
         let mut levels = vec![level];
@@ -62,12 +67,12 @@ impl Tiles {
     }
 
     /// The boxes of the tiles that hold a sample.
-    pub(super) fn boxes(&self) -> impl Iterator<Item = &Aabb> {
+    pub(crate) fn boxes(&self) -> impl Iterator<Item = &Aabb> {
         self.levels[0].boxes.iter().filter(|aabb| !aabb.is_empty())
     }
 
     /// The samples of the tiles whose boxes overlap a box, as ranges within rows.
-    pub(super) fn overlapping(&self, bounds: &Aabb) -> impl Iterator<Item = Range<usize>> {
+    pub(crate) fn overlapping(&self, bounds: &Aabb) -> impl Iterator<Item = Range<usize>> {
         let (columns, bounds) = (self.levels[0].columns, *bounds);
         let tiles = self.levels[0].boxes.iter().enumerate().filter(move |(_, tile)| tile.overlaps(&bounds));
         tiles.flat_map(move |(tile, _)| {
@@ -77,8 +82,32 @@ impl Tiles {
         })
     }
 
+    /// The columns of tiles in a row.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn columns(&self) -> usize {
+        self.levels[0].columns
+    }
+
+    /// For each tile, row by row: whether it holds a sample, and `is_apart` holds neither for its box nor for
+    /// one around it.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn kept(&self, mut is_apart: impl FnMut(&Aabb) -> bool) -> Vec<bool> {
+        let mut kept = vec![true];
+        for (height, level) in self.levels.iter().enumerate().rev() {
+            let above = self.levels.get(height + 1);
+            let is_kept = |(index, aabb): (usize, &Aabb)| {
+                let parent = |above: &Level| {
+                    kept[index / level.columns / 2 * above.columns + index % level.columns / 2]
+                };
+                above.is_none_or(parent) && !aabb.is_empty() && !is_apart(aabb)
+            };
+            kept = level.boxes.iter().enumerate().map(is_kept).collect();
+        }
+        kept
+    }
+
     /// Whether `is_apart` holds for boxes that together hold all samples. False after too many boxes.
-    pub(super) fn all_apart(&self, mut is_apart: impl FnMut(&Aabb) -> bool) -> bool {
+    pub(crate) fn all_apart(&self, mut is_apart: impl FnMut(&Aabb) -> bool) -> bool {
         // Each level adds at most three to what waits.
         let mut waiting = [(0, 0, 0); 3 * 32 + 1];
         waiting[0] = (self.levels.len() - 1, 0, 0);
@@ -124,6 +153,15 @@ mod tests {
             let points =
                 (0..row_len * rows).filter_map(counts).filter(|&p| tiles.all_apart(|b| !b.contains(p)));
             assert_eq!(points.count(), 0);
+            #[cfg(feature = "gpu")]
+            {
+                // What is kept is what no plane parts, tile by tile.
+                let is_apart = |aabb: &Aabb| aabb.low[0] > 20.0 || aabb.high[1] < 18.0;
+                let is_kept = |aabb: &Aabb| !aabb.is_empty() && !is_apart(aabb);
+                let expected: Vec<bool> = tiles.levels[0].boxes.iter().map(is_kept).collect();
+                assert_eq!(tiles.kept(is_apart), expected);
+                assert_eq!(tiles.columns(), row_len.div_ceil(SIDE));
+            }
             let mut found: Vec<usize> = tiles.overlapping(&all).flatten().collect();
             found.sort_unstable();
             assert!(found.into_iter().eq(0..row_len * rows));

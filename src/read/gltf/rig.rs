@@ -70,6 +70,10 @@ pub(super) fn read(
             continue;
         };
         targets[at] = target_count(asset, hung.mesh);
+        // Every node has weights of its own, though the targets stand in the file once.
+        if let Err(error) = charge(asset, indices[at], targets[at]) {
+            return Rig { problem: Some(animation::problem(&error)), ..unposable(hanging) };
+        }
         nodes[at].weights = rest_weights(asset, indices[at], hung.mesh, targets[at]);
     }
     let mut slots: Vec<Option<usize>> = vec![None; document.list(Kind::Skin).len()];
@@ -86,11 +90,11 @@ pub(super) fn read(
         node_from_mesh: hung.copy.map(|_| DMat4::IDENTITY),
     });
     let mut placings: Vec<Placing> = placings.collect();
-    let mut clips = animation::read(asset, &of_document, &mut nodes, &targets);
+    let clips = animation::read(asset, &of_document, &mut nodes, &targets);
     if !clips.is_empty()
         && let Err(error) = place_copies(asset, &indices, &hanging.instances, &mut placings)
     {
-        clips.iter_mut().for_each(|clip| clip.problem = Some(animation::problem(&error)));
+        return Rig { problem: Some(animation::problem(&error)), ..unposable(hanging) };
     }
     let (influences, slips) = Influences::new(numbers.lists().iter().map(Vec::as_slice));
     for (what, times) in [
@@ -110,6 +114,16 @@ pub(super) fn read(
         camera_nodes: hanging.camera_nodes,
         ..Rig::default()
     }
+}
+
+fn charge(asset: &Asset, node: usize, targets: usize) -> Result<(), ReadError> {
+    asset.charge(targets, &asset.document.item(Kind::Node, node)?)
+}
+
+/// A rig that only says that something moves.
+fn unposable(hanging: Hanging) -> Rig {
+    let still = |_: &Hung| Placing { node: None, skin: None, node_from_mesh: None };
+    Rig { placings: hanging.instances.iter().map(still).collect(), ..Rig::default() }
 }
 
 /// The most morph targets of a primitive of a mesh.

@@ -58,7 +58,7 @@ fn folder() -> Folder {
 fn pose_is_that_of_the_time_the_frame_and_the_clip() {
     let folder = folder();
     let posed =
-        |options: &str| folder.json(&format!("check moving.gltf {options}").trim())["files"][0].clone();
+        |options: &str| folder.json(format!("check moving.gltf {options}").trim())["files"][0].clone();
     let is_inward = |options: &str| posed(options)["total"]["inside_out_shells"] != 0;
     for (options, wanted) in [
         ("", false),

@@ -162,14 +162,15 @@ impl Rig {
         numbers: &[u32],
         posed: &'a Posed,
     ) -> Result<&'a [DMat4], PoseError> {
-        if let Some(problem) = &self.skins[skin].problem {
+        let Skin { place, problem, .. } = &self.skins[skin];
+        if let Some(problem) = problem {
             return Err(PoseError::Unusable(problem.clone()));
         }
         let joints = &posed.joints[skin];
         match self.influences.largest_joint(numbers) {
             Some(joint) if joint as usize >= joints.len() => {
                 let count = joints.len();
-                let problem = format!("a vertex is moved by joint {joint}, but its skin has {count}");
+                let problem = format!("{place}: a vertex is moved by joint {joint}, but there are {count}");
                 Err(PoseError::Unusable(problem))
             }
             _ => Ok(joints),

@@ -25,9 +25,9 @@ impl Scene {
     /// The number of the last frame, where meshes store frames (MD2); 0 without.
     #[must_use]
     pub fn last_frame(&self) -> usize {
-        match self.rig.is_empty() {
+        match self.rig.is_empty() && self.rig.at_rest.is_empty() {
             true => self.meshes.iter().map(|mesh| mesh.frames().len()).max().unwrap_or(0),
-            false => 0, // there, they are morph targets
+            false => 0, // morph targets, or posed already
         }
     }
 
@@ -41,7 +41,7 @@ impl Scene {
     ///
     /// Sums are in `f64`; a position is rounded to `f32` once in the space of its mesh, and once more where
     /// its instance is placed. Outside of the keys of a clip the nearest one is held, and a note says so. The
-    /// posed scene has no clips: pose the one that was read. What does not move is copied.
+    /// posed scene has no clips, and to pose it again changes nothing: pose the one that was read.
     ///
     /// # Errors
     ///
@@ -131,7 +131,8 @@ impl Scene {
     fn place(&self, posed: &mut Scene, nodes: &Posed) -> Result<(), PoseError> {
         let moved = |node: usize| nodes.moved_by[node].map(|mover| (mover, nodes.world_from_node[node]));
         for (index, instance) in self.instances.iter().enumerate() {
-            let at_rest = AtRest { world_from_mesh: instance.world_from_mesh, mover: 0 };
+            let here = AtRest { world_from_mesh: instance.world_from_mesh, mover: 0 };
+            let at_rest = self.rig.at_rest.get(index).copied().unwrap_or(here);
             let (mut instance, mut at_rest) = (instance.clone(), at_rest);
             let placing = self.rig.placings.get(index).filter(|placing| placing.skin.is_none());
             if let Some((placing, (mover, world))) =
@@ -171,7 +172,7 @@ impl Scene {
         let (mesh, skin) = (&self.meshes[key.0], key.1);
         let weights = key.2.map_or(&[][..], |node| &nodes.weights[node]);
         if self.rig.is_empty() {
-            if mesh.frames().is_empty() {
+            if mesh.frames().is_empty() || self.last_frame() == 0 {
                 return Ok(mesh.clone());
             }
             let frames: Vec<&[[f32; 3]]> =

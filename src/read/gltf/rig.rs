@@ -47,9 +47,8 @@ pub(super) fn read(
     morphs: &[bool],
 ) -> Rig {
     let document = asset.document;
-    let animations = document.object().list("animations").map_or(0, <[_]>::len);
     let is_posable = |hung: &Hung| hung.skin.is_some() || morphs[hung.mesh];
-    if animations == 0 && !hanging.instances.iter().any(is_posable) {
+    if !has_animations(asset) && !hanging.instances.iter().any(is_posable) {
         return Rig::default();
     }
     let mut of_document = vec![None; document.list(Kind::Node).len()];
@@ -197,7 +196,7 @@ fn skin(asset: &Asset, index: usize, of_document: &[Option<usize>]) -> Result<Sk
             Some(matrices)
         }
     };
-    Ok(Skin { joints, inverse_binds, problem: None })
+    Ok(Skin { joints, inverse_binds, place: object.place, problem: None })
 }
 
 /// Fills in where the copies of a node stand below it.
@@ -219,6 +218,16 @@ fn place_copies(
         placing.node_from_mesh = copies.get(copy).map(glam::Mat4::as_dmat4);
     }
     Ok(())
+}
+
+fn has_animations(asset: &Asset) -> bool {
+    // A list that is none is the problem of a clip.
+    asset.document.object().list("animations").map_or(true, |list| !list.is_empty())
+}
+
+/// Whether anything in the document may move, so that there is something to keep.
+pub(super) fn may_move(asset: &Asset, morphs: &[bool]) -> bool {
+    has_animations(asset) || !asset.document.list(Kind::Skin).is_empty() || morphs.contains(&true)
 }
 
 /// Whether a mesh of the document has morph targets.

@@ -167,7 +167,7 @@ fn animation_defects_are_refused_with_their_place() {
     for (change, wanted) in [
         (&["/skins/0/joints/1", "1000"][..], "skin 0: names node 1000, but there are 3"),
         (&["/skins/0/joints", "[]"], "skin 0: has no joints"),
-        (&["/skins/0/joints", "[1]"], "a vertex is moved by joint 1, but its skin has 1"),
+        (&["/skins/0/joints", "[1]"], "skin 0: a vertex is moved by joint 1, but there are 1"),
         (&["/skins/0/inverseBindMatrices", "0"], "accessor 0: is of type VEC3"),
         (
             &["/animations/0/samplers/0/interpolation", "\"SLERP\""],

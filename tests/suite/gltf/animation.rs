@@ -396,6 +396,47 @@ fn animation_of_real_files_keeps_faces_and_vertices() {
     assert!(moving >= 4, "only {moving} files move");
 }
 
+#[test]
+fn animation_of_a_part_keeps_it_apart_from_what_it_leaves() {
+    // Two squares side by side, each a node; the second one moves or does not.
+    let mut builder = Builder::square();
+    builder.doc["scenes"] = json!([{"nodes": [0, 1]}]);
+    builder.doc["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "translation": [1, 0, 0]}]);
+    let input = builder.accessor(5126, "SCALAR", 2, &f32s(&[0.0, 1.0]));
+    let moved = builder.accessor(5126, "VEC3", 2, &f32s(&[1.0, 0.0, 0.0, 0.0, 0.0, 5.0]));
+    let clip =
+        |channels: Value| json!({"samplers": [{"input": input, "output": moved}], "channels": channels});
+    let target = json!([{"sampler": 0, "target": {"node": 1, "path": "translation"}}]);
+    builder.doc["animations"] = json!([clip(target), clip(json!([]))]);
+    let scene = builder.read();
+    let vertices = |scene: Scene| {
+        let mesh = scene.bake(Scope::Scene).unwrap().remove(0);
+        weld(&mesh, Weld::Exact).mesh.vertex_count()
+    };
+    assert_eq!(vertices(scene.clone()), 6, "at rest they share an edge");
+    for time in [0.0, 0.5, 1.0] {
+        assert_eq!(vertices(scene.pose(&Pose::at(time)).unwrap()), 8, "at {time}");
+        assert_eq!(vertices(scene.pose(&Pose::at(time).of(1)).unwrap()), 6, "nothing moves");
+    }
+}
+
+#[test]
+fn animation_of_many_nodes_with_many_targets_does_not_fill_the_memory() {
+    let mut builder = Builder::square();
+    let count = 3000;
+    // Nine million weights in a file of 100 kB.
+    builder.doc["meshes"][0]["primitives"][0]["targets"] = vec![json!({}); count].into();
+    builder.doc["meshes"][0]["weights"] = vec![json!(1); count].into();
+    builder.doc["scenes"] = json!([{"nodes": (0..count).collect::<Vec<_>>()}]);
+    builder.doc["nodes"] = vec![json!({"mesh": 0}); count].into();
+    let said = refused(&builder);
+    assert!(said.contains("asks for 3000 elements, but only"), "{said}");
+    // Fewer are posed.
+    let few = 30;
+    builder.doc["scenes"] = json!([{"nodes": (0..few).collect::<Vec<_>>()}]);
+    assert_eq!(builder.read().pose(&Pose::at(0.0)).unwrap().instances.len(), few);
+}
+
 /// A tube of 768 faces that one joint holds and another bends and twists, each vertex between the two by its
 /// height.
 fn tube() -> Scene {

@@ -183,6 +183,7 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
     scene.notes = notes.take_lines();
     if may_move {
         scene.rig = rig::read(asset, nodes, hanging, &numbers, &morphs);
+        rig::note_parted(notes, &scene.meshes);
     }
     if !scene.rig.is_empty() {
         let is_at_rest = |note: &&String| AT_REST.iter().any(|text| note.contains(text));

@@ -3,6 +3,7 @@
 //! Read last, and nothing in it refuses the file: a scene that is not posed needs none of it. What is wrong
 //! is kept as the problem of the skin or clip, and met by whoever poses it.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::DMat4;
@@ -13,9 +14,11 @@ use super::asset::Asset;
 use super::document::Kind;
 use super::instancing;
 use super::node;
+use super::notes::Notes;
 use super::object::Object;
 use super::skin::Numbers;
 use crate::animate::{Influences, Node, Placing, Rig, Skin};
+use crate::mesh::Mesh;
 use crate::read::ReadError;
 
 /// An instance of the scene as the reader met it.
@@ -123,6 +126,22 @@ fn charge(asset: &Asset, node: usize, targets: usize) -> Result<(), ReadError> {
 fn unposable(hanging: Hanging) -> Rig {
     let still = |_: &Hung| Placing { node: None, skin: None, node_from_mesh: None };
     Rig { placings: hanging.instances.iter().map(still).collect(), ..Rig::default() }
+}
+
+/// Notes vertices that coincide with others at rest, and that their skin moves otherwise: there a pose is open.
+pub(super) fn note_parted(notes: &Notes, meshes: &[Mesh]) {
+    for mesh in meshes {
+        let Some(numbers) = mesh.skin() else { continue };
+        let mut first: HashMap<[u32; 3], u32> = HashMap::new();
+        let mut parted = |(position, &number): (&[f32; 3], &u32)| {
+            *first.entry(position.map(f32::to_bits)).or_insert(number) != number
+        };
+        let count = mesh.positions().iter().zip(&**numbers).filter(|&pair| parted(pair)).count();
+        let what = "vertices that coincide at rest and that the skin moves apart: no pose is closed there";
+        if count > 0 {
+            notes.because(what, &mesh.name, || format!("{count} of {}", mesh.vertex_count()));
+        }
+    }
 }
 
 /// The most morph targets of a primitive of a mesh.

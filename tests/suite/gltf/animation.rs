@@ -301,6 +301,9 @@ fn seam(second: u16) -> Scene {
 fn animation_leaves_adjacency_alone_and_a_caster_follows() {
     for (second, vertices) in [(0, 6), (1, 8)] {
         let scene = seam(second);
+        let notes = scene.pose(&Pose::at(0.0)).unwrap().notes;
+        let parted = |note: &String| note.contains("that the skin moves apart") && note.ends_with("2 of 8");
+        assert_eq!(notes.iter().any(parted), second == 1, "{notes:?}");
         for scope in [Scope::Mesh, Scope::Scene, Scope::Primitive] {
             for how in [Weld::Exact, Weld::Within(1e-3), Weld::Within(1e9)] {
                 let at = |time: f64| {

@@ -25,6 +25,7 @@ mod measure;
 mod obvhs_triangles;
 mod plan;
 mod plot;
+mod pose;
 mod read;
 mod relevance;
 mod report;
@@ -109,6 +110,7 @@ fn run(options: &Options) -> Result<(), String> {
         area::run,
         plan::run,
         read::run,
+        pose::run,
     ];
     for stage in stages {
         stage(&mut bench);

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use hashbrown::HashSet;
+
 use super::track::Track;
 
 /// What of a node a clip moves.
@@ -53,20 +55,16 @@ impl Clip {
     /// The times of all its keys in seconds, ascending, each once.
     #[must_use]
     pub fn key_times(&self) -> Vec<f64> {
-        let mut seen: Vec<*const Track> = Vec::new();
+        // A track may move many nodes.
+        let mut seen: HashSet<*const Track> = HashSet::new();
         let mut times: Vec<f32> = Vec::new();
         for channel in &self.channels {
-            // A track may move many nodes.
-            let track = Arc::as_ptr(&channel.track);
-            if seen.last() != Some(&track) {
-                seen.push(track);
+            if seen.insert(Arc::as_ptr(&channel.track)) {
                 times.extend(&channel.track.times);
-                if times.len() > 1 << 20 {
-                    distinct(&mut times);
-                }
             }
         }
-        distinct(&mut times);
+        times.sort_unstable_by(f32::total_cmp);
+        times.dedup();
         times.into_iter().map(f64::from).collect()
     }
 
@@ -75,9 +73,4 @@ impl Clip {
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }
-}
-
-fn distinct(times: &mut Vec<f32>) {
-    times.sort_unstable_by(f32::total_cmp);
-    times.dedup();
 }

@@ -30,8 +30,8 @@ impl Deformed<'_> {
         let displaced = positions.iter().enumerate().map(displaced);
         let rounded = |position: [f64; 3]| position.map(|x| x as f32);
         let Some((skin, numbers)) = *skin else { return Ok(displaced.map(rounded).collect()) };
-        let joints = rig.joints(skin, numbers, posed, faults)?;
+        let joints = rig.joints(skin, numbers, posed)?;
         let moved = displaced.zip(numbers);
-        Ok(moved.map(|(at, &number)| rounded(rig.influences.move_by(number, &joints, at))).collect())
+        Ok(moved.map(|(at, &number)| rounded(rig.influences.move_by(number, joints, at))).collect())
     }
 }

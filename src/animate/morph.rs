@@ -2,8 +2,8 @@
 
 use super::fault::{Fault, Faults};
 
-/// The positions at `frame` of a list of frames, between two of them along straight lines. At a whole number
-/// they are those of that frame, bit for bit; beyond the ends, those at the ends.
+/// The positions at `frame` of a list of frames, between two of them along straight lines. At a frame itself
+/// they are its own, bit for bit; beyond the ends, those at the ends.
 ///
 /// # Panics
 ///

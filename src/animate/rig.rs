@@ -27,6 +27,8 @@ pub struct Rig {
     pub(crate) lamp_nodes: Vec<usize>,
     /// The node of each camera.
     pub(crate) camera_nodes: Vec<usize>,
+    /// Why it cannot be posed: place, problem and remedy.
+    pub(crate) problem: Option<String>,
     /// What a reader says of a scene that is not posed, and that a posed one makes false.
     pub(crate) notes_at_rest: Vec<String>,
     /// What a reader says of a scene that is posed.
@@ -72,10 +74,9 @@ pub(crate) struct Posed {
     pub(crate) weights: Vec<Vec<f64>>,
     /// The nearest node at or above each that the clip moves: what has the same one moves as one.
     pub(crate) moved_by: Vec<Option<usize>>,
+    /// Of each skin, what its joints do to a vertex of the bind pose.
+    pub(super) joints: Vec<Vec<DMat4>>,
 }
-
-/// The matrices of the joints of a skin.
-pub(super) type Joints = Vec<DMat4>;
 
 impl Rig {
     /// The clips, in the order of the file.
@@ -92,6 +93,9 @@ impl Rig {
 
     /// The clip of a pose; `None` if there are none.
     pub(crate) fn clip(&self, pose: &Pose) -> Result<Option<&Clip>, PoseError> {
+        if let Some(problem) = &self.problem {
+            return Err(PoseError::Unusable(problem.clone()));
+        }
         let clip = match pose.clip {
             Some(clip) => {
                 let count = self.clips.len();
@@ -105,7 +109,7 @@ impl Rig {
         }
     }
 
-    /// All nodes at a time of a clip; as they stand without one. Linear in nodes and channels.
+    /// All nodes at a time of a clip; as they stand without one. Linear in nodes, channels and joints.
     pub(crate) fn at(&self, clip: Option<&Clip>, time: f64) -> Result<Posed, PoseError> {
         self.at_with(clip, time, Faults::default())
     }
@@ -147,28 +151,29 @@ impl Rig {
             let above = node.parent.and_then(|parent| moved_by[parent]);
             moved_by.push(own[index].then_some(index).or(above));
         }
-        Ok(Posed { world_from_node, weights, moved_by })
+        let joints = self.skins.iter().map(|skin| skin.matrices(&world_from_node, faults)).collect();
+        Ok(Posed { world_from_node, weights, moved_by, joints })
     }
 
     /// The matrices of the joints of a skin, for vertices of these numbers.
-    pub(super) fn joints(
+    pub(super) fn joints<'a>(
         &self,
         skin: usize,
         numbers: &[u32],
-        posed: &Posed,
-        faults: Faults,
-    ) -> Result<Joints, PoseError> {
-        let skin = &self.skins[skin];
-        if let Some(problem) = &skin.problem {
+        posed: &'a Posed,
+    ) -> Result<&'a [DMat4], PoseError> {
+        let Skin { place, problem, .. } = &self.skins[skin];
+        if let Some(problem) = problem {
             return Err(PoseError::Unusable(problem.clone()));
         }
-        let count = skin.joints.len();
+        let joints = &posed.joints[skin];
         match self.influences.largest_joint(numbers) {
-            Some(joint) if joint as usize >= count => {
-                let problem = format!("a vertex is moved by joint {joint}, but its skin has {count}");
+            Some(joint) if joint as usize >= joints.len() => {
+                let count = joints.len();
+                let problem = format!("{place}: a vertex is moved by joint {joint}, but there are {count}");
                 Err(PoseError::Unusable(problem))
             }
-            _ => Ok(skin.matrices(&posed.world_from_node, faults)),
+            _ => Ok(joints),
         }
     }
 

@@ -11,6 +11,8 @@ pub(crate) struct Skin {
     pub(crate) joints: Vec<usize>,
     /// One a joint; `None` if all are the identity.
     pub(crate) inverse_binds: Option<Vec<DMat4>>,
+    /// Its name in errors.
+    pub(crate) place: String,
     /// Why it cannot be posed: place, problem and remedy.
     pub(crate) problem: Option<String>,
 }

@@ -142,7 +142,7 @@ impl PoseArgs {
         // A time of a file is rounded to 32 bits: that part of it may be missing at the last frame.
         let frames = (to - from) * fps * (1.0 + f64::from(f32::EPSILON));
         if frames >= MOST_FRAMES as f64 {
-            return Err(too_many(frames as usize + 1, option).in_file(file));
+            return Err(too_many((frames as usize).saturating_add(1), option).in_file(file));
         }
         let first = from * fps;
         let moment = |frame: u32| match first.fract() == 0.0 && first >= 0.0 && last > 0 {

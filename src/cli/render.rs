@@ -103,8 +103,8 @@ pub(crate) struct Args {
     )]
     output: Option<PathBuf>,
 
-    /// Instead of one picture, one for each frame of a clip, or of md2; `%04d` in the name is the number of
-    /// the frame, from 0, with four digits [default: one picture]
+    /// Instead of one picture, --fps of them for each second of a clip, or of md2; `%04d` in the name is the
+    /// number of the picture, from 0, with four digits [default: one picture]
     ///
     /// Without such a number the frames become one animated PNG, which plays for ever; its name ends in .png
     /// or .apng. A camera that is fitted, and a default light, are those of all frames together. At most

@@ -168,16 +168,17 @@ fn place(mesh: Mesh, instance: &Instance, posed: Option<&AtRest>) -> Result<Mesh
     };
     let world_from_mesh = instance.world_from_mesh;
     let at_rest = posed.map_or(world_from_mesh, |at_rest| at_rest.world_from_mesh);
-    if (world_from_mesh, at_rest) == (Mat4::IDENTITY, Mat4::IDENTITY) {
+    let mover = posed.map_or(0, |posed| posed.mover);
+    if (world_from_mesh, at_rest, mover) == (Mat4::IDENTITY, Mat4::IDENTITY, 0) {
         return Ok(mesh.with_name(name));
     }
     let (origins, mut skin) = (mesh.origins().cloned(), mesh.skin().cloned());
-    if let (None, Some(posed)) = (&skin, posed.filter(|posed| posed.mover > 0)) {
-        skin = Some(vec![posed.mover; mesh.vertex_count()].into());
+    if skin.is_none() && mover > 0 {
+        skin = Some(vec![mover; mesh.vertex_count()].into());
     }
     let placed = |matrix: Mat4| move |p: [f32; 3]| -> [f32; 3] { matrix.transform_point3(p.into()).into() };
     // What moves is welded where it stands at rest.
-    let here = (at_rest != world_from_mesh).then(|| mesh.positions().to_vec().into());
+    let here = (mover > 0 || at_rest != world_from_mesh).then(|| mesh.positions().to_vec().into());
     let rest = moved_positions(mesh.rest().cloned().or(here).as_ref(), placed(at_rest));
     let (mut positions, mut triangles, parts, mut frames) = mesh.into_parts();
     frames.iter_mut().flatten().for_each(|position| *position = placed(at_rest)(*position));

@@ -3,6 +3,7 @@
 use glam::{DMat4, DVec3, Mat4};
 
 use super::{Instance, Scene, Scope, split};
+use crate::animate::AtRest;
 use crate::geom::Aabb;
 use crate::mesh::{Mesh, MeshError};
 
@@ -34,7 +35,7 @@ impl Scene {
         }
         let unplaced =
             |instance: &mut Instance| std::mem::replace(&mut instance.world_from_mesh, Mat4::IDENTITY);
-        self.rig.at_rest.iter_mut().for_each(|at_rest| at_rest.world_from_mesh = Mat4::IDENTITY);
+        self.rig.at_rest.iter_mut().for_each(|at| *at = AtRest { world_from_mesh: Mat4::IDENTITY, mover: 0 });
         let transforms: Vec<Mat4> = self.instances.iter_mut().map(unplaced).collect();
         let mut all = Vec::with_capacity(transforms.len());
         for (mesh, world_from_mesh) in self.bake(Scope::Mesh)?.into_iter().zip(transforms) {

@@ -11,8 +11,9 @@ use crate::geom::Light;
 use crate::mesh::{Mesh, MeshError};
 use crate::view::Camera;
 
-/// What makes two instances have one posed mesh: mesh, skin, bits of the morph weights.
-type Key = (usize, Option<usize>, Vec<u64>);
+/// What makes two instances have one posed mesh: mesh, skin, and a node of these morph weights, if they move
+/// anything.
+type Key = (usize, Option<usize>, Option<usize>);
 
 impl Scene {
     /// Whether anything in it moves: a clip, a skin, morph targets or frames.
@@ -24,9 +25,9 @@ impl Scene {
     /// The number of the last frame, where meshes store frames (MD2); 0 without.
     #[must_use]
     pub fn last_frame(&self) -> usize {
-        match self.rig.is_empty() {
+        match self.rig.is_empty() && self.rig.at_rest.is_empty() {
             true => self.meshes.iter().map(|mesh| mesh.frames().len()).max().unwrap_or(0),
-            false => 0, // there, they are morph targets
+            false => 0, // morph targets, or posed already
         }
     }
 
@@ -40,7 +41,7 @@ impl Scene {
     ///
     /// Sums are in `f64`; a position is rounded to `f32` once in the space of its mesh, and once more where
     /// its instance is placed. Outside of the keys of a clip the nearest one is held, and a note says so. The
-    /// posed scene has no clips: pose the one that was read. What does not move is copied.
+    /// posed scene has no clips, and to pose it again changes nothing: pose the one that was read.
     ///
     /// # Errors
     ///
@@ -81,11 +82,12 @@ impl Scene {
             ..self.without_meshes()
         };
         self.place(&mut posed, &nodes)?;
+        let same_weights = same_weights(&nodes);
         let mut slots: HashMap<Key, usize> = HashMap::new();
         let own: usize = self.meshes.iter().map(size).sum();
         let mut held = 0_usize;
         for (index, instance) in posed.instances.iter_mut().enumerate() {
-            let key = self.key(index, instance.mesh, &nodes);
+            let key = self.key(index, instance.mesh, &same_weights);
             instance.mesh = match slots.get(&key) {
                 Some(&slot) => slot,
                 None => {
@@ -129,7 +131,8 @@ impl Scene {
     fn place(&self, posed: &mut Scene, nodes: &Posed) -> Result<(), PoseError> {
         let moved = |node: usize| nodes.moved_by[node].map(|mover| (mover, nodes.world_from_node[node]));
         for (index, instance) in self.instances.iter().enumerate() {
-            let at_rest = AtRest { world_from_mesh: instance.world_from_mesh, mover: 0 };
+            let here = AtRest { world_from_mesh: instance.world_from_mesh, mover: 0 };
+            let at_rest = self.rig.at_rest.get(index).copied().unwrap_or(here);
             let (mut instance, mut at_rest) = (instance.clone(), at_rest);
             let placing = self.rig.placings.get(index).filter(|placing| placing.skin.is_none());
             if let Some((placing, (mover, world))) =
@@ -159,21 +162,17 @@ impl Scene {
         Ok(())
     }
 
-    fn key(&self, instance: usize, mesh: usize, nodes: &Posed) -> Key {
-        let Some(placing) = self.rig.placings.get(instance) else { return (mesh, None, Vec::new()) };
-        let weights = placing.node.map_or(&[][..], |node| &nodes.weights[node]);
-        let targets = self.meshes[mesh].frames().len();
-        let mut bits: Vec<u64> = weights.iter().take(targets).map(|weight| weight.to_bits()).collect();
-        // Weights of 0 move nothing, however many they are.
-        bits.truncate(bits.iter().rposition(|&bits| f64::from_bits(bits) != 0.0).map_or(0, |last| last + 1));
-        (mesh, placing.skin, bits)
+    fn key(&self, instance: usize, mesh: usize, same_weights: &[Option<usize>]) -> Key {
+        let Some(placing) = self.rig.placings.get(instance) else { return (mesh, None, None) };
+        (mesh, placing.skin, placing.node.and_then(|node| same_weights[node]))
     }
 
     /// A mesh in its own space; a skinned one where its joints are.
     fn posed_mesh(&self, key: &Key, pose: &Pose, nodes: &Posed) -> Result<Mesh, PoseError> {
-        let (mesh, skin, weights) = (&self.meshes[key.0], key.1, &key.2);
+        let (mesh, skin) = (&self.meshes[key.0], key.1);
+        let weights = key.2.map_or(&[][..], |node| &nodes.weights[node]);
         if self.rig.is_empty() {
-            if mesh.frames().is_empty() {
+            if mesh.frames().is_empty() || self.last_frame() == 0 {
                 return Ok(mesh.clone());
             }
             let frames: Vec<&[[f32; 3]]> =
@@ -183,13 +182,12 @@ impl Scene {
         if skin.is_none() && weights.is_empty() {
             return Ok(mesh.clone().with_skin(None));
         }
-        let weights: Vec<f64> = weights.iter().copied().map(f64::from_bits).collect();
         // Without joints and weights nothing moves a vertex.
         let skin = skin.and_then(|skin| Some((skin, mesh.skin()?)));
         let deformed = Deformed {
             positions: mesh.positions(),
             targets: mesh.frames(),
-            weights: &weights,
+            weights,
             skin: skin.map(|(skin, numbers)| (skin, numbers.as_slice())),
         };
         let posed = mesh.clone().posed(deformed.at(&self.rig, nodes)?)?;
@@ -225,6 +223,16 @@ impl Scene {
             format!("time {time} s is outside of clip {name} ({start} to {end} s): the nearest key is held")
         }))
     }
+}
+
+/// For each node, the first one with the same morph weights; `None` where all are 0, which moves nothing.
+fn same_weights(nodes: &Posed) -> Vec<Option<usize>> {
+    let mut first: HashMap<Vec<u64>, usize> = HashMap::new();
+    let of = |(node, weights): (usize, &Vec<f64>)| {
+        let moves = weights.iter().any(|&weight| weight != 0.0);
+        moves.then(|| *first.entry(weights.iter().map(|weight| weight.to_bits()).collect()).or_insert(node))
+    };
+    nodes.weights.iter().enumerate().map(of).collect()
 }
 
 /// The positions that a mesh holds, frames and rest included.

@@ -1,17 +1,38 @@
 //! Silhouettes and volumes of the device against those of the CPU: the same lists, and closed as well.
 
+use umbrage::animate::Pose;
 use umbrage::caster::{Caster, GpuCaster, ShellBoxes, ShellProof};
 use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::{Aabb, Facing, Light};
 use umbrage::gpu::{Gpu, wgpu};
 use umbrage::mesh::{FaceId, Mesh, Weld, weld};
-use umbrage::scene::Scope;
+use umbrage::scene::{Scene, Scope};
 use umbrage::shadow::volume::{Caps, GpuExtrusion, GpuVolume, Part, ShadowVolume, ShellFaces, VolumeShaders};
 use umbrage::silhouette::{GpuSilhouette, Silhouette};
 use umbrage::testing::shapes;
 use umbrage::topology::{GpuTopology, Topology};
 
 use crate::support::{gpu, real_meshes};
+
+/// The positions of a pose go up as those of any caster, and the device finds what the CPU finds.
+#[test]
+fn gpu_silhouette_of_poses_is_that_of_the_cpu() {
+    let Some(device) = device() else { return };
+    let ball = shapes::icosphere(2);
+    let squeezed = ball.positions().iter().map(|&[x, y, z]| [x * (1.0 - 0.4 * y), 0.5 * y, z + 0.3 * x]);
+    let scene = Scene::of(ball.clone().with_frames(vec![squeezed.collect()]).unwrap());
+    let light = Light::point([0.4, 2.0, 0.7]).unwrap();
+    let mut caster = Caster::new(ball.clone());
+    let mut seen = Vec::new();
+    for frame in [0.0, 0.35, 1.0] {
+        let posed = scene.pose(&Pose::at(frame).fps(1.0)).unwrap().bake(Scope::Mesh).unwrap().remove(0);
+        caster.repose(weld(&posed, Weld::Exact).mesh.positions().to_vec()).unwrap();
+        let case = Case::new(&device, caster.mesh());
+        case.judge(&light, "pose");
+        seen.push(caster.facing(&light));
+    }
+    assert!(seen[0] != seen[1] && seen[1] != seen[2], "each pose has other sides");
+}
 
 struct Device {
     gpu: Gpu,

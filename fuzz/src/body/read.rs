@@ -1,5 +1,6 @@
 //! Bytes to a scene, or to an error of one line; what was read goes through every stage and every writer.
 
+use umbrage::animate::Pose;
 use umbrage::check::CrackReport;
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::read::read_bytes;
@@ -33,6 +34,7 @@ fn judge(scene: Scene) {
     if faces.max(vertices) > MOST {
         return;
     }
+    poses(&scene);
     for scope in [Scope::Primitive, Scope::Mesh, Scope::Scene] {
         let meshes = match scene.clone().bake(scope) {
             Ok(meshes) => meshes,
@@ -56,6 +58,31 @@ fn judge(scene: Scene) {
         }
         if let ([mesh], Scope::Scene, true) = (&meshes[..], scope, faces > 0) {
             reads_back(mesh);
+        }
+    }
+}
+
+/// Panics unless a pose is an error of one line, or has the faces of the scene and the same vertices at every
+/// time.
+fn poses(scene: &Scene) {
+    for clip in 0..scene.rig.clips().len().clamp(1, 4) {
+        let mut first: Option<Vec<Mesh>> = None;
+        for time in [0.0, 0.4, -1.0, 1e9] {
+            let clip = (!scene.rig.clips().is_empty()).then_some(clip);
+            let meshes = match scene.pose(&Pose { clip, ..Pose::at(time) }) {
+                Ok(posed) => posed.bake(Scope::Scene),
+                Err(error) => {
+                    assert!(!error.to_string().contains('\n') && !error.remedy().is_empty(), "{error}");
+                    continue;
+                }
+            };
+            let Ok(meshes) = meshes else { continue };
+            let welded: Vec<Mesh> = meshes.iter().map(|mesh| weld(mesh, Weld::Exact).mesh).collect();
+            let first = first.get_or_insert_with(|| welded.clone());
+            for (mesh, first) in welded.iter().zip(first) {
+                assert_eq!(mesh.face_count(), first.face_count());
+                assert_eq!(mesh.vertex_count(), first.vertex_count());
+            }
         }
     }
 }

@@ -51,7 +51,7 @@ fn rig(model: &Model, faults: Faults) -> (Rig, Vec<u32>) {
     let skin = Skin {
         joints: model.joints.clone(),
         inverse_binds: model.inverse_binds.as_ref().map(inverse),
-        problem: None,
+        ..Skin::default()
     };
     let (influences, _) = Influences::with(model.influences.iter().map(Vec::as_slice), faults);
     let clip = Clip { channels: model.clip.iter().map(channel).collect(), ..Clip::default() };

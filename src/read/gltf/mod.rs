@@ -92,6 +92,9 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
     let mut is_skinned = vec![false; document.list(Kind::Mesh).len()];
     // `mesh` is an index of the document until all that stands in the scene is known.
     let nodes = node::scene_nodes(document, notes)?;
+    let meshes = 0..document.list(Kind::Mesh).len();
+    let morphs: Vec<bool> = meshes.map(|mesh| rig::has_targets(asset, mesh)).collect();
+    let may_move = rig::may_move(asset, &morphs);
     let mut hanging = Hanging::default();
     for (at, placed) in nodes.iter().enumerate() {
         let node = document.item(Kind::Node, placed.index)?;
@@ -127,7 +130,9 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
                 None => {
                     let instance = Instance { mesh, name: node.name(), world_from_mesh: world.as_mat4() };
                     scene.instances.push(instance);
-                    hanging.instances.push(Hung { node: Some(at), mesh, skin, copy: None });
+                    if may_move {
+                        hanging.instances.push(Hung { node: Some(at), mesh, skin, copy: None });
+                    }
                 }
                 Some(transforms) => {
                     let name = node.name();
@@ -137,7 +142,9 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
                         world_from_mesh,
                     };
                     let hung = |copy| Hung { node: Some(at), mesh, skin, copy: Some(copy) };
-                    hanging.instances.extend((0..transforms.len()).map(hung));
+                    if may_move {
+                        hanging.instances.extend((0..transforms.len()).map(hung));
+                    }
                     scene.instances.extend(transforms.into_iter().enumerate().map(instance));
                 }
             }
@@ -149,7 +156,9 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
             notes.add("mesh placed at the origin, for the file has no nodes", &object.place);
             let name = object.name();
             scene.instances.push(Instance { mesh, name, world_from_mesh: Mat4::IDENTITY });
-            hanging.instances.push(Hung { node: None, mesh, skin: None, copy: None });
+            if may_move {
+                hanging.instances.push(Hung { node: None, mesh, skin: None, copy: None });
+            }
         }
     }
 
@@ -172,8 +181,10 @@ fn scene(asset: &Asset) -> Result<Scene, ReadError> {
     let animations = document.object().list("animations").map_or(0, <[_]>::len);
     notes.add_many(ANIMATION, "animation 0", animations);
     scene.notes = notes.take_lines();
-    let morphs = (0..slot_of_mesh.len()).map(|mesh| rig::has_targets(asset, mesh)).collect::<Vec<_>>();
-    scene.rig = rig::read(asset, nodes, hanging, &numbers, &morphs);
+    if may_move {
+        scene.rig = rig::read(asset, nodes, hanging, &numbers, &morphs);
+        rig::note_parted(notes, &scene.meshes);
+    }
     if !scene.rig.is_empty() {
         let is_at_rest = |note: &&String| AT_REST.iter().any(|text| note.contains(text));
         scene.rig.notes_at_rest = scene.notes.iter().filter(is_at_rest).cloned().collect();

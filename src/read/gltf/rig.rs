@@ -3,6 +3,7 @@
 //! Read last, and nothing in it refuses the file: a scene that is not posed needs none of it. What is wrong
 //! is kept as the problem of the skin or clip, and met by whoever poses it.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::DMat4;
@@ -13,9 +14,11 @@ use super::asset::Asset;
 use super::document::Kind;
 use super::instancing;
 use super::node;
+use super::notes::Notes;
 use super::object::Object;
 use super::skin::Numbers;
 use crate::animate::{Influences, Node, Placing, Rig, Skin};
+use crate::mesh::Mesh;
 use crate::read::ReadError;
 
 /// An instance of the scene as the reader met it.
@@ -47,9 +50,8 @@ pub(super) fn read(
     morphs: &[bool],
 ) -> Rig {
     let document = asset.document;
-    let animations = document.object().list("animations").map_or(0, <[_]>::len);
     let is_posable = |hung: &Hung| hung.skin.is_some() || morphs[hung.mesh];
-    if animations == 0 && !hanging.instances.iter().any(is_posable) {
+    if !has_animations(asset) && !hanging.instances.iter().any(is_posable) {
         return Rig::default();
     }
     let mut of_document = vec![None; document.list(Kind::Node).len()];
@@ -70,6 +72,10 @@ pub(super) fn read(
             continue;
         };
         targets[at] = target_count(asset, hung.mesh);
+        // Every node has weights of its own, though the targets stand in the file once.
+        if let Err(error) = charge(asset, indices[at], targets[at]) {
+            return Rig { problem: Some(animation::problem(&error)), ..unposable(hanging) };
+        }
         nodes[at].weights = rest_weights(asset, indices[at], hung.mesh, targets[at]);
     }
     let mut slots: Vec<Option<usize>> = vec![None; document.list(Kind::Skin).len()];
@@ -86,11 +92,11 @@ pub(super) fn read(
         node_from_mesh: hung.copy.map(|_| DMat4::IDENTITY),
     });
     let mut placings: Vec<Placing> = placings.collect();
-    let mut clips = animation::read(asset, &of_document, &mut nodes, &targets);
+    let clips = animation::read(asset, &of_document, &mut nodes, &targets);
     if !clips.is_empty()
         && let Err(error) = place_copies(asset, &indices, &hanging.instances, &mut placings)
     {
-        clips.iter_mut().for_each(|clip| clip.problem = Some(animation::problem(&error)));
+        return Rig { problem: Some(animation::problem(&error)), ..unposable(hanging) };
     }
     let (influences, slips) = Influences::new(numbers.lists().iter().map(Vec::as_slice));
     for (what, times) in [
@@ -109,6 +115,32 @@ pub(super) fn read(
         lamp_nodes: hanging.lamp_nodes,
         camera_nodes: hanging.camera_nodes,
         ..Rig::default()
+    }
+}
+
+fn charge(asset: &Asset, node: usize, targets: usize) -> Result<(), ReadError> {
+    asset.charge(targets, &asset.document.item(Kind::Node, node)?)
+}
+
+/// A rig that only says that something moves.
+fn unposable(hanging: Hanging) -> Rig {
+    let still = |_: &Hung| Placing { node: None, skin: None, node_from_mesh: None };
+    Rig { placings: hanging.instances.iter().map(still).collect(), ..Rig::default() }
+}
+
+/// Notes vertices that coincide with others at rest, and that their skin moves otherwise: there a pose is open.
+pub(super) fn note_parted(notes: &Notes, meshes: &[Mesh]) {
+    for mesh in meshes {
+        let Some(numbers) = mesh.skin() else { continue };
+        let mut first: HashMap<[u32; 3], u32> = HashMap::new();
+        let mut parted = |(position, &number): (&[f32; 3], &u32)| {
+            *first.entry(position.map(f32::to_bits)).or_insert(number) != number
+        };
+        let count = mesh.positions().iter().zip(&**numbers).filter(|&pair| parted(pair)).count();
+        let what = "vertices that coincide at rest and that the skin moves apart: no pose is closed there";
+        if count > 0 {
+            notes.because(what, &mesh.name, || format!("{count} of {}", mesh.vertex_count()));
+        }
     }
 }
 
@@ -183,7 +215,7 @@ fn skin(asset: &Asset, index: usize, of_document: &[Option<usize>]) -> Result<Sk
             Some(matrices)
         }
     };
-    Ok(Skin { joints, inverse_binds, problem: None })
+    Ok(Skin { joints, inverse_binds, place: object.place, problem: None })
 }
 
 /// Fills in where the copies of a node stand below it.
@@ -205,6 +237,16 @@ fn place_copies(
         placing.node_from_mesh = copies.get(copy).map(glam::Mat4::as_dmat4);
     }
     Ok(())
+}
+
+fn has_animations(asset: &Asset) -> bool {
+    // A list that is none is the problem of a clip.
+    asset.document.object().list("animations").map_or(true, |list| !list.is_empty())
+}
+
+/// Whether anything in the document may move, so that there is something to keep.
+pub(super) fn may_move(asset: &Asset, morphs: &[bool]) -> bool {
+    has_animations(asset) || !asset.document.list(Kind::Skin).is_empty() || morphs.contains(&true)
 }
 
 /// Whether a mesh of the document has morph targets.

@@ -58,7 +58,7 @@ fn folder() -> Folder {
 fn pose_is_that_of_the_time_the_frame_and_the_clip() {
     let folder = folder();
     let posed =
-        |options: &str| folder.json(&format!("check moving.gltf {options}").trim())["files"][0].clone();
+        |options: &str| folder.json(format!("check moving.gltf {options}").trim())["files"][0].clone();
     let is_inward = |options: &str| posed(options)["total"]["inside_out_shells"] != 0;
     for (options, wanted) in [
         ("", false),
@@ -109,6 +109,8 @@ fn pose_that_is_none_is_refused_with_a_remedy() {
         ("render moving.gltf --animate a.png -o b.png", "cannot be used with"),
         ("render moving.gltf --animate a.gif", "name a file that ends in .png or .apng"),
         ("render moving.gltf --animate a_%d.png --fps 1e6", "--animate: 2000001 frames are too many"),
+        ("render moving.gltf --animate a_%d.png --from -1e300 --to 1e300", "frames are too many"),
+        ("check moving.gltf --frame 5 --fps 1e-320", "time is inf, which is no time; write a finite number"),
         ("render moving.gltf --animate a_%d.png --from 2 --to 1", "--to 1 is before --from 2; exchange"),
         ("render moving.gltf --animate a.png --shadow plan.json", "a saved plan is for one picture"),
         ("render moving.gltf --animate none/a_%d.png", "there is no folder none"),

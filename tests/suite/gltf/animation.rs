@@ -6,9 +6,12 @@ mod naive;
 use serde_json::{Value, json};
 use umbrage::animate::{Pose, PoseError};
 use umbrage::caster::Caster;
+use umbrage::geom::Light;
 use umbrage::mesh::{Mesh, Weld, weld};
 use umbrage::read::read;
 use umbrage::scene::{Scene, Scope};
+use umbrage::testing::shapes;
+use umbrage::verify::points::{Options, Verifier};
 
 use super::{Builder, f32s, u16s};
 use crate::support::{facts, real_meshes};
@@ -164,7 +167,7 @@ fn animation_defects_are_refused_with_their_place() {
     for (change, wanted) in [
         (&["/skins/0/joints/1", "1000"][..], "skin 0: names node 1000, but there are 3"),
         (&["/skins/0/joints", "[]"], "skin 0: has no joints"),
-        (&["/skins/0/joints", "[1]"], "a vertex is moved by joint 1, but its skin has 1"),
+        (&["/skins/0/joints", "[1]"], "skin 0: a vertex is moved by joint 1, but there are 1"),
         (&["/skins/0/inverseBindMatrices", "0"], "accessor 0: is of type VEC3"),
         (
             &["/animations/0/samplers/0/interpolation", "\"SLERP\""],
@@ -298,6 +301,9 @@ fn seam(second: u16) -> Scene {
 fn animation_leaves_adjacency_alone_and_a_caster_follows() {
     for (second, vertices) in [(0, 6), (1, 8)] {
         let scene = seam(second);
+        let notes = scene.pose(&Pose::at(0.0)).unwrap().notes;
+        let parted = |note: &String| note.contains("that the skin moves apart") && note.ends_with("2 of 8");
+        assert_eq!(notes.iter().any(parted), second == 1, "{notes:?}");
         for scope in [Scope::Mesh, Scope::Scene, Scope::Primitive] {
             for how in [Weld::Exact, Weld::Within(1e-3), Weld::Within(1e9)] {
                 let at = |time: f64| {
@@ -391,4 +397,118 @@ fn animation_of_real_files_keeps_faces_and_vertices() {
         }
     }
     assert!(moving >= 4, "only {moving} files move");
+}
+
+#[test]
+fn animation_of_a_part_keeps_it_apart_from_what_it_leaves() {
+    // Two squares side by side, each a node; the second one moves or does not.
+    let mut builder = Builder::square();
+    builder.doc["scenes"] = json!([{"nodes": [0, 1]}]);
+    builder.doc["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "translation": [1, 0, 0]}]);
+    let input = builder.accessor(5126, "SCALAR", 2, &f32s(&[0.0, 1.0]));
+    let moved = builder.accessor(5126, "VEC3", 2, &f32s(&[1.0, 0.0, 0.0, 0.0, 0.0, 5.0]));
+    let clip =
+        |channels: Value| json!({"samplers": [{"input": input, "output": moved}], "channels": channels});
+    let target = json!([{"sampler": 0, "target": {"node": 1, "path": "translation"}}]);
+    builder.doc["animations"] = json!([clip(target), clip(json!([]))]);
+    let scene = builder.read();
+    let vertices = |scene: Scene| {
+        let mesh = scene.bake(Scope::Scene).unwrap().remove(0);
+        weld(&mesh, Weld::Exact).mesh.vertex_count()
+    };
+    assert_eq!(vertices(scene.clone()), 6, "at rest they share an edge");
+    for time in [0.0, 0.5, 1.0] {
+        assert_eq!(vertices(scene.pose(&Pose::at(time)).unwrap()), 8, "at {time}");
+        assert_eq!(vertices(scene.pose(&Pose::at(time).of(1)).unwrap()), 6, "nothing moves");
+    }
+}
+
+#[test]
+fn animation_of_many_nodes_with_many_targets_does_not_fill_the_memory() {
+    let mut builder = Builder::square();
+    let count = 3000;
+    // Nine million weights in a file of 100 kB.
+    builder.doc["meshes"][0]["primitives"][0]["targets"] = vec![json!({}); count].into();
+    builder.doc["meshes"][0]["weights"] = vec![json!(1); count].into();
+    builder.doc["scenes"] = json!([{"nodes": (0..count).collect::<Vec<_>>()}]);
+    builder.doc["nodes"] = vec![json!({"mesh": 0}); count].into();
+    let said = refused(&builder);
+    assert!(said.contains("asks for 3000 elements, but only"), "{said}");
+    // Fewer are posed.
+    let few = 30;
+    builder.doc["scenes"] = json!([{"nodes": (0..few).collect::<Vec<_>>()}]);
+    assert_eq!(builder.read().pose(&Pose::at(0.0)).unwrap().instances.len(), few);
+}
+
+/// A tube of 768 faces that one joint holds and another bends and twists, each vertex between the two by its
+/// height.
+fn tube() -> Scene {
+    let mesh = shapes::torus(32, 12, 2.0, 0.6);
+    let faces: Vec<u16> = mesh.triangles().as_flattened().iter().map(|&corner| corner as u16).collect();
+    let mut builder = Builder::mesh(mesh.positions(), 4, Some(&faces));
+    let weight = |p: &[f32; 3]| (p[0] / 5.2 + 0.5).clamp(0.0, 1.0);
+    let weights: Vec<[f32; 4]> =
+        mesh.positions().iter().map(|p| [1.0 - weight(p), weight(p), 0.0, 0.0]).collect();
+    let joints = builder.accessor(5123, "VEC4", weights.len(), &u16s(&[0, 1, 0, 0].repeat(weights.len())));
+    let weights = builder.accessor(5126, "VEC4", weights.len(), &f32s(weights.as_flattened()));
+    let attributes = &mut builder.doc["meshes"][0]["primitives"][0]["attributes"];
+    (attributes["JOINTS_0"], attributes["WEIGHTS_0"]) = (joints.into(), weights.into());
+    builder.doc["nodes"] = json!([{"mesh": 0, "skin": 0, "children": [1]}, {"children": [2]}, {}]);
+    builder.doc["skins"] = json!([{"joints": [1, 2]}]);
+    let input = builder.accessor(5126, "SCALAR", 3, &f32s(&[0.0, 1.0, 2.0]));
+    let turns = [0.0, 0.0, 0.0, 1.0, 0.5, 0.1, -0.5, 0.7, -0.3, 0.6, 0.2, 0.7];
+    let output = builder.accessor(5126, "VEC4", 3, &f32s(&turns));
+    builder.doc["animations"] = json!([{
+        "samplers": [{"input": input, "output": output}],
+        "channels": [{"sampler": 0, "target": {"node": 2, "path": "rotation"}}],
+    }]);
+    builder.read()
+}
+
+/// Whether all judges agree about a caster, and what they answered.
+fn verified(caster: &Caster, light: &Light, points: usize) -> (bool, u64) {
+    let options = Options { points, ..Options::default() };
+    let result = Verifier::new(caster).verify(light, &options, &|_| {});
+    (result.agrees() && result.total().disagree == 0, result.total().agree)
+}
+
+#[test]
+fn animation_poses_cast_verified_shadows() {
+    let scene = tube();
+    let welded = |time: f64| weld(&baked(scene.pose(&Pose::at(time)).unwrap()), Weld::Exact).mesh;
+    let mut caster = Caster::new(welded(0.0));
+    let edges = caster.topology().edge_count();
+    let light = Light::point([1.0, 6.0, 2.0]).unwrap();
+    let mut volumes = Vec::new();
+    for time in [0.0, 0.3, 0.7, 1.0, 1.6, 2.0] {
+        caster.repose(welded(time).positions().to_vec()).unwrap();
+        assert_eq!(caster.topology().edge_count(), edges);
+        let (agrees, answered) = verified(&caster, &light, 200);
+        assert!(agrees && answered > 100, "at {time}");
+        volumes.push(caster.report().counts.signed_volume);
+    }
+    assert!(volumes.windows(2).all(|pair| pair[0] != pair[1]), "each pose is another: {volumes:?}");
+    assert!(scene.pose(&Pose::at(0.5)).unwrap().meshes[0].frames().is_empty());
+}
+
+#[test]
+fn animation_of_real_files_casts_verified_shadows() {
+    let Some(folder) = real_meshes() else { return };
+    for (name, times) in [
+        ("fox_skinned.glb", [0.2, 1.7]),
+        ("cesium_milk_truck.glb", [0.4, 1.1]),
+        ("morph_stress_test.gltf", [0.5, 1.3]),
+        ("sydney.md2", [0.52, 5.0]),
+    ] {
+        let scene = read(folder.join(name)).unwrap();
+        for time in times {
+            let mut posed = scene.pose(&Pose::at(time)).unwrap().bake(Scope::Mesh).unwrap();
+            let caster = Caster::new(weld(&posed.remove(0), Weld::Exact).mesh);
+            let [low, high] = caster.mesh().bounds().unwrap();
+            let light =
+                Light::point([0, 1, 2].map(|axis| high[axis] + 0.7 * (high[axis] - low[axis]))).unwrap();
+            let (agrees, answered) = verified(&caster, &light, 100);
+            assert!(agrees && answered > 20, "{name} at {time}");
+        }
+    }
 }

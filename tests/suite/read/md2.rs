@@ -1,3 +1,5 @@
+use umbrage::animate::Pose;
+
 use super::{expect_errors, mesh};
 
 /// A file of `frames` frames of `vertices`, with scale 2 and translation (10, 20, 30 + frame).
@@ -113,4 +115,29 @@ fn md2_errors_name_the_byte() {
         "b.md2",
         &[(&[b'x'; 100], ", byte 0 (md2): an MD2 file begins with IDP2, this one does not")],
     );
+}
+
+#[test]
+fn md2_poses_lie_on_straight_lines_between_frames() {
+    let scene = umbrage::read::read_bytes(&sample(), "a.md2").unwrap();
+    assert!(scene.moves() && scene.last_frame() == 2);
+    let rest = scene.meshes[0].positions().to_vec();
+    let raised = |by: f32| rest.iter().map(|&[x, y, z]| [x, y, z + by]).collect::<Vec<_>>();
+    let posed = |pose: Pose| scene.pose(&pose).map(|posed| posed.meshes[0].positions().to_vec());
+    // Frame N is raised by N: a time is in frames at one frame a second.
+    for (time, by) in
+        [(0.0, 0.0), (0.25, 0.25), (1.0, 1.0), (1.75, 1.75), (2.0, 2.0), (9.0, 2.0), (-1.0, 0.0)]
+    {
+        assert_eq!(posed(Pose::at(time).fps(1.0)), Ok(raised(by)), "{time}");
+    }
+    for frame in 0..3 {
+        assert_eq!(posed(Pose::frame(frame)), Ok(raised(frame as f32)), "bit for bit");
+    }
+    let beyond = posed(Pose::frame(3)).unwrap_err();
+    assert_eq!(beyond.to_string(), "there is no frame 3: the last one is 2");
+    let late = scene.pose(&Pose::at(9.0)).unwrap();
+    assert!(late.notes.iter().any(|note| note.contains("beyond frames 0 to 2: the nearest one is held")));
+    // The pose of a pose is that pose: it has nothing that moves.
+    assert!(!late.moves());
+    assert_eq!(late.pose(&Pose::at(0.0)).unwrap().meshes, late.meshes);
 }

@@ -295,8 +295,10 @@ impl FrameCache {
             Some((of, samples)) if of == key => samples,
             last => {
                 self.made.samples += 1;
-                // Most pixels see the face that they saw in the last frame.
-                let last = last.iter().flat_map(|(_, samples)| samples.hits());
+                // Most pixels see the face that they saw in the last frame, unless faces are smaller.
+                let faces: usize = group.casters().iter().map(|caster| caster.mesh().face_count()).sum();
+                let is_coarse = faces <= view.1.pixels();
+                let last = last.iter().filter(|_| is_coarse).flat_map(|(_, samples)| samples.hits());
                 let expected: Vec<Option<FaceId>> = last.map(|hit| hit.map(|hit| hit.face)).collect();
                 Samples::of_view_expecting(&group, &view.0, view.1, 1, &expected)?
             }

@@ -68,7 +68,7 @@ impl StencilPass {
     /// # use umbrage::shadow::stencil::{ReceiverTiles, StencilPass};
     /// # use umbrage::shadow::{Depth, Samples};
     /// # use umbrage::{testing::shapes, view::{Camera, Size, Up}};
-    /// # let gpu = match Gpu::new() { Err(GpuError::NoAdapter(_)) => return Ok(()), gpu => gpu? };
+    /// # let gpu = match Gpu::new(None) { Err(GpuError::NoAdapter) => return Ok(()), gpu => gpu? };
     /// # let (size, light) = (Size::new(64, 48)?, "point:3,9,5".parse()?);
     /// # let caster = Caster::new(shapes::torus(24, 12, 2.0, 0.7));
     /// # let camera = Camera::look_at([6.0, 5.0, 7.0], [0.0; 3], 0.8, Up::Y)?;

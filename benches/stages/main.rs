@@ -22,6 +22,8 @@ mod machine;
 #[cfg(feature = "gpu")]
 mod maps;
 mod measure;
+#[cfg(feature = "gpu")]
+mod moving;
 mod obvhs_triangles;
 mod plan;
 mod plot;
@@ -116,7 +118,7 @@ fn run(options: &Options) -> Result<(), String> {
         stage(&mut bench);
     }
     #[cfg(feature = "gpu")]
-    for stage in [gpu_topology::run, gpu::run, maps::run] {
+    for stage in [gpu_topology::run, gpu::run, maps::run, moving::run] {
         stage(&mut bench);
     }
     #[cfg(feature = "gpu")]

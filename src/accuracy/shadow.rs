@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::Spread;
 use crate::caster::CasterGroup;
 use crate::scene::Lamp;
-use crate::shadow::{Claim, PrepareError, Request, Samples, Technique};
+use crate::shadow::{Claim, PrepareError, Request, Samples, Technique, Updates};
 use crate::verify::errors::{Errors, Made, Truth};
 
 /// Error and time of one technique under one lamp.
@@ -36,6 +36,8 @@ pub struct ShadowRow {
     pub readback_ms: Option<f64>,
     /// Number of texels read per front-lit sample; `None` without a map.
     pub reads: Option<f64>,
+    /// Work of a technique that rasterizes volumes on the CPU, in one frame; `None` for all others.
+    pub updates: Option<Updates>,
     /// The shadow map's largest depth bias, as a distance along the light in mesh units.
     pub bias_world: Option<f64>,
     /// The size of the shadow map's texel at the center of the scene, in mesh units.
@@ -224,6 +226,7 @@ fn row(
         frame_ms: Spread::of(frames),
         readback_ms: None,
         reads: made.texel.map(|_| visibility.reads() as f64 / asked as f64),
+        updates: visibility.updates(),
         bias_world: prepared.bias_world(),
         texel_world: made.texel,
         bytes: (prepared.bytes() + visibility.bytes()) as u64,
@@ -297,6 +300,7 @@ mod tests {
             frame_ms: Spread::of(vec![ms]),
             readback_ms: None,
             reads: None,
+            updates: None,
             bias_world: None,
             texel_world: None,
             bytes: 0,

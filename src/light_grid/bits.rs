@@ -1,7 +1,7 @@
 //! A set of numbers, each with its rank.
 
 /// A bitmap that knows how many bits are set before each word.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct RankedBits {
     words: Vec<u64>,
     before: Vec<u32>,

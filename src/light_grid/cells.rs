@@ -8,7 +8,7 @@ use super::view::ERROR;
 /// A bound of y passes through the same monotonic function as every other, rounding included: if y lies
 /// between two bounds, one of the cells between theirs is the *cell of y*. The rays of a cell are those with
 /// such a y; they form a rectangle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cells {
     low: [f64; 2],
     high: [f64; 2],

@@ -21,8 +21,33 @@ pub struct LightGrid<'a> {
     pub(super) faults: Faults,
 }
 
+/// The sheets of a light grid, which depend on the casters and the light: what a cache keeps.
+///
+/// ```
+/// use umbrage::caster::{Caster, CasterGroup};
+/// use umbrage::light_grid::{Chain, GridVerdict, LightGrid};
+/// use umbrage::testing::shapes;
+///
+/// let caster = Caster::new(shapes::torus(24, 12, 2.0, 0.7));
+/// let casters = CasterGroup::new(vec![&caster]);
+/// let light = "point:0,0,9".parse()?;
+/// let entries = {
+///     let chain = Chain::of(&casters, &light);
+///     LightGrid::over(&chain, &casters.bounds(), 64).into_entries()
+/// };
+/// let chain = Chain::of(&casters, &light);
+/// let grid = LightGrid::of_entries(&chain, entries);
+/// assert_eq!(grid.verdict_at([2.0, 0.1, -0.69]), GridVerdict::Dark);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GridEntries {
+    views: Vec<View>,
+    grids: Vec<Option<ViewGrid>>,
+}
+
 /// The cells of one view.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct ViewGrid {
     pub(super) cells: Cells,
     /// The cells that hold a point.
@@ -100,6 +125,35 @@ impl<'a> LightGrid<'a> {
         Self { chain, views, grids, faults }
     }
 
+    /// The grid over all points of a box, as [`LightGrid::build`], for any number of views: it has sheets in
+    /// every cell, whether a visible point lies in it or not.
+    #[must_use]
+    pub fn over(chain: &'a Chain<'a>, bounds: &Aabb, side: u32) -> Self {
+        let views = View::all(bounds, chain.light());
+        let faults = Faults::default();
+        let limits = Limits { side: side.clamp(1, 4096), most: most_pairs(chain.face_count()), faults };
+        let grid = |view: &View| {
+            // Every ray through the box passes its surface.
+            let window = window_around(sides(bounds).into_iter().filter_map(|side| view.bounds(side)))?;
+            let occupied = |cells: &Cells| RankedBits::all(cells.count());
+            Some(ViewGrid::build(chain, || chain.faces(), view, window, occupied, limits))
+        };
+        let grids = views.iter().map(grid).collect();
+        Self { chain, views, grids, faults }
+    }
+
+    /// The grid from its entries, and the chain that they were made of.
+    #[must_use]
+    pub fn of_entries(chain: &'a Chain<'a>, entries: GridEntries) -> Self {
+        Self { chain, views: entries.views, grids: entries.grids, faults: Faults::default() }
+    }
+
+    /// The entries of the grid, without the chain.
+    #[must_use]
+    pub fn into_entries(self) -> GridEntries {
+        GridEntries { views: self.views, grids: self.grids }
+    }
+
     /// The place of a point; `None` if its cell is not certain, or was no point's when the grid was built.
     pub(super) fn place(&self, p: [f32; 3]) -> Option<Place<'_>> {
         let number = View::holding(&self.views, p);
@@ -140,6 +194,18 @@ impl<'a> LightGrid<'a> {
         };
         self.grids.iter().flatten().map(of).sum()
     }
+}
+
+/// The surface of a box, as triangles.
+fn sides(bounds: &Aabb) -> [[[f32; 3]; 3]; 12] {
+    let corner = |bits: usize| [0, 1, 2].map(|i| [bounds.low, bounds.high][bits >> i & 1][i]);
+    std::array::from_fn(|index| {
+        // One side is normal to axis k; a and b are the other two axes.
+        let (k, far, half) = (index / 4, index / 2 % 2, index % 2);
+        let [a, b] = [(k + 1) % 3, (k + 2) % 3].map(|axis| 1 << axis);
+        let base = far << k;
+        [base + half * (a + b), base + a, base + b].map(corner)
+    })
 }
 
 /// Bounds of a point's y; `None` if the view may not hold all of them.

@@ -46,7 +46,7 @@ mod verdict;
 pub(crate) mod view;
 
 pub use chain::Chain;
-pub use grid::LightGrid;
+pub use grid::{GridEntries, LightGrid};
 pub(crate) use occluders::Occluders;
 pub use soft::{SoftGrid, SoftVerdict};
 pub use sorted::sorted_verdicts;

@@ -151,15 +151,20 @@ fn light_grid_proves_nothing_that_is_false() {
     assert!(tally.wrong == 0 && tally.decided * 5 > tally.all * 2 && tally.all > 40_000, "{tally:?}");
 }
 
-/// 10⁸ decided points, some hours: `cargo test --release --all-features --lib light_grid_long -- --ignored`.
+/// 10⁸ decided points, some hours, or as many as `UMBRAGE_LONG` says: `tests/long.sh light_grid_long 1e7`.
 #[test]
 #[ignore = "some hours; tests/long.sh light_grid_long"]
 fn light_grid_long_proves_nothing_that_is_false() {
-    let (mut seed, mut decided) = (1000, 0);
-    while decided < 100_000_000 {
+    let asked = std::env::var("UMBRAGE_LONG").unwrap_or("1e8".to_owned());
+    let most: f64 = asked.parse().expect("UMBRAGE_LONG is a number of points");
+    let (mut seed, mut decided, mut all) = (1000, 0, 0);
+    while (decided as f64) < most {
         let tally = over_cases(seed, 100, 4096, None);
-        (seed, decided) = (seed + 1, decided + tally.decided);
+        assert_eq!(tally.wrong, 0, "seed {seed}: {tally:?}");
+        (seed, decided, all) = (seed + 1, decided + tally.decided, all + tally.all);
+        eprintln!("light grid: {decided} decided of {all}, 0 wrong");
     }
+    assert!(5 * decided > 2 * all);
 }
 
 #[test]

@@ -20,7 +20,7 @@ pub(crate) const ERROR: f64 = 1.0 / (1_u64 << 48) as f64;
 /// `(|pᵢ − cᵢ| + |pₖ − cₖ|)/z`. Since r is itself rounded, with an error of 3ε at most, y is not quite
 /// constant along a ray: y differs from its value in the plane of c by at most 3ε·|pₖ − cₖ|/z. The sum is
 /// 10ε; [`ERROR`] is 32ε.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct View {
     /// Axis k, then the other two axes.
     axes: [usize; 3],

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::candidates::{Candidate, Known, PROOFS, TREE};
 use super::costs::{Step, Work};
 use super::effects;
-use super::planner::{OF_GRIDS, OF_RELEVANCE, OF_TRIALS, PLANNING_SHARE, Planner, tree_time};
+use super::planner::{OF_GRIDS, PLANNING_SHARE, Planner, of_relevance, of_trials, tree_time};
 use super::probe::{FEWEST, GridProbe, LampProbe, MOST, Share};
 use super::relevance::{Dropped, Outcome, Question, Relevance, RelevanceTest, TestSet, Triple, relevant};
 use super::run::can_be_reduced;
@@ -93,7 +93,8 @@ impl Planner<'_> {
         let boxes = BOX_SAMPLE * samples + BOX_PIECE * pieces;
         let dear = GRID_SAMPLE * samples + GRID_FACE * faces + SOLID_PIECE * pieces;
         let sets = [(TestSet::ALL, boxes + dear), (by_boxes, boxes)];
-        let allowed = if self.scenery.thorough { f64::INFINITY } else { OF_RELEVANCE * self.allowance };
+        let share = of_relevance(self.scenery.device.is_some());
+        let allowed = if self.scenery.thorough { f64::INFINITY } else { share * self.allowance };
         let fitting = sets.into_iter().find(|(_, time)| *time <= allowed);
         match fitting.filter(|_| self.pieces.are_shells()) {
             Some((tests, _)) => (relevant(&question(all, tests)), true),
@@ -273,7 +274,7 @@ impl Planner<'_> {
         };
         let mut order: Vec<usize> = (0..candidates.len()).collect();
         order.sort_by(|&a, &b| candidates[a].time.total_cmp(&candidates[b].time));
-        let mut left = OF_TRIALS * allowance;
+        let mut left = of_trials(self.scenery.device.is_some()) * allowance;
         let exact = candidates.iter().find(|candidate| candidate.technique == Trials::exact(lamp));
         let truth =
             exact.map_or(f64::INFINITY, |exact| Trials::time(self.costs, exact, self.probe.seen, count));

@@ -19,9 +19,23 @@ pub(super) const PLANNING_SHARE: f64 = 0.1;
 /// Parts of the planning time: of the probe, of relevance, of the light grids, of trials. The rest is for
 /// pieces and candidates.
 const OF_PROBE: f64 = 0.2;
-pub(super) const OF_RELEVANCE: f64 = 0.3;
+const OF_RELEVANCE: f64 = 0.3;
 pub(super) const OF_GRIDS: f64 = 0.2;
-pub(super) const OF_TRIALS: f64 = 0.2;
+const OF_TRIALS: f64 = 0.2;
+/// What relevance takes from the trials where there is a graphics adapter: there each caster that is kept is
+/// drawn whole, so that one that is dropped saves more; and nothing is tried on a device.
+const FOR_DEVICE: f64 = 0.1;
+
+/// The part of the planning time for relevance.
+pub(super) fn of_relevance(has_device: bool) -> f64 {
+    if has_device { OF_RELEVANCE + FOR_DEVICE } else { OF_RELEVANCE }
+}
+
+/// The part of the planning time for trials.
+pub(super) fn of_trials(has_device: bool) -> f64 {
+    if has_device { OF_TRIALS - FOR_DEVICE } else { OF_TRIALS }
+}
+
 /// Time of the first hit of a sample on one thread, and time to find the pieces, for each face, in
 /// nanoseconds.
 const FIRST_HIT: f64 = 350.0;
@@ -77,11 +91,12 @@ impl<'a> Planner<'a> {
         let most = ((OF_PROBE * allowance / one.max(1.0)) as usize).clamp(FEWEST, MOST);
         let probe = Probe::of(scenery, most);
         // Looking for the shells of a large mesh takes longer than a picture by rays.
-        let pieces = if scenery.thorough || PIECES * work.faces <= OF_RELEVANCE * all {
-            Pieces::of(scenery.casters)
-        } else {
-            Pieces::whole(scenery.casters)
-        };
+        let pieces =
+            if scenery.thorough || PIECES * work.faces <= of_relevance(scenery.device.is_some()) * all {
+                Pieces::of(scenery.casters)
+            } else {
+                Pieces::whole(scenery.casters)
+            };
         let seen = Aabb::around(scenery.samples.hits().iter().flatten().map(|hit| hit.point));
         let widening = (scenery.casters.bounds().diagonal() / seen.diagonal()).max(1.0);
         let widening = if widening.is_finite() { widening } else { 1.0 };

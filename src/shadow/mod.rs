@@ -47,6 +47,7 @@ pub mod volume;
 pub use crate::gpu::raster::{Depth, GpuSamples, GpuVisibility};
 pub use claim::Claim;
 pub use grid::GridOptions;
+pub(crate) use grid::by_grid;
 pub use name::TechniqueError;
 use prepared::LampShadow;
 pub use prepared::{PrepareError, Prepared, Request};

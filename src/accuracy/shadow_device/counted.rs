@@ -147,6 +147,7 @@ impl Counted<'_> {
             frame_ms: Spread::of(frames),
             readback_ms: Some(readback_ms),
             reads: None,
+            updates: None,
             bias_world: None,
             texel_world: None,
             bytes: (volumes.volumes.iter().map(|(_, volume)| volume.bytes()).sum::<usize>() + samples.len())

@@ -91,6 +91,9 @@ impl Planned<'_> {
             let trial = every.trial(lamp.lamp, technique);
             document.insert("true_error".to_owned(), or_null(trial.map(|trial| number(trial.error))));
             document.insert("measured_ms".to_owned(), or_null(trial.map(|trial| number(trial.ms()))));
+            let work = trial.and_then(|trial| trial.updates);
+            document.insert("fragments".to_owned(), or_null(work.map(|work| work.fragments)));
+            document.insert("updates".to_owned(), or_null(work.map(|work| work.updates)));
         }
     }
 }

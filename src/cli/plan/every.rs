@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 use umbrage::plan::{Check, Checked, Judgment, Run, Scenery, ShadowPlan, Task, check, count_wrong, run};
-use umbrage::shadow::{Request, Technique};
+use umbrage::shadow::{Request, Technique, Updates};
 
 use super::text::{milliseconds, percent};
 use crate::cli::Failure;
@@ -26,6 +26,8 @@ pub(super) struct Trial {
     /// The fraction of samples that are wrong.
     pub(super) error: f64,
     time: Duration,
+    /// The work of a technique that rasterizes volumes on the CPU.
+    pub(super) updates: Option<Updates>,
 }
 
 impl Trial {
@@ -71,7 +73,8 @@ impl Every {
                 let Run { visibility, time, .. } =
                     run(casters, &lamps[lamp..=lamp], samples, &[task])?.remove(0);
                 let wrong = count_wrong(&request, &visibility, &plan.budget, scenery.physical_falloff);
-                trials.push(Trial { lamp, technique, error: wrong as f64 / seen, time });
+                let updates = visibility.updates();
+                trials.push(Trial { lamp, technique, error: wrong as f64 / seen, time, updates });
                 progress.done(1);
             }
         }

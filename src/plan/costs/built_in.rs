@@ -23,7 +23,8 @@ fn assumed(step: Step) -> &'static [f64] {
         Step::Area => &[50e3, 34.0, 5000.0],
         Step::SoftMap => &[50e3, 34.0, 240.0, 550.0, 10.0, 20.0],
         Step::SoftHybrid => &[50e3, 34.0, 600.0, 10.0, 50.0],
-        Step::Plain => &[1e3, 34.0],
+        // No side of a face is asked for.
+        Step::Plain => &[1e3, 9.0],
     }
 }
 

@@ -9,6 +9,9 @@ pub(super) enum Fault {
     View,
     Casters,
     Brightness,
+    GridCasters,
+    GridLight,
+    GridSide,
 }
 
 crate::fault::faults!();

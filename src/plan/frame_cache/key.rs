@@ -63,6 +63,24 @@ impl ViewKey {
     }
 }
 
+/// What the entries of a light grid depend on: the light, all casters, and how fine it is.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct GridKey {
+    casters: Vec<CasterKey>,
+    light: Option<LightKey>,
+    side: u32,
+}
+
+impl GridKey {
+    pub(super) fn of(casters: &[CasterKey], lamp: &Lamp, side: u32, faults: Faults) -> Self {
+        Self {
+            casters: if faults.has(Fault::GridCasters) { Vec::new() } else { casters.to_vec() },
+            light: (!faults.has(Fault::GridLight)).then(|| LightKey::of(lamp, faults)),
+            side: if faults.has(Fault::GridSide) { 0 } else { side },
+        }
+    }
+}
+
 /// What relevance depends on: all of a lamp, and the visible points.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RelevanceKey {

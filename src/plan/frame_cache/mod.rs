@@ -4,10 +4,10 @@
 //! |---|---|
 //! | nothing | nothing |
 //! | the camera | visible points; relevance and visibility of each lamp |
-//! | a lamp | its volumes, its relevance, its visibility |
+//! | a lamp | its volumes, its light grid, its relevance, its visibility |
 //! | the brightness or the range of a lamp | its relevance |
-//! | a caster, or its vertices | this caster, its volumes; ray tree, visible points; relevance and visibility
-//! of each lamp |
+//! | a caster, or its vertices | this caster, its volumes; ray tree, visible points; light grid, relevance and
+//! visibility of each lamp |
 //!
 //! The topology of a mesh is made once, whatever moves: it depends on no position.
 //!
@@ -27,15 +27,17 @@ use glam::Mat4;
 use hashbrown::HashMap;
 
 use self::fault::Faults;
-use self::key::{CasterKey, LightKey, RelevanceKey, ViewKey, VisibilityKey};
+use self::key::{CasterKey, GridKey, LightKey, RelevanceKey, ViewKey, VisibilityKey};
 use super::relevance::{Pieces, Question, Relevance, TestSet, relevant};
 use crate::caster::{Caster, CasterGroup};
 use crate::facing::CasterFaces;
+use crate::geom::Light;
+use crate::light_grid::{Chain, GridEntries, LightGrid};
 use crate::mesh::{FaceId, Mesh, MeshError};
 use crate::oracle::Oracle;
 use crate::scene::{Lamp, OwnSpace};
 use crate::shadow::volume::{Caps, ShadowVolume};
-use crate::shadow::{PrepareError, Request, Samples, Technique, TooManySamples, Visibility};
+use crate::shadow::{PrepareError, Request, Samples, Technique, TooManySamples, Visibility, by_grid};
 use crate::view::{Projection, Size};
 
 /// A mesh where it is in one frame.
@@ -83,6 +85,8 @@ pub struct Made {
     pub trees: usize,
     /// Sets of visible points.
     pub samples: usize,
+    /// Light grids, a lamp each, where the technique is `hybrid`.
+    pub grids: usize,
     /// Relevances, a lamp each.
     pub relevances: usize,
     /// Visibilities, a lamp each.
@@ -152,6 +156,7 @@ pub struct FrameCache {
     volumes: HashMap<(CasterKey, LightKey), ShadowVolume>,
     tree: Option<(Vec<CasterKey>, Arc<Oracle>, Arc<Pieces>)>,
     samples: Option<(ViewKey, Samples)>,
+    grids: Vec<(GridKey, GridEntries)>,
     relevances: Vec<(RelevanceKey, Relevance)>,
     visibilities: Vec<(VisibilityKey, Visibility)>,
     made: Made,
@@ -168,6 +173,9 @@ pub struct Frame<'a> {
     pub volumes: Vec<&'a ShadowVolume>,
     /// The visible points; `None` without a view.
     pub samples: Option<&'a Samples>,
+    /// The entries of the light grid of each lamp, over all that is there; none without a view, or unless the
+    /// technique is `hybrid`.
+    pub grids: Vec<&'a GridEntries>,
     /// What can change a visible point, for each lamp; none without a view.
     pub relevances: Vec<&'a Relevance>,
     /// How much of each lamp reaches each visible point; none without a view.
@@ -199,6 +207,7 @@ impl FrameCache {
             casters: keys.iter().map(|key| &self.casters[key]).collect(),
             volumes: if moment.volumes { volumes.collect() } else { Vec::new() },
             samples: self.samples.as_ref().map(|(_, samples)| samples),
+            grids: self.grids.iter().map(|(_, entries)| entries).collect(),
             relevances: self.relevances.iter().map(|(_, relevance)| relevance).collect(),
             visibilities: self.visibilities.iter().map(|(_, visibility)| visibility).collect(),
         })
@@ -259,6 +268,7 @@ impl FrameCache {
 
     fn forget_the_picture(&mut self) {
         (self.tree, self.samples) = (None, None);
+        self.grids.clear();
         self.relevances.clear();
         self.visibilities.clear();
     }
@@ -285,8 +295,10 @@ impl FrameCache {
             Some((of, samples)) if of == key => samples,
             last => {
                 self.made.samples += 1;
-                // Most pixels see the face that they saw in the last frame.
-                let last = last.iter().flat_map(|(_, samples)| samples.hits());
+                // Most pixels see the face that they saw in the last frame, unless faces are smaller.
+                let faces: usize = group.casters().iter().map(|caster| caster.mesh().face_count()).sum();
+                let is_coarse = faces <= view.1.pixels();
+                let last = last.iter().filter(|_| is_coarse).flat_map(|(_, samples)| samples.hits());
                 let expected: Vec<Option<FaceId>> = last.map(|hit| hit.map(|hit| hit.face)).collect();
                 Samples::of_view_expecting(&group, &view.0, view.1, 1, &expected)?
             }
@@ -312,6 +324,8 @@ impl FrameCache {
                 (key, relevant(&question))
             }));
         }
+        let grid_key = |lamp: &Lamp, side| GridKey::of(keys, lamp, side, self.faults);
+        self.made.grids = renew_grids(&mut self.grids, moment, &group, grid_key);
         let mut old = std::mem::take(&mut self.visibilities).into_iter();
         for (number, lamp) in moment.lamps.iter().enumerate() {
             let key = VisibilityKey::of(&key, lamp, moment.technique);
@@ -320,12 +334,49 @@ impl FrameCache {
                 Some(kept) => kept,
                 None => {
                     self.made.visibilities += 1;
-                    let request = Request { casters: &group, lamp, samples };
-                    let visibility = moment.technique.shade(&request);
+                    let visibility = match self.grids.get_mut(number) {
+                        Some((_, entries)) => Ok(shade_by_grid(&group, lamp.light(), samples, entries)),
+                        None => moment.technique.shade(&Request { casters: &group, lamp, samples }),
+                    };
                     (key, visibility.map_err(|error| FrameError::Technique { lamp: number, error })?)
                 }
             });
         }
         Ok(())
     }
+}
+
+/// Makes the light grids of all lamps that are missing, if the technique asks for any; how many.
+fn renew_grids(
+    grids: &mut Vec<(GridKey, GridEntries)>,
+    moment: &Moment<'_>,
+    group: &CasterGroup<'_>,
+    key: impl Fn(&Lamp, u32) -> GridKey,
+) -> usize {
+    let (mut old, mut made) = (std::mem::take(grids).into_iter(), 0);
+    let Technique::Hybrid(options) = moment.technique else { return 0 };
+    for lamp in moment.lamps {
+        let key = key(lamp, options.grid);
+        let kept = old.next().filter(|(of, _)| *of == key);
+        grids.push(kept.unwrap_or_else(|| {
+            made += 1;
+            let chain = Chain::of(group, lamp.light());
+            (key, LightGrid::over(&chain, &group.bounds(), options.grid).into_entries())
+        }));
+    }
+    made
+}
+
+/// The visibility of `hybrid`, by the entries of its grid.
+fn shade_by_grid(
+    group: &CasterGroup<'_>,
+    light: &Light,
+    samples: &Samples,
+    entries: &mut GridEntries,
+) -> Visibility {
+    let chain = Chain::of(group, light);
+    let grid = LightGrid::of_entries(&chain, std::mem::take(entries));
+    let visibility = by_grid(&grid, group.oracle(), light, samples);
+    *entries = grid.into_entries();
+    visibility
 }

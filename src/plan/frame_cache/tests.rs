@@ -3,6 +3,7 @@
 use super::fault::Fault;
 use super::*;
 use crate::random::SplitMix64;
+use crate::shadow::GridOptions;
 use crate::testing::shapes;
 use crate::view::{Camera, Up};
 
@@ -16,9 +17,11 @@ enum Change {
     Place,
     Vertices,
     Caster,
+    /// Another fineness of the light grid; the same visibility.
+    Grid,
 }
 
-const CHANGES: [Change; 7] = [
+const CHANGES: [Change; 8] = [
     Change::Nothing,
     Change::Camera,
     Change::Lamp,
@@ -26,6 +29,7 @@ const CHANGES: [Change; 7] = [
     Change::Place,
     Change::Vertices,
     Change::Caster,
+    Change::Grid,
 ];
 
 struct Script {
@@ -36,6 +40,7 @@ struct Script {
     casters: Vec<(u32, u32, Mat4)>,
     lamps: Vec<Lamp>,
     eye: [f32; 3],
+    grid: u32,
 }
 
 impl Script {
@@ -55,6 +60,7 @@ impl Script {
             ],
             lamps: vec![lamp("point:3,9,5,range=30"), lamp("directional:0.2,-1,0.1")],
             eye: [9.0, 7.0, 8.0],
+            grid: 32,
         }
     }
 
@@ -81,6 +87,7 @@ impl Script {
                 self.casters[index].2 = Mat4::from_translation(by.into()) * Mat4::from_rotation_y(by[1]);
             }
             Change::Vertices => self.casters[index].1 = (self.casters[index].1 + 1) % 3,
+            Change::Grid => self.grid = 80 - self.grid,
             Change::Caster if self.casters.len() > 3 => drop(self.casters.remove(index)),
             Change::Caster => self.casters.push((1, 2, Mat4::from_translation(by.into()))),
         }
@@ -103,7 +110,7 @@ impl Script {
             lamps: &self.lamps,
             volumes: true,
             view: Some((camera.projection(size, 0.1), size)),
-            technique: Technique::Rays,
+            technique: Technique::Hybrid(GridOptions { grid: self.grid }),
             physical_falloff: true,
         };
         let mut cold = FrameCache::default();
@@ -126,6 +133,7 @@ fn are_same(a: &Frame<'_>, b: &Frame<'_>) -> bool {
         && a.volumes.len() == b.volumes.len()
         && a.volumes.iter().zip(&b.volumes).all(|(a, b)| bits(a) == bits(b))
         && a.samples.map(Samples::hits) == b.samples.map(Samples::hits)
+        && a.grids == b.grids
         && a.relevances == b.relevances
         && a.visibilities == b.visibilities
 }
@@ -136,7 +144,7 @@ fn script(cache: &mut FrameCache, steps: usize) -> Vec<(Change, bool, Made, [usi
     script.step(cache);
     let step = |number: usize| {
         let change = match number {
-            0..7 => CHANGES[number],
+            0..8 => CHANGES[number],
             _ => CHANGES[script.random.below(CHANGES.len())],
         };
         script.change(change);
@@ -152,15 +160,17 @@ fn cached_frames_have_the_bytes_of_new_ones_and_only_what_moved_is_made() {
         script(&mut FrameCache::default(), 200).into_iter().enumerate()
     {
         assert!(is_same, "step {number}: {change:?}");
-        let Made { topologies, casters: posed, volumes, trees, samples, relevances, visibilities } = made;
-        let counts = [posed, volumes, trees, samples, relevances, visibilities];
+        let Made { topologies, casters: posed, volumes, trees, samples, grids, relevances, visibilities } =
+            made;
+        let counts = [posed, volumes, trees, samples, grids, relevances, visibilities];
         // The table at the head of the module. A change may by chance lead to what was there before.
         let most = match change {
-            Change::Nothing => [0; 6],
-            Change::Camera => [0, 0, 0, 1, lamps, lamps],
-            Change::Lamp => [0, casters, 0, 0, 1, 1],
-            Change::Brightness => [0, 0, 0, 0, 1, 0],
-            Change::Place | Change::Vertices | Change::Caster => [1, lamps, 1, 1, lamps, lamps],
+            Change::Nothing => [0; 7],
+            Change::Camera => [0, 0, 0, 1, 0, lamps, lamps],
+            Change::Lamp => [0, casters, 0, 0, 1, 1, 1],
+            Change::Brightness => [0, 0, 0, 0, 0, 1, 0],
+            Change::Grid => [0, 0, 0, 0, lamps, 0, lamps],
+            Change::Place | Change::Vertices | Change::Caster => [1, lamps, 1, 1, lamps, lamps, lamps],
         };
         assert!(counts.iter().zip(most).all(|(made, most)| *made <= most), "{change:?}: {made:?}");
         assert!(topologies <= usize::from(change == Change::Caster), "{change:?}: {made:?}");
@@ -169,7 +179,17 @@ fn cached_frames_have_the_bytes_of_new_ones_and_only_what_moved_is_made() {
 
 #[test]
 fn cached_frames_whose_keys_forget_a_part_are_not() {
-    for fault in [Fault::Frame, Fault::Place, Fault::Light, Fault::View, Fault::Casters, Fault::Brightness] {
+    for fault in [
+        Fault::Frame,
+        Fault::Place,
+        Fault::Light,
+        Fault::View,
+        Fault::Casters,
+        Fault::Brightness,
+        Fault::GridCasters,
+        Fault::GridLight,
+        Fault::GridSide,
+    ] {
         let mut cache = FrameCache { faults: Faults(Some(fault)), ..FrameCache::default() };
         let is_found = script(&mut cache, 60).iter().any(|(_, is_same, ..)| !is_same);
         assert!(is_found, "{fault:?}");

@@ -37,19 +37,24 @@ impl LampShadow for GridHybrid<'_> {
         let points = samples.hits().iter().zip(&asked).filter(|(_, asked)| **asked);
         let points = points.filter_map(|(hit, _)| hit.as_ref().map(|hit| hit.point));
         let grid = LightGrid::build(&self.chain, points, self.options.grid);
-        Visibility::of(samples, light, Claim::Exact, |hit| {
-            let proven = grid.verdict(hit);
-            let is_dark = match proven {
-                GridVerdict::Dark => true,
-                GridVerdict::Lit => false,
-                GridVerdict::Undecided => self.oracle.verdict(hit.point, light) == Verdict::Shadowed,
-            };
-            Answer { is_exact: proven == GridVerdict::Undecided, ..Answer::of(f32::from(u8::from(!is_dark))) }
-        })
+        by_grid(&grid, self.oracle, light, samples)
     }
 
     /// Memory of the chain in bytes.
     fn bytes(&self) -> usize {
         self.chain.bytes()
     }
+}
+
+/// 0 or 1 at each front-lit sample, by a grid of the light, and by exact rays where it does not decide.
+pub(crate) fn by_grid(grid: &LightGrid<'_>, oracle: &Oracle, light: &Light, samples: &Samples) -> Visibility {
+    Visibility::of(samples, light, Claim::Exact, |hit| {
+        let proven = grid.verdict(hit);
+        let is_dark = match proven {
+            GridVerdict::Dark => true,
+            GridVerdict::Lit => false,
+            GridVerdict::Undecided => oracle.verdict(hit.point, light) == Verdict::Shadowed,
+        };
+        Answer { is_exact: proven == GridVerdict::Undecided, ..Answer::of(f32::from(u8::from(!is_dark))) }
+    })
 }

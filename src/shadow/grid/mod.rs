@@ -6,4 +6,5 @@ mod options;
 
 pub(super) use alias_free::AliasFree;
 pub(super) use hybrid::GridHybrid;
+pub(crate) use hybrid::by_grid;
 pub use options::GridOptions;

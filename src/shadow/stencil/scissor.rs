@@ -34,6 +34,9 @@ pub(in crate::shadow) struct PixelRectangle {
     pub(in crate::shadow) height: u32,
 }
 
+/// Pixels that take as long as the corners of a triangle, roughly, on a software rasterizer.
+const TRIANGLE: usize = 32;
+
 /// The visible points of a picture, in tiles of 16 by 16 samples with a box each: where volumes can matter.
 ///
 /// [`StencilPass::within`](super::StencilPass::within) draws a volume only in the tiles that it may shadow.
@@ -113,21 +116,28 @@ impl ReceiverTiles {
         self.size
     }
 
-    /// Where a closed volume of casting faces in `bounds` may count: disjoint rectangles. A single one around
-    /// all tiles, unless these fill less than half of it; none if it counts nowhere.
-    pub(in crate::shadow) fn rectangles(&self, light: &Light, bounds: &Aabb) -> Vec<PixelRectangle> {
+    /// Where a closed volume of casting faces in `bounds` may count: disjoint rectangles; none if it counts
+    /// nowhere. The volume is drawn once for each, so a volume of many `triangles` takes a single one, around
+    /// all tiles, unless smaller ones save more pixels than [`TRIANGLE`] for each triangle.
+    pub(in crate::shadow) fn rectangles(
+        &self,
+        light: &Light,
+        bounds: &Aabb,
+        triangles: usize,
+    ) -> Vec<PixelRectangle> {
         let lamp = LampBox::of(&Lamp::from(*light));
         let mut parting = Parting::new(lamp, self.faults.has(Fault::BoxOfCasters));
         let kept = self.tiles.kept(|tile| parting.parts_box(tile, bounds));
         let runs = runs(&kept, self.tiles.columns());
-        let area = |rect: &[usize; 4]| (rect[2] - rect[0]) * (rect[3] - rect[1]);
         let around = runs
             .iter()
             .copied()
             .reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]);
         let Some(around) = around else { return Vec::new() };
-        let is_thin = 2 * runs.iter().map(area).sum::<usize>() < area(&around);
-        let chosen = if is_thin { runs } else { vec![around] };
+        let area = |rect: &[usize; 4]| (rect[2] - rect[0]) * (rect[3] - rect[1]) * SIDE * SIDE;
+        let cost =
+            |tiles: &[[usize; 4]]| tiles.iter().map(area).sum::<usize>() + TRIANGLE * triangles * tiles.len();
+        let chosen = if cost(&runs) < cost(&[around]) { runs } else { vec![around] };
         chosen.into_iter().map(|tiles| self.pixels(tiles)).collect()
     }
 

@@ -84,6 +84,13 @@ fn plan_of_all_techniques_has_no_error_beyond_what_is_proven() {
         {
             let truth = group["true_error"].as_f64().unwrap();
             assert!(group["measured_ms"].as_f64().is_some());
+            let rivals = group["rejected"].as_array().unwrap();
+            // The counter on the CPU counts its work, rays have none.
+            for technique in rivals.iter().chain([group]).filter(|it| it["measured_ms"].is_number()) {
+                let counts = technique["technique"] == "counter";
+                assert_eq!(technique["updates"].is_u64(), counts, "{technique}");
+                assert_eq!(technique["fragments"].is_u64(), counts, "{technique}");
+            }
             if ["exact", "proven"].contains(&group["evidence"].as_str().unwrap()) {
                 assert!(truth <= group["bound_95"].as_f64().unwrap(), "{group}");
                 compared += 1;

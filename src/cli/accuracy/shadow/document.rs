@@ -72,6 +72,8 @@ fn row_document(row: &ShadowRow) -> Value {
         "max_error": number(errors.max),
         "penumbra_mean_error": errors.penumbra_mean.map(number),
         "reads": row.reads.map(number),
+        "fragments": row.updates.map(|work| work.fragments),
+        "updates": row.updates.map(|work| work.updates),
         "bias_world": row.bias_world.map(number),
         "texel_world": row.texel_world.map(number),
         "prepare_ms": number(row.prepare_ms),

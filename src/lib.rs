@@ -115,10 +115,12 @@
 //!
 //! - Everything is exact with respect to the `f32` positions after transforms are applied; what happens
 //!   before that, in the modelling program or in the transform, is rounded.
-//! - A scene that is not posed stands as its file stores it: a skinned mesh in its bind pose, MD2 in its first
-//!   frame. [`Scene::pose`](scene::Scene::pose) puts it at a time; of KHR_animation_pointer nothing is read.
-//! - Vertices of a posed mesh are one where they coincide at rest and every time of the clip moves them alike:
-//!   a skin that parts a seam opens it in every pose, and none closes where a pose brings vertices together.
+//! - A scene that is not posed stands as its file stores it: a skinned mesh in its bind pose, MD2 in its
+//!   first frame. [`Scene::pose`](scene::Scene::pose) puts it at a time; of KHR_animation_pointer nothing is
+//!   read.
+//! - Vertices of a posed mesh are one where they coincide at rest and every time of the clip moves them
+//!   alike: a skin that parts a seam opens it in every pose, and none closes where a pose brings vertices
+//!   together.
 //! - Textures are not read. What a material makes invisible everywhere (a mask below its cutoff, a blend with
 //!   alpha 0) neither is drawn nor casts, and a note says so; what a texture cuts out casts, and a note says
 //!   that.

@@ -245,8 +245,8 @@ fn materials(named: HashMap<String, u32>, defined: &[Material]) -> Vec<Material>
 
 /// The vertex (from 0) of the next corner in `rest`, and how many bytes it takes with the blanks before it.
 ///
-/// In one pass, for what nearly every file holds: one to three indices, the first positive and of at most nine
-/// digits. `None` for all else, sound or not.
+/// In one pass, for what nearly every file holds: one to three indices, the first positive and of at most
+/// nine digits. `None` for all else, sound or not.
 #[inline]
 fn plain_corner(rest: &[u8]) -> Option<(u32, usize)> {
     let mut at = 0;

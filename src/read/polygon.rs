@@ -63,8 +63,8 @@ impl Faces {
         corners
     }
 
-    /// Counts the triangles that were added to the list since the last polygon, fans included: `count` polygons
-    /// of `triangles` triangles each.
+    /// Counts the triangles that were added to the list since the last polygon, fans included: `count`
+    /// polygons of `triangles` triangles each.
     pub(super) fn end_polygons(&mut self, count: u64, triangles: u32) {
         self.n_gons += if triangles > 1 { count } else { 0 };
         let first = (self.triangles.len() as u32).wrapping_sub(count as u32 * triangles);

@@ -197,7 +197,8 @@ pub(super) fn decimal(word: &[u8]) -> Option<(f64, f32)> {
     narrow(wide, || parse::<f32>(word))
 }
 
-/// A number that was rounded to `wide`, and the nearest `f32`, which `again` reads where `wide` does not tell.
+/// A number that was rounded to `wide`, and the nearest `f32`, which `again` reads where `wide` does not
+/// tell.
 #[inline]
 fn narrow(wide: f64, again: impl FnOnce() -> Option<f32>) -> Option<(f64, f32)> {
     const LOW: u64 = (1 << 29) - 1;
@@ -207,8 +208,8 @@ fn narrow(wide: f64, again: impl FnOnce() -> Option<f32>) -> Option<(f64, f32)> 
     Some((wide, near))
 }
 
-/// The number at the beginning of `text`, as the nearest `f64`, and how many bytes it takes, if it has at most
-/// 15 digits and no exponent, and a blank or nothing follows.
+/// The number at the beginning of `text`, as the nearest `f64`, and how many bytes it takes, if it has at
+/// most 15 digits and no exponent, and a blank or nothing follows.
 ///
 /// Its digits as an integer and the power of ten that divides it are both exact in `f64`, so that the one
 /// division rounds correctly (Clinger, How to read floating point numbers accurately, 1990, section 5).

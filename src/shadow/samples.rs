@@ -44,8 +44,8 @@ impl Samples {
     }
 
     /// The same samples, faster where it is known which face a sample probably sees, by its number among
-    /// those of [`CasterGroup::seen`]: from a rasterizer, or from the frame before. `expected` has an entry per
-    /// sample, in their order; missing and wrong ones cost time and change nothing.
+    /// those of [`CasterGroup::seen`]: from a rasterizer, or from the frame before. `expected` has an entry
+    /// per sample, in their order; missing and wrong ones cost time and change nothing.
     ///
     /// # Errors
     ///

@@ -376,7 +376,8 @@ fn parting_tells_wedges_apart_and_no_others() {
     assert!(!surely_parted(o, east, east) && !surely_parted(o, [o; 2], [o; 2]));
 }
 
-/// Quads whose corners lie on a line through the origin, at distances whose difference is rounded, and others.
+/// Quads whose corners lie on a line through the origin, at distances whose difference is rounded, and
+/// others.
 fn quads() -> impl Iterator<Item = [[f32; 3]; 4]> {
     let mut random = SplitMix64(7);
     (0..20_000).map(move |i| {

@@ -6,8 +6,7 @@
 //! | the camera | visible points; relevance and visibility of each lamp |
 //! | a lamp | its volumes, its light grid, its relevance, its visibility |
 //! | the brightness or the range of a lamp | its relevance |
-//! | a caster, or its vertices | this caster, its volumes; ray tree, visible points; light grid, relevance and
-//! visibility of each lamp |
+//! | a caster, or its vertices | this caster, its volumes; ray tree, visible points; all of each lamp |
 //!
 //! The topology of a mesh is made once, whatever moves: it depends on no position.
 //!

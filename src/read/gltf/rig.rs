@@ -128,7 +128,8 @@ fn unposable(hanging: Hanging) -> Rig {
     Rig { placings: hanging.instances.iter().map(still).collect(), ..Rig::default() }
 }
 
-/// Notes vertices that coincide with others at rest, and that their skin moves otherwise: there a pose is open.
+/// Notes vertices that coincide with others at rest, and that their skin moves otherwise: there a pose is
+/// open.
 pub(super) fn note_parted(notes: &Notes, meshes: &[Mesh]) {
     for mesh in meshes {
         let Some(numbers) = mesh.skin() else { continue };

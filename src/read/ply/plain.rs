@@ -62,8 +62,8 @@ impl Polygons {
         Some(Self { end: u32::try_from(vertex_count).unwrap_or(u32::MAX).min(most) })
     }
 
-    /// Adds at most `most` polygons of `N` corners, as fans around their first corner; how many there were, and
-    /// how many bytes they had.
+    /// Adds at most `most` polygons of `N` corners, as fans around their first corner; how many there were,
+    /// and how many bytes they had.
     #[inline]
     pub(super) fn read<const N: usize>(
         &self,

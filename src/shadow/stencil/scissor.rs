@@ -10,8 +10,9 @@
 //! A rasterizer moves corners by up to 1/256 pixel, and rounds the depth of a side. The plane of a side that
 //! is seen under a small angle turns the two into errors of depth that are in proportion: one pixel is at
 //! least 2⁻¹⁴ of the picture's width, and a depth is rounded by some 2⁻²⁰ of itself, so the error of depth is
-//! less than that of a ray one pixel beside; so is that of a point that is found by its depth. Hence the box of a visible point is grown by what one pixel
-//! covers at its distance, and by 2⁻¹⁸ of the coordinates. Then the drawn counts are the same, byte for byte.
+//! less than that of a ray one pixel beside; so is that of a point that is found by its depth. Hence the box
+//! of a visible point is grown by what one pixel covers at its distance, and by 2⁻¹⁸ of the coordinates. Then
+//! the drawn counts are the same, byte for byte.
 
 use glam::{DVec2, DVec3};
 

@@ -12,7 +12,7 @@ use super::schema;
 
 /// A cube that a morph target turns inside out, by the clip `turn`: whole at 0 s and 2 s, inside out at 1 s.
 /// The clip `still` is the cube at rest.
-fn folder() -> Folder {
+pub(super) fn folder() -> Folder {
     let folder = Folder::with_cubes();
     let cube = shapes::cube();
     let mut bytes = Vec::new();

@@ -36,7 +36,7 @@ fn quick(command: &str) -> String {
 
 #[test]
 fn readme_has_only_commands_that_run() {
-    let folder = Folder::new();
+    let folder = animate::folder(); // with moving.gltf
     let model = Model { layers: vec![Layer::from(&shapes::torus(12, 6, 2.0, 0.7))] };
     write(&model, folder.path("model.glb")).unwrap();
     fs::create_dir(folder.path("assets")).unwrap();
@@ -56,7 +56,7 @@ fn readme_has_only_commands_that_run() {
         }
         let mut words = command.split(' ');
         while let Some(word) = words.next() {
-            if ["-o", "--picture", "--html", "--junit", "--svg"].contains(&word) {
+            if ["-o", "--animate", "--picture", "--html", "--junit", "--svg"].contains(&word) {
                 let file = words.next().unwrap();
                 assert!(fs::metadata(folder.path(file)).unwrap().len() > 100, "{command}: {file}");
             }

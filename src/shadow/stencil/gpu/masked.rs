@@ -2,9 +2,9 @@
 //!
 //! One bit of the stencil says which samples these are, and the other seven count. (Eric Chan and Frédo
 //! Durand, *An Efficient Hybrid Shadow Rendering Algorithm*, EGSR 2004; their mask comes from a shadow map,
-//! and is wrong where that is.) Of a decided sample the grid's verdict holds, which is exact; an undecided one
-//! has the count of the plain pass. A rasterizer that tests the stencil before it shades saves the fragments
-//! of all other samples. Software rasterizers test it afterwards: there nothing is saved.
+//! and is wrong where that is.) Of a decided sample the grid's verdict holds, which is exact; an undecided
+//! one has the count of the plain pass. A rasterizer that tests the stencil before it shades saves the
+//! fragments of all other samples. Software rasterizers test it afterwards: there nothing is saved.
 
 use wgpu::{CompareFunction, StencilFaceState, StencilOperation};
 

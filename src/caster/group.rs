@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::Caster;
 use crate::geom::Aabb;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, MeshError};
 use crate::oracle::Oracle;
 
 /// The casters of a scene, with one exact ray cast over all of them.
@@ -100,6 +100,20 @@ impl<'a> CasterGroup<'a> {
     #[must_use]
     pub fn seen_caster(&self) -> Option<&'a Caster> {
         self.seen
+    }
+
+    /// Several casters as one, with faces numbered as those of [`CasterGroup::oracle`], for a device that takes
+    /// one caster. `None` for a single caster, which is that already.
+    ///
+    /// # Errors
+    ///
+    /// [`MeshError::TooLarge`] if the sums do not fit 32-bit ids.
+    pub(crate) fn joined(&self) -> Result<Option<Caster>, MeshError> {
+        if self.casters.len() == 1 {
+            return Ok(None);
+        }
+        let meshes: Vec<Mesh> = self.casters.iter().map(|caster| caster.mesh().clone()).collect();
+        Mesh::concat(&meshes).map(|mesh| Some(Caster::new(mesh)))
     }
 
     /// Bounding box of all that is seen.

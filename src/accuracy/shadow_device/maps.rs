@@ -327,6 +327,48 @@ mod tests {
         }
     }
 
+    /// Several casters have one map, whose faces are numbered over all of them. Fault injected: only the first
+    /// caster is drawn.
+    #[test]
+    fn accuracy_of_several_casters_on_a_device_is_that_of_the_cpu() {
+        let Some(gpu) = gpu() else { return };
+        let floor = shapes::translated(&shapes::scaled(&shapes::sheet(1), 12.0), [-6.0, -6.0, -2.0]);
+        let casters = [floor, shapes::torus(24, 12, 2.0, 0.7), shapes::translated(&shapes::cube(), [2.0; 3])]
+            .map(Caster::new);
+        let casters = CasterGroup::new(casters.iter().collect());
+        let size = Size::new(64, 48).unwrap();
+        let projection = Camera::fit(&casters.bounds(), Up::Z, size.aspect()).projection(size, 0.125);
+        let view = |casters: &CasterGroup<'_>| Ok(Samples::of_view(casters, &projection, size, 1).unwrap());
+        let lamps = ["spot:3,4,9:-0.3,-0.4,-0.9:35".parse::<Lamp>().unwrap()];
+        let techniques =
+            ["zfail", "map:size=128", "map-ids:size=128", "hybrid-3x3:size=128", "pcss:size=128"];
+        let techniques = techniques.map(|technique| technique.parse().unwrap());
+        let (samples, found) =
+            ShadowAccuracy::measure::<PrepareError>(&casters, &lamps, &techniques, view, 1, &|_| {}).unwrap();
+        let first = CasterGroup::new(vec![casters.casters()[0]]);
+        let [right, wrong] = [&casters, &first].map(|drawn| {
+            let mut found = found[0].clone();
+            found.add_device(&gpu, drawn, &samples, 1).unwrap();
+            found.rows
+        });
+        let on_device = |rows: &[ShadowRow], name| {
+            let row = rows.iter().find(|row| row.device.is_some() && row.technique.name() == name);
+            row.cloned().expect("it has a row")
+        };
+        for cpu in &found[0].rows {
+            let name = cpu.technique.name();
+            let [right, wrong] = [&right, &wrong].map(|rows| on_device(rows, name).errors);
+            assert!(right.judged * 100 > cpu.errors.judged * 95, "{name} {right:?}");
+            assert!(
+                (right.mean - cpu.errors.mean).abs() < 0.004,
+                "{name} {} {}",
+                right.mean,
+                cpu.errors.mean
+            );
+            assert!(wrong.mean > right.mean + 0.02, "{name} {} {}", wrong.mean, right.mean);
+        }
+    }
+
     /// Fault injected: a wrong visibility texture is in the errors of its row.
     #[test]
     fn accuracy_of_a_wrong_texture_of_a_device_shows_in_its_row() {

@@ -228,7 +228,7 @@ impl Rule {
     }
 
     /// The bound of the steepest plane that a bias for all receivers covers, at a depth of at most `d`.
-    fn steepest(&self, d: f64) -> f64 {
+    pub(super) fn steepest(&self, d: f64) -> f64 {
         let texels = f64::from(self.space.size());
         self.reach.worst()
             * match self.space.spread() {

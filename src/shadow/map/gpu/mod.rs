@@ -29,7 +29,7 @@ const FORMAT: TextureFormat = TextureFormat::Depth32Float;
 pub struct Lookup {
     /// The filter: all but those of Poisson.
     pub filter: Filter,
-    /// The bias: [`Bias::Receiver`] or [`Bias::Texel`].
+    /// The bias: all but [`Bias::Offset`] and [`Bias::Second`].
     pub bias: Bias,
 }
 
@@ -165,7 +165,7 @@ impl MapPass {
         map: &GpuMap,
         lookup: Lookup,
     ) -> Result<GpuVisibility, GpuError> {
-        let uniform = map.uniform.with_lookup(lookup);
+        let uniform = map.uniform.with_lookup(&map.space, lookup);
         let uniform = uniform.ok_or(GpuError::NotBuilt("this filter or bias of a shadow map"))?;
         let light = self.gpu.uniform(&uniform)?;
         let visibility = GpuVisibility::soft(&self.gpu, samples.size())?;

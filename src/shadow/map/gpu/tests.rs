@@ -73,7 +73,7 @@ fn map_on_a_device_shades_as_that_of_the_cpu() {
         let lamp: Lamp = lamp.parse().unwrap();
         let space = LightSpace::of_scene(&casters, &lamp, SIZE).unwrap();
         let map = pass.draw(&on_device, &space).unwrap();
-        for bias in [Bias::Receiver, Bias::Texel] {
+        for bias in [Bias::Receiver, Bias::Texel, Bias::Constant, Bias::Range, Bias::Normal] {
             for filter in [Filter::Nearest, Filter::Bilinear, Filter::Box3, Filter::Tent5] {
                 let options = MapOptions {
                     size: SIZE,
@@ -115,6 +115,7 @@ fn map_on_a_device_refuses_what_it_has_no_form_of() {
     for lookup in [
         Lookup { filter: Filter::Poisson16, bias: Bias::Receiver },
         Lookup { filter: Filter::Nearest, bias: Bias::Offset },
+        Lookup { filter: Filter::Nearest, bias: Bias::Second },
     ] {
         let error = pass.visibility(&drawn, &map, lookup).unwrap_err();
         assert!(matches!(error, GpuError::NotBuilt(_)), "{error}");
@@ -146,6 +147,18 @@ fn off(gpu: &Gpu, pass: &MapPass, lamp: &str, lookup: Lookup) -> [usize; 2] {
     [differ.count(), pairs.count()]
 }
 
+/// The bias of a depth range is a part of the depth for central lights alone.
+#[test]
+fn map_on_a_device_with_a_fault_in_its_range_is_found() {
+    let Some(gpu) = gpu() else { return };
+    let lookup = Lookup { filter: Filter::Tent5, bias: Bias::Range };
+    let faulty = MapPass::with_fault(&gpu, "*= 1.0 + light.bias", "*= 1.0 - light.bias");
+    let [wrong, all] = off(&gpu, &faulty, LAMPS[2], lookup);
+    assert!(wrong * 100 > all, "{wrong} of {all}");
+    let [wrong, all] = off(&gpu, &MapPass::new(&gpu).unwrap(), LAMPS[2], lookup);
+    assert!(wrong * 100 < all, "{wrong} of {all}");
+}
+
 /// Faults injected into the shader exceed the limit of one in a hundred, and without them it is kept.
 #[test]
 fn map_on_a_device_with_a_fault_is_found() {
@@ -161,6 +174,10 @@ fn map_on_a_device_with_a_fault_is_found() {
         ("vec2f(1.0 + at.x, 1.0 - at.y)", "vec2f(1.0 + at.x, 1.0 + at.y)", Bias::Receiver),
         // What lies behind the receiver blocks.
         (", receiver.layer, 0) > least", ", receiver.layer, 0) < least", Bias::Texel),
+        // Biases with the other sign, or none.
+        ("receiver.depth += light.bias", "receiver.depth -= light.bias", Bias::Constant),
+        ("return q + offset * up;", "return q - offset * up;", Bias::Normal),
+        ("depth = at.z / at.w;", "depth -= light.rounding;", Bias::Normal),
     ];
     for (text, fault, bias) in faults {
         let lookup = Lookup { filter: Filter::Tent5, bias };

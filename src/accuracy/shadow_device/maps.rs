@@ -124,11 +124,17 @@ impl<'f> MapForms<'f> {
     }
 
     fn filtered(&self, technique: Technique, options: MapOptions) -> Result<Measured, GpuError> {
-        if options.fit != Fit::Scene || options.depth != DepthSource::Plane {
-            return Err(GpuError::NotBuilt("a map fitted to the view, or an interpolated depth"));
+        if options.fit != Fit::Scene {
+            return Err(GpuError::NotBuilt("a map fitted to the view"));
         }
         let lookup = Lookup { filter: options.filter, bias: options.bias };
-        let (map, prepare_ms) = self.draw(options.size)?;
+        let (map, prepare_ms) = match options.depth {
+            DepthSource::Plane => self.draw(options.size)?,
+            DepthSource::Interpolated => {
+                let space = self.space(options.size)?;
+                self.waited(|| self.passes.map.draw_interpolated(&self.on_device, &space, lookup))?
+            }
+        };
         let look = || self.passes.map.visibility(self.drawn, &map, lookup);
         self.measured(technique, map.bytes(), prepare_ms, look)
     }
@@ -269,13 +275,15 @@ mod tests {
     use crate::testing::shapes;
     use crate::view::{Camera, Size, Up};
 
-    const TECHNIQUES: [&str; 8] = [
+    const TECHNIQUES: [&str; 10] = [
         "map:size=128,filter=nearest",
         "pcf:size=128",
         "hybrid-3x3:size=128",
         "pcss:size=128",
         "single-sample:size=128",
         "map-ids:size=128",
+        "map:size=128,bias=offset,depth=interpolated",
+        "pcf:size=128,bias=normal",
         // What has no form on a device gets no row.
         "single-sample:size=128,adaptive=4",
         "vsm:size=128",
@@ -310,7 +318,7 @@ mod tests {
         let passes = Passes::new(&gpu).unwrap();
         for lamp in ["directional:0.4,0.2,-1,angle=4", "spot:3,4,9:-0.3,-0.4,-0.9:35,radius=0.4"] {
             let found = rows(&gpu, &passes, lamp);
-            assert_eq!(found.len(), 6);
+            assert_eq!(found.len(), 8);
             for [cpu, device] in &found {
                 let text = format!("{lamp} {}", device.technique);
                 assert_eq!(cpu.technique.name(), device.technique.name());

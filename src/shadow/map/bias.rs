@@ -148,6 +148,11 @@ impl Rule {
         Self { bias, reach, space: *space, factor: 1.0, slack: SLACK }
     }
 
+    /// How far the texels lie from a lookup, with what an interpolated depth adds.
+    pub(super) fn reach(&self) -> Reach {
+        self.reach
+    }
+
     /// The polygon offset of the casters; none but for [`Bias::Offset`].
     #[must_use]
     pub fn polygon_offset(&self) -> PolygonOffset {

@@ -86,10 +86,22 @@ fn from_texels(t: vec2f) -> vec2f {
     return vec2f(2.0 * t.x / light.size - 1.0, 1.0 - 2.0 * t.y / light.size);
 }
 
-// Flat values are those of a triangle's first corner. The clip depth is always inside: nothing is clipped
-// before the light but what is behind it.
 @vertex
 fn caster(@builtin(vertex_index) index: u32) -> Corner {
+    return corner_of(index);
+}
+
+// With the depth of its corners. No corner before a spot is nearer than its near plane.
+@vertex
+fn caster_between(@builtin(vertex_index) index: u32) -> Corner {
+    var corner = corner_of(index);
+    corner.clip.z = on_layer(light.layer, from_light(triangles[index])).z;
+    return corner;
+}
+
+// Flat values are those of a triangle's first corner. The clip depth is always inside: nothing is clipped
+// before the light but what is behind it.
+fn corner_of(index: u32) -> Corner {
     let face = index / 3u;
     let q = from_light(triangles[index]);
     let at = on_layer(light.layer, q);

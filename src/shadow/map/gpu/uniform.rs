@@ -94,7 +94,7 @@ impl LightUniform {
     }
 
     /// For a lookup of a map in `space`; `None` if the device has no form of it.
-    pub(super) fn with_lookup(self, space: &LightSpace, lookup: Lookup) -> Option<Self> {
+    pub(super) fn with_lookup(self, space: &LightSpace, depth: DepthSource, lookup: Lookup) -> Option<Self> {
         let (side, is_tent) = match lookup.filter {
             Filter::Nearest => (0.0, 0),
             Filter::Bilinear => (1.0, 0),
@@ -104,16 +104,17 @@ impl LightUniform {
             Filter::Tent5 => (5.0, 1),
             Filter::Poisson16 | Filter::Poisson64 => return None,
         };
-        let Reach::Square(reach) = lookup.filter.reach() else { return None };
+        let rule = Rule::new(lookup.bias, lookup.filter.reach(), depth, space);
+        let Reach::Square(reach) = rule.reach() else { return None };
         // A position on the map has an error of a few units of an f32 of the map's side.
         let reach = reach as f32 + self.size * 4.0 * f32::EPSILON;
-        let rule = Rule::new(lookup.bias, lookup.filter.reach(), DepthSource::Plane, space);
         let (way, bias) = match (lookup.bias, space.spread()) {
             (Bias::Receiver, _) => (RECEIVER, 0.0),
             (Bias::Texel, _) => (TEXEL, 0.0),
             (Bias::Constant, _) | (Bias::Range, Spread::Parallel { .. }) => (ADDED, rule.steepest(1.0)),
             (Bias::Range, Spread::Central { .. }) => (MULTIPLIED, rule.steepest(1.0)),
             (Bias::Normal, _) => (NORMAL, 0.0),
+            (Bias::Offset, _) if depth == DepthSource::Interpolated => (ADDED, 0.0),
             (Bias::Offset | Bias::Second, _) => return None,
         };
         Some(Self { side, is_tent, way, bias: bias as f32, reach, ..self })

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::Caster;
 use crate::geom::Aabb;
-use crate::mesh::{Mesh, MeshError};
+use crate::mesh::Mesh;
 use crate::oracle::Oracle;
 
 /// The casters of a scene, with one exact ray cast over all of them.
@@ -107,8 +107,9 @@ impl<'a> CasterGroup<'a> {
     ///
     /// # Errors
     ///
-    /// [`MeshError::TooLarge`] if the sums do not fit 32-bit ids.
-    pub(crate) fn joined(&self) -> Result<Option<Caster>, MeshError> {
+    /// [`MeshError::TooLarge`](crate::mesh::MeshError::TooLarge) if the sums do not fit 32-bit ids.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn joined(&self) -> Result<Option<Caster>, crate::mesh::MeshError> {
         if self.casters.len() == 1 {
             return Ok(None);
         }

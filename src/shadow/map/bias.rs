@@ -149,6 +149,7 @@ impl Rule {
     }
 
     /// How far the texels lie from a lookup, with what an interpolated depth adds.
+    #[cfg(feature = "gpu")]
     pub(super) fn reach(&self) -> Reach {
         self.reach
     }

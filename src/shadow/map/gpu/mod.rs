@@ -5,6 +5,8 @@ mod hybrid;
 mod ids;
 mod uniform;
 #[cfg(test)]
+mod test_support;
+#[cfg(test)]
 mod tests;
 
 pub use hybrid::{HybridPass, Marked};

@@ -3,7 +3,7 @@
 #
 # Camera and square lamp of each mesh are below: the eye is 1.5 diagonals of the bounding box away from its center
 # towards (0.5, 0.575, 0.65), the lamp 1.5 diagonals towards the sun, with sides of 0.24 diagonals across the way to
-# the center. The sun travels along (0.7, -1, 0.2). Everything stands on a ground.
+# the center. The sun travels along (0.7, -1, 0.2). Everything stands on a ground, but for GROUND=no.
 #
 # Hard shadows: 640x480 under the sun. Soft ones: 320x240 under the lamp. The errors do not depend on the machine; the
 # times of one round say little. UMBRAGE names a built command, otherwise one is built.
@@ -27,6 +27,8 @@ soft=(
     pcss:blockers=16,taps=16 pcss:blockers=all,taps=all msm vsm penumbra-map:profile=full penumbra-map
     contact-blur soft-hybrid:certain=pcss soft-hybrid samples:n=16 samples:n=64
 )
+ground=(--ground)
+[ "${GROUND:-yes}" = yes ] || ground=()
 if [ -z "${UMBRAGE:-}" ]; then
     cargo build --locked --release --quiet
     UMBRAGE=$(realpath target/release/umbrage)
@@ -36,7 +38,7 @@ cd "$meshes"
 measure() { # SIZE LAMP TECHNIQUE...
     local size=$1 lamp=$2
     shift 2
-    "$UMBRAGE" accuracy shadow "$file" --ground --eye "$eye" --target "$target" --fov 40 --size "$size" --rounds 1 \
+    "$UMBRAGE" accuracy shadow "$file" "${ground[@]}" --eye "$eye" --target "$target" --fov 40 --size "$size" --rounds 1 \
         --light "$lamp" "${@/#/--shadow=}" --json | python3 -c "$rows" "$file"
 }
 # A line for each row, without times.

@@ -23,8 +23,9 @@ const ON_DEVICE: [(Technique, Option<StencilMethod>); 3] = [
 ];
 
 impl ShadowAccuracy {
-    /// Adds a row per technique with a device form, for a single caster and one sample per pixel; nothing for
-    /// other groups and views. Samples within the rasterizer's footprint are not judged.
+    /// Adds a row per technique with a device form, for one sample per pixel; nothing for other views. Several
+    /// casters are one on the device: one map, one count over all of them. Samples within the rasterizer's
+    /// footprint are not judged.
     ///
     /// # Errors
     ///
@@ -36,7 +37,21 @@ impl ShadowAccuracy {
         samples: &Samples,
         rounds: u32,
     ) -> Result<(), GpuError> {
-        let ([caster], 1) = (casters.casters(), samples.per_side()) else { return Ok(()) };
+        if samples.per_side() != 1 || casters.casters().is_empty() {
+            return Ok(());
+        }
+        let too_large = GpuError::NotBuilt("more than 2³² corners of all casters together");
+        let joined = casters.joined().map_err(|_| too_large)?;
+        let joined = joined.as_ref().map(|caster| {
+            let group = CasterGroup::new(vec![caster]);
+            // Seen are the casters, unless more is.
+            match casters.seen_caster() {
+                Some(seen) => group.seen_with(seen),
+                None => group,
+            }
+        });
+        let casters = joined.as_ref().unwrap_or(casters);
+        let [caster] = casters.casters() else { return Ok(()) };
         let (lamp, truth) = (self.lamp.clone(), self.truth.clone());
         let request = Request { casters, lamp: &lamp, samples };
         let pass = StencilPass::new(gpu, Depth::Plane)?;

@@ -102,6 +102,21 @@ impl<'a> CasterGroup<'a> {
         self.seen
     }
 
+    /// Several casters as one, with faces numbered as those of [`CasterGroup::oracle`], for a device that takes
+    /// one caster. `None` for a single caster, which is that already.
+    ///
+    /// # Errors
+    ///
+    /// [`MeshError::TooLarge`](crate::mesh::MeshError::TooLarge) if the sums do not fit 32-bit ids.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn joined(&self) -> Result<Option<Caster>, crate::mesh::MeshError> {
+        if self.casters.len() == 1 {
+            return Ok(None);
+        }
+        let meshes: Vec<Mesh> = self.casters.iter().map(|caster| caster.mesh().clone()).collect();
+        Mesh::concat(&meshes).map(|mesh| Some(Caster::new(mesh)))
+    }
+
     /// Bounding box of all that is seen.
     #[must_use]
     pub fn bounds(&self) -> Aabb {

@@ -124,11 +124,17 @@ impl<'f> MapForms<'f> {
     }
 
     fn filtered(&self, technique: Technique, options: MapOptions) -> Result<Measured, GpuError> {
-        if options.fit != Fit::Scene || options.depth != DepthSource::Plane {
-            return Err(GpuError::NotBuilt("a map fitted to the view, or an interpolated depth"));
+        if options.fit != Fit::Scene {
+            return Err(GpuError::NotBuilt("a map fitted to the view"));
         }
         let lookup = Lookup { filter: options.filter, bias: options.bias };
-        let (map, prepare_ms) = self.draw(options.size)?;
+        let (map, prepare_ms) = match options.depth {
+            DepthSource::Plane => self.draw(options.size)?,
+            DepthSource::Interpolated => {
+                let space = self.space(options.size)?;
+                self.waited(|| self.passes.map.draw_interpolated(&self.on_device, &space, lookup))?
+            }
+        };
         let look = || self.passes.map.visibility(self.drawn, &map, lookup);
         self.measured(technique, map.bytes(), prepare_ms, look)
     }
@@ -269,13 +275,15 @@ mod tests {
     use crate::testing::shapes;
     use crate::view::{Camera, Size, Up};
 
-    const TECHNIQUES: [&str; 8] = [
+    const TECHNIQUES: [&str; 10] = [
         "map:size=128,filter=nearest",
         "pcf:size=128",
         "hybrid-3x3:size=128",
         "pcss:size=128",
         "single-sample:size=128",
         "map-ids:size=128",
+        "map:size=128,bias=offset,depth=interpolated",
+        "pcf:size=128,bias=normal",
         // What has no form on a device gets no row.
         "single-sample:size=128,adaptive=4",
         "vsm:size=128",
@@ -310,7 +318,7 @@ mod tests {
         let passes = Passes::new(&gpu).unwrap();
         for lamp in ["directional:0.4,0.2,-1,angle=4", "spot:3,4,9:-0.3,-0.4,-0.9:35,radius=0.4"] {
             let found = rows(&gpu, &passes, lamp);
-            assert_eq!(found.len(), 6);
+            assert_eq!(found.len(), 8);
             for [cpu, device] in &found {
                 let text = format!("{lamp} {}", device.technique);
                 assert_eq!(cpu.technique.name(), device.technique.name());
@@ -324,6 +332,48 @@ mod tests {
             assert_eq!(found[4][1].technique.to_string(), "single-sample:size=128,search=device");
             assert!(found[2][1].asked_exactly.unwrap() > 10);
             assert!(found[5][1].errors.acne == 0, "{:?}", found[5][1].errors);
+        }
+    }
+
+    /// Several casters have one map, whose faces are numbered over all of them. Fault injected: only the first
+    /// caster is drawn.
+    #[test]
+    fn accuracy_of_several_casters_on_a_device_is_that_of_the_cpu() {
+        let Some(gpu) = gpu() else { return };
+        let floor = shapes::translated(&shapes::scaled(&shapes::sheet(1), 12.0), [-6.0, -6.0, -2.0]);
+        let casters = [floor, shapes::torus(24, 12, 2.0, 0.7), shapes::translated(&shapes::cube(), [2.0; 3])]
+            .map(Caster::new);
+        let casters = CasterGroup::new(casters.iter().collect());
+        let size = Size::new(64, 48).unwrap();
+        let projection = Camera::fit(&casters.bounds(), Up::Z, size.aspect()).projection(size, 0.125);
+        let view = |casters: &CasterGroup<'_>| Ok(Samples::of_view(casters, &projection, size, 1).unwrap());
+        let lamps = ["spot:3,4,9:-0.3,-0.4,-0.9:35".parse::<Lamp>().unwrap()];
+        let techniques =
+            ["zfail", "map:size=128", "map-ids:size=128", "hybrid-3x3:size=128", "pcss:size=128"];
+        let techniques = techniques.map(|technique| technique.parse().unwrap());
+        let (samples, found) =
+            ShadowAccuracy::measure::<PrepareError>(&casters, &lamps, &techniques, view, 1, &|_| {}).unwrap();
+        let first = CasterGroup::new(vec![casters.casters()[0]]);
+        let [right, wrong] = [&casters, &first].map(|drawn| {
+            let mut found = found[0].clone();
+            found.add_device(&gpu, drawn, &samples, 1).unwrap();
+            found.rows
+        });
+        let on_device = |rows: &[ShadowRow], name| {
+            let row = rows.iter().find(|row| row.device.is_some() && row.technique.name() == name);
+            row.cloned().expect("it has a row")
+        };
+        for cpu in &found[0].rows {
+            let name = cpu.technique.name();
+            let [right, wrong] = [&right, &wrong].map(|rows| on_device(rows, name).errors);
+            assert!(right.judged * 100 > cpu.errors.judged * 95, "{name} {right:?}");
+            assert!(
+                (right.mean - cpu.errors.mean).abs() < 0.004,
+                "{name} {} {}",
+                right.mean,
+                cpu.errors.mean
+            );
+            assert!(wrong.mean > right.mean + 0.02, "{name} {} {}", wrong.mean, right.mean);
         }
     }
 

@@ -148,6 +148,12 @@ impl Rule {
         Self { bias, reach, space: *space, factor: 1.0, slack: SLACK }
     }
 
+    /// How far the texels lie from a lookup, with what an interpolated depth adds.
+    #[cfg(feature = "gpu")]
+    pub(super) fn reach(&self) -> Reach {
+        self.reach
+    }
+
     /// The polygon offset of the casters; none but for [`Bias::Offset`].
     #[must_use]
     pub fn polygon_offset(&self) -> PolygonOffset {
@@ -228,7 +234,7 @@ impl Rule {
     }
 
     /// The bound of the steepest plane that a bias for all receivers covers, at a depth of at most `d`.
-    fn steepest(&self, d: f64) -> f64 {
+    pub(super) fn steepest(&self, d: f64) -> f64 {
         let texels = f64::from(self.space.size());
         self.reach.worst()
             * match self.space.spread() {

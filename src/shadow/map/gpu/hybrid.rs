@@ -148,16 +148,12 @@ impl Marked {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::{Caster, CasterGroup, GpuCaster};
+    use crate::caster::Caster;
     use crate::gpu::tests::gpu;
-    use crate::mesh::Mesh;
     use crate::oracle::Verdict;
-    use crate::scene::Lamp;
+    use crate::shadow::map::HybridShadow;
     use crate::shadow::map::gpu::MapPass;
-    use crate::shadow::map::{ExactOptions, HybridShadow, LightSpace};
-    use crate::shadow::{Depth, Samples};
-    use crate::testing::shapes;
-    use crate::view::{Camera, Size, Up};
+    use crate::shadow::map::gpu::test_support::{OPTIONS, Twins, casters};
 
     /// Front-lit samples, those that are answered otherwise by the CPU form, those that are wrong in truth,
     /// and those asked exactly.
@@ -172,16 +168,9 @@ mod tests {
     }
 
     fn count(gpu: &Gpu, caster: &Caster, lamp: &str, reach: u32) -> Count {
-        let casters = CasterGroup::new(vec![caster]);
-        let size = Size::new(193, 145).unwrap();
-        let projection = Camera::fit(&casters.bounds(), Up::Z, size.aspect()).projection(size, 1.0 / 16.0);
-        let samples = Samples::of_view(&casters, &projection, size, 1).unwrap();
-        let lamp: Lamp = lamp.parse().unwrap();
-        let options = ExactOptions { size: 64, reach: 1 };
-        let cpu = HybridShadow::prepare(&casters, &lamp, &options).unwrap().shade(&samples);
-        let on_device = GpuCaster::upload(gpu, caster).unwrap();
-        let drawn = on_device.samples(&projection, size, Depth::Plane).unwrap();
-        let space = LightSpace::of_scene(&casters, &lamp, options.size).unwrap();
+        let Twins { casters, lamp, samples, on_device, drawn, space } =
+            Twins::new(gpu, caster, lamp, [193, 145]);
+        let cpu = HybridShadow::prepare(&casters, &lamp, &OPTIONS).unwrap().shade(&samples);
         let map = MapPass::new(gpu).unwrap().draw(&on_device, &space).unwrap();
         let pass = HybridPass::new(gpu).unwrap();
         let marked = pass.mark(&drawn, &map, reach).unwrap();
@@ -213,9 +202,7 @@ mod tests {
     #[test]
     fn hybrid_on_a_device_answers_as_the_cpu_form_and_one_texel_is_not_sure() {
         let Some(gpu) = gpu() else { return };
-        let floor = shapes::translated(&shapes::scaled(&shapes::sheet(1), 12.0), [-6.0, -6.0, -2.0]);
-        let ring = Caster::new(Mesh::concat(&[floor.clone(), shapes::torus(24, 12, 2.0, 0.7)]).unwrap());
-        let knot = Caster::new(Mesh::concat(&[floor, shapes::torus_knot(2, 3, 60, 9, 0.35)]).unwrap());
+        let [ring, knot] = casters();
         for (caster, lamp) in [
             (&ring, "directional:0.4,0.2,-1"),
             (&knot, "spot:3,4,9:-0.3,-0.4,-0.9:35"),

@@ -103,15 +103,12 @@ impl IdPass {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::caster::{Caster, CasterGroup};
+    use crate::caster::Caster;
     use crate::gpu::tests::gpu;
-    use crate::mesh::Mesh;
     use crate::oracle::Verdict;
-    use crate::scene::Lamp;
-    use crate::shadow::map::{ExactOptions, IdShadow};
-    use crate::shadow::{Depth, Samples, is_front_lit};
-    use crate::testing::shapes;
-    use crate::view::{Camera, Size, Up};
+    use crate::shadow::is_front_lit;
+    use crate::shadow::map::IdShadow;
+    use crate::shadow::map::gpu::test_support::{OPTIONS, Twins, casters};
 
     /// Front-lit samples; those whose value the CPU form does not have; those falsely dark, and falsely lit;
     /// the falsely lit ones of the CPU form; and those asked exactly.
@@ -126,16 +123,9 @@ mod tests {
     }
 
     fn count(gpu: &Gpu, pass: &IdPass, caster: &Caster, lamp: &str) -> Count {
-        let casters = CasterGroup::new(vec![caster]);
-        let size = Size::new(129, 97).unwrap();
-        let projection = Camera::fit(&casters.bounds(), Up::Z, size.aspect()).projection(size, 1.0 / 16.0);
-        let samples = Samples::of_view(&casters, &projection, size, 1).unwrap();
-        let lamp: Lamp = lamp.parse().unwrap();
-        let options = ExactOptions { size: 64, reach: 1 };
-        let cpu = IdShadow::prepare(&casters, &lamp, &options).unwrap().shade(&samples);
-        let on_device = GpuCaster::upload(gpu, caster).unwrap();
-        let drawn = on_device.samples(&projection, size, Depth::Plane).unwrap();
-        let space = LightSpace::of_scene(&casters, &lamp, options.size).unwrap();
+        let Twins { casters, lamp, samples, on_device, drawn, space } =
+            Twins::new(gpu, caster, lamp, [129, 97]);
+        let cpu = IdShadow::prepare(&casters, &lamp, &OPTIONS).unwrap().shade(&samples);
         let map = pass.draw(&on_device, &space).unwrap();
         assert_eq!(map.bytes(), 2 * map.map().bytes());
         let marked = pass.mark(&drawn, &map, 1).unwrap();
@@ -167,9 +157,7 @@ mod tests {
     #[test]
     fn ids_on_a_device_answer_as_the_cpu_form_and_faults_are_found() {
         let Some(gpu) = gpu() else { return };
-        let floor = shapes::translated(&shapes::scaled(&shapes::sheet(1), 12.0), [-6.0, -6.0, -2.0]);
-        let ring = Caster::new(Mesh::concat(&[floor.clone(), shapes::torus(24, 12, 2.0, 0.7)]).unwrap());
-        let knot = Caster::new(Mesh::concat(&[floor, shapes::torus_knot(2, 3, 60, 9, 0.35)]).unwrap());
+        let [ring, knot] = casters();
         let pass = IdPass::new(&gpu).unwrap();
         let faults = [
             // All that is named counts as crossed.

@@ -26,14 +26,24 @@ struct Light {
     // Side of the kernel in texels; 0 for the nearest texel.
     side: f32,
     is_tent: u32,
-    // Whether the receiver's plane is taken at each texel's center.
-    at_center: u32,
+    // The bias: RECEIVER and so on.
+    way: u32,
     reach: f32,
     // Texels by whose change of depth a plane at a texel's center is raised.
     slack: f32,
     rounding: f32,
-    spare: u32,
+    // What is added to the depth, or multiplied by it.
+    bias: f32,
 }
+
+// The slope of the receiver's plane.
+const RECEIVER = 0u;
+// The receiver's plane at each texel's center.
+const TEXEL = 1u;
+const ADDED = 2u;
+const MULTIPLIED = 3u;
+// The lookup moves along the normal.
+const NORMAL = 4u;
 
 // The visible face and 1; 0 where there is none.
 @group(0) @binding(5) var faces: texture_2d<u32>;
@@ -76,10 +86,22 @@ fn from_texels(t: vec2f) -> vec2f {
     return vec2f(2.0 * t.x / light.size - 1.0, 1.0 - 2.0 * t.y / light.size);
 }
 
-// Flat values are those of a triangle's first corner. The clip depth is always inside: nothing is clipped
-// before the light but what is behind it.
 @vertex
 fn caster(@builtin(vertex_index) index: u32) -> Corner {
+    return corner_of(index);
+}
+
+// With the depth of its corners. No corner before a spot is nearer than its near plane.
+@vertex
+fn caster_between(@builtin(vertex_index) index: u32) -> Corner {
+    var corner = corner_of(index);
+    corner.clip.z = on_layer(light.layer, from_light(triangles[index])).z;
+    return corner;
+}
+
+// Flat values are those of a triangle's first corner. The clip depth is always inside: nothing is clipped
+// before the light but what is behind it.
+fn corner_of(index: u32) -> Corner {
     let face = index / 3u;
     let q = from_light(triangles[index]);
     let at = on_layer(light.layer, q);
@@ -121,6 +143,28 @@ struct Receiver {
     is_there: bool,
 }
 
+// By how much a lookup moves along a normal that points to the light's side: twin of Rule::normal_offset.
+fn normal_offset(layer: u32, normal: vec3f, q: vec3f) -> f32 {
+    let along = abs(dot(normal, light.right[layer].xyz)) + abs(dot(normal, light.up[layer].xyz));
+    let part = light.reach * along * 2.0 * light.half / light.size;
+    if light.is_central == 0u { return part; }
+    let axis = light.axis[layer].xyz;
+    return part * max(dot(q, axis), 0.0) / max(1.0 - part * dot(normal, axis), 0.0625);
+}
+
+// Where the map is asked about a visible point.
+fn lookup(q: vec3f, normal: vec3f) -> vec3f {
+    if light.way != NORMAL { return q; }
+    let towards = select(light.axis[0].xyz, -q, light.is_central != 0u);
+    let up = select(normal, -normal, dot(normal, towards) < 0.0);
+    let layer = layer_of(q);
+    var offset = normal_offset(layer, up, q);
+    // A lookup that moves across the seam of a cube is read along other axes.
+    let moved = layer_of(q + offset * up);
+    if moved != layer { offset = max(offset, normal_offset(moved, up, q)); }
+    return q + offset * up;
+}
+
 // Where the ray of a pixel meets the plane of the visible face.
 fn receiver_of(position: vec2f, face: u32) -> Receiver {
     let first = triangles[3u * face];
@@ -128,14 +172,17 @@ fn receiver_of(position: vec2f, face: u32) -> Receiver {
     let screen = normalized(position);
     let ray = screen.x * frame.ray_right + screen.y * frame.ray_up + frame.ray_forward;
     let distance = dot(normal, vertex(first) * frame.scale - frame.eye) / dot(normal, ray);
-    let q = (frame.eye + distance * ray) * (light.scale / frame.scale) - light.origin;
+    let seen = (frame.eye + distance * ray) * (light.scale / frame.scale) - light.origin;
+    let q = lookup(seen, normal);
 
     let layer = layer_of(q);
     let at = on_layer(layer, q);
     let texels = to_texels(at.xy / at.w);
     let corner = from_light(first);
     let plane = depth_plane(layer, normal, corner);
-    let depth = dot(plane, vec3f(at.xy / at.w, 1.0));
+    var depth = dot(plane, vec3f(at.xy / at.w, 1.0));
+    // Beside the plane.
+    if light.way == NORMAL { depth = at.z / at.w; }
     let is_there = at.w > 0.0 && all(abs(texels) < vec2f(1e9));
     return Receiver(layer, normal, corner, plane, depth, texels, q, is_there);
 }
@@ -158,15 +205,30 @@ fn is_on_layer(texel: vec2i) -> bool {
 fn blocks(receiver: Receiver, texel: vec2i) -> bool {
     if is_on_layer(texel) {
         var least = receiver.depth;
-        if light.at_center != 0u { least = with_slack(receiver.plane, texel, light.slack); }
+        if light.way == TEXEL { least = with_slack(receiver.plane, texel, light.slack); }
         return textureLoad(map, texel, receiver.layer, 0) > least + rounding(receiver.depth);
     }
     // Outside the map is lit.
     if light.layers == 1u { return false; }
     let other = beyond_rim(receiver.layer, texel);
     let plane = depth_plane(other.layer, receiver.normal, receiver.corner);
-    let least = with_slack(plane, other.texel, light.slack);
+    var least = with_slack(plane, other.texel, light.slack);
+    if light.way != TEXEL { least = beyond_seam(receiver, other); }
     return textureLoad(map, other.texel, other.layer, 0) > least + rounding(least);
+}
+
+// The biased depth of a receiver in the layer beyond a seam: a texel has its own distance from the lookup
+// there. Twin of Rule::blocks.
+fn beyond_seam(receiver: Receiver, other: Place) -> f32 {
+    let own = on_layer(other.layer, receiver.q);
+    let depth = own.z / own.w;
+    let away = vec2f(other.texel) + 0.5 - to_texels(own.xy / own.w);
+    let slope = depth_plane(other.layer, receiver.normal, receiver.q).xy * (2.0 / light.size);
+    var bias = 0.0;
+    if light.way == RECEIVER { bias = light.reach * (abs(slope.x) + abs(slope.y)); }
+    if light.way == ADDED { bias = light.bias; }
+    if light.way == MULTIPLIED { bias = light.bias * depth; }
+    return depth + max(bias, abs(slope.x * away.x) + abs(slope.y * away.y));
 }
 
 struct Place {
@@ -202,7 +264,9 @@ fn visibility(@builtin(position) position: vec4f) -> @location(0) f32 {
     if seen == 0u { return 0.0; }
     var receiver = receiver_of(position.xy, seen - 1u);
     if !receiver.is_there { return 1.0; }
-    if light.at_center == 0u {
+    if light.way == ADDED { receiver.depth += light.bias; }
+    if light.way == MULTIPLIED { receiver.depth *= 1.0 + light.bias; }
+    if light.way == RECEIVER {
         let slope = (abs(receiver.plane.x) + abs(receiver.plane.y)) * (2.0 / light.size);
         receiver.depth += light.reach * slope;
     }

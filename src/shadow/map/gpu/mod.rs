@@ -5,6 +5,8 @@ mod hybrid;
 mod ids;
 mod uniform;
 #[cfg(test)]
+mod test_support;
+#[cfg(test)]
 mod tests;
 
 pub use hybrid::{HybridPass, Marked};
@@ -15,7 +17,7 @@ use wgpu::{
 };
 
 pub(in crate::shadow) use self::uniform::{LightUniform, ROUNDING};
-use super::{Bias, Filter, LightSpace};
+use super::{Bias, DepthSource, Filter, LightSpace, Rule};
 use crate::caster::GpuCaster;
 use crate::gpu::raster::{self, GpuSamples, GpuVisibility, Pipeline, Receivers, everywhere};
 use crate::gpu::{Gpu, GpuError, Shader, wgpu};
@@ -29,7 +31,8 @@ const FORMAT: TextureFormat = TextureFormat::Depth32Float;
 pub struct Lookup {
     /// The filter: all but those of Poisson.
     pub filter: Filter,
-    /// The bias: [`Bias::Receiver`] or [`Bias::Texel`].
+    /// The bias: all but [`Bias::Second`]. [`Bias::Offset`] needs a map of [`MapPass::draw_interpolated`] with
+    /// the offset of this lookup.
     pub bias: Bias,
 }
 
@@ -40,6 +43,7 @@ pub struct GpuMap {
     pub(in crate::shadow) view: wgpu::TextureView,
     space: LightSpace,
     pub(in crate::shadow) uniform: LightUniform,
+    depth: DepthSource,
 }
 
 impl GpuMap {
@@ -106,6 +110,7 @@ impl GpuMap {
 #[derive(Clone, Debug)]
 pub struct MapPass {
     gpu: Gpu,
+    module: wgpu::ShaderModule,
     draw: wgpu::RenderPipeline,
     look: wgpu::RenderPipeline,
 }
@@ -140,6 +145,7 @@ impl MapPass {
             gpu: gpu.clone(),
             draw: drawing(gpu, &module, "caster_depth", &[])?,
             look: look.build(gpu, &module)?,
+            module,
         })
     }
 
@@ -151,6 +157,39 @@ impl MapPass {
     /// caster is too small to be drawn; [`GpuError::OutOfMemory`]; [`GpuError::Lost`].
     pub fn draw(&self, caster: &GpuCaster, space: &LightSpace) -> Result<GpuMap, GpuError> {
         draw(&self.gpu, &self.draw, caster, space, None)
+    }
+
+    /// Draws the map with the depth that the device interpolates between corners, moved by the polygon offset
+    /// of a lookup with [`Bias::Offset`]. Compiles a pipeline, of which the offset is part; submits without
+    /// waiting.
+    ///
+    /// # Errors
+    ///
+    /// As [`MapPass::draw`].
+    pub fn draw_interpolated(
+        &self,
+        caster: &GpuCaster,
+        space: &LightSpace,
+        lookup: Lookup,
+    ) -> Result<GpuMap, GpuError> {
+        let rule = Rule::new(lookup.bias, lookup.filter.reach(), DepthSource::Interpolated, space);
+        let offset = rule.polygon_offset();
+        // Away from the light: depth is reversed.
+        let bias = wgpu::DepthBiasState {
+            constant: -offset.constant,
+            slope_scale: -offset.slope_scale as f32,
+            clamp: 0.0,
+        };
+        let draw_between = Pipeline {
+            vertex: "caster_between",
+            fragment: None,
+            targets: &[],
+            depth_stencil: Some(wgpu::DepthStencilState { bias, ..depth_of_casters() }),
+            layout: None,
+        };
+        let pipeline = draw_between.build(&self.gpu, &self.module)?;
+        let map = draw(&self.gpu, &pipeline, caster, space, None)?;
+        Ok(GpuMap { depth: DepthSource::Interpolated, ..map })
     }
 
     /// The filtered map at every sample. Submits without waiting.
@@ -165,7 +204,7 @@ impl MapPass {
         map: &GpuMap,
         lookup: Lookup,
     ) -> Result<GpuVisibility, GpuError> {
-        let uniform = map.uniform.with_lookup(lookup);
+        let uniform = map.uniform.with_lookup(&map.space, map.depth, lookup);
         let uniform = uniform.ok_or(GpuError::NotBuilt("this filter or bias of a shadow map"))?;
         let light = self.gpu.uniform(&uniform)?;
         let visibility = GpuVisibility::soft(&self.gpu, samples.size())?;
@@ -193,16 +232,21 @@ fn drawing(
         vertex: "caster",
         fragment: Some(fragment),
         targets,
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(CompareFunction::Greater),
-            stencil: StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
+        depth_stencil: Some(depth_of_casters()),
         layout: None,
     };
     draw.build(gpu, module)
+}
+
+/// The nearest to the light is kept.
+fn depth_of_casters() -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: FORMAT,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(CompareFunction::Greater),
+        stencil: StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
 }
 
 /// Draws the map of a caster in a light's space, one pass per layer, and what the pipeline writes beside the
@@ -245,7 +289,7 @@ fn draw(
         }
     })?;
     let view = all_layers(gpu, &texture)?;
-    Ok(GpuMap { texture, view, space: *space, uniform })
+    Ok(GpuMap { texture, view, space: *space, uniform, depth: DepthSource::Plane })
 }
 
 /// A layer of names, cleared to none.

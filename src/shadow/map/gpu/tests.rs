@@ -73,7 +73,7 @@ fn map_on_a_device_shades_as_that_of_the_cpu() {
         let lamp: Lamp = lamp.parse().unwrap();
         let space = LightSpace::of_scene(&casters, &lamp, SIZE).unwrap();
         let map = pass.draw(&on_device, &space).unwrap();
-        for bias in [Bias::Receiver, Bias::Texel] {
+        for bias in [Bias::Receiver, Bias::Texel, Bias::Constant, Bias::Range, Bias::Normal] {
             for filter in [Filter::Nearest, Filter::Bilinear, Filter::Box3, Filter::Tent5] {
                 let options = MapOptions {
                     size: SIZE,
@@ -115,6 +115,7 @@ fn map_on_a_device_refuses_what_it_has_no_form_of() {
     for lookup in [
         Lookup { filter: Filter::Poisson16, bias: Bias::Receiver },
         Lookup { filter: Filter::Nearest, bias: Bias::Offset },
+        Lookup { filter: Filter::Nearest, bias: Bias::Second },
     ] {
         let error = pass.visibility(&drawn, &map, lookup).unwrap_err();
         assert!(matches!(error, GpuError::NotBuilt(_)), "{error}");
@@ -127,6 +128,11 @@ fn map_on_a_device_refuses_what_it_has_no_form_of() {
 
 /// Samples under a lamp whose value on the device is not that of the CPU form, and all that face the lamp.
 fn off(gpu: &Gpu, pass: &MapPass, lamp: &str, lookup: Lookup) -> [usize; 2] {
+    off_with(gpu, pass, lamp, lookup, DepthSource::Plane)
+}
+
+/// The same of a map with depths from elsewhere.
+fn off_with(gpu: &Gpu, pass: &MapPass, lamp: &str, lookup: Lookup, depth: DepthSource) -> [usize; 2] {
     let caster = scene();
     let casters = CasterGroup::new(vec![&caster]);
     let size = Size::new(129, 96).unwrap();
@@ -134,16 +140,32 @@ fn off(gpu: &Gpu, pass: &MapPass, lamp: &str, lookup: Lookup) -> [usize; 2] {
     let samples = Samples::of_view(&casters, &projection, size, 1).unwrap();
     let lamp: Lamp = lamp.parse().unwrap();
     let Lookup { filter, bias } = lookup;
-    let options =
-        MapOptions { size: SIZE, fit: Fit::Scene, cascades: 1, bias, depth: DepthSource::Plane, filter };
+    let options = MapOptions { size: SIZE, fit: Fit::Scene, cascades: 1, bias, depth, filter };
     let cpu = MapShadow::prepare(&casters, &lamp, &options).unwrap().shade(&samples);
     let on_device = GpuCaster::upload(gpu, &caster).unwrap();
     let drawn = on_device.samples(&projection, size, Depth::Plane).unwrap();
-    let map = pass.draw(&on_device, &LightSpace::of_scene(&casters, &lamp, SIZE).unwrap()).unwrap();
+    let space = LightSpace::of_scene(&casters, &lamp, SIZE).unwrap();
+    let map = match depth {
+        DepthSource::Plane => pass.draw(&on_device, &space),
+        DepthSource::Interpolated => pass.draw_interpolated(&on_device, &space, lookup),
+    };
+    let map = map.unwrap();
     let values = pass.visibility(&drawn, &map, lookup).unwrap().download(gpu).unwrap();
     let pairs = cpu.values().iter().zip(&values).zip(cpu.asked()).filter(|(_, asked)| **asked);
     let differ = pairs.clone().filter(|((cpu, device), _)| (*cpu - *device).abs() > 1.0 / 1024.0);
     [differ.count(), pairs.count()]
+}
+
+/// The bias of a depth range is a part of the depth for central lights alone.
+#[test]
+fn map_on_a_device_with_a_fault_in_its_range_is_found() {
+    let Some(gpu) = gpu() else { return };
+    let lookup = Lookup { filter: Filter::Tent5, bias: Bias::Range };
+    let faulty = MapPass::with_fault(&gpu, "*= 1.0 + light.bias", "*= 1.0 - light.bias");
+    let [wrong, all] = off(&gpu, &faulty, LAMPS[2], lookup);
+    assert!(wrong * 100 > all, "{wrong} of {all}");
+    let [wrong, all] = off(&gpu, &MapPass::new(&gpu).unwrap(), LAMPS[2], lookup);
+    assert!(wrong * 100 < all, "{wrong} of {all}");
 }
 
 /// Faults injected into the shader exceed the limit of one in a hundred, and without them it is kept.
@@ -161,6 +183,10 @@ fn map_on_a_device_with_a_fault_is_found() {
         ("vec2f(1.0 + at.x, 1.0 - at.y)", "vec2f(1.0 + at.x, 1.0 + at.y)", Bias::Receiver),
         // What lies behind the receiver blocks.
         (", receiver.layer, 0) > least", ", receiver.layer, 0) < least", Bias::Texel),
+        // Biases with the other sign, or none.
+        ("receiver.depth += light.bias", "receiver.depth -= light.bias", Bias::Constant),
+        ("return q + offset * up;", "return q - offset * up;", Bias::Normal),
+        ("depth = at.z / at.w;", "depth -= light.rounding;", Bias::Normal),
     ];
     for (text, fault, bias) in faults {
         let lookup = Lookup { filter: Filter::Tent5, bias };
@@ -171,5 +197,29 @@ fn map_on_a_device_with_a_fault_is_found() {
         }
         let [wrong, all] = off(&gpu, &right, LAMPS[1], lookup);
         assert!(wrong * 100 < all, "{bias}: {wrong} of {all}");
+    }
+}
+
+/// A device interpolates depths and moves them by a polygon offset as the CPU form does. Faults injected: a
+/// lower receiver, and casters nearer to the light.
+#[test]
+fn map_on_a_device_has_a_polygon_offset() {
+    let Some(gpu) = gpu() else { return };
+    let pass = MapPass::new(&gpu).unwrap();
+    for (lamp, filter) in LAMPS.into_iter().zip([Filter::Bilinear, Filter::Box3, Filter::Nearest]) {
+        for bias in [Bias::Offset, Bias::Receiver] {
+            let [wrong, all] =
+                off_with(&gpu, &pass, lamp, Lookup { filter, bias }, DepthSource::Interpolated);
+            assert!(wrong * 100 < all, "{lamp} {bias} {filter}: {wrong} of {all}");
+        }
+    }
+    let lookup = Lookup { filter: Filter::Box3, bias: Bias::Offset };
+    for (text, fault) in [
+        ("receiver.depth += light.bias", "receiver.depth -= 0.01"),
+        ("from_light(triangles[index])).z;", "from_light(triangles[index])).z + 0.02;"),
+    ] {
+        let faulty = MapPass::with_fault(&gpu, text, fault);
+        let [wrong, all] = off_with(&gpu, &faulty, LAMPS[0], lookup, DepthSource::Interpolated);
+        assert!(wrong * 100 > all, "{fault}: {wrong} of {all}");
     }
 }

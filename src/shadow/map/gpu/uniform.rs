@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::Lookup;
 use crate::gpu::raster::to_one;
 use crate::shadow::map::bias::Reach;
-use crate::shadow::map::{Bias, Filter, LightSpace, Spread};
+use crate::shadow::map::{Bias, DepthSource, Filter, LightSpace, Rule, Spread};
 
 /// Mirrors `struct Light` in map.wgsl.
 #[repr(C)]
@@ -28,16 +28,23 @@ pub(in crate::shadow) struct LightUniform {
     size: f32,
     side: f32,
     is_tent: u32,
-    at_center: u32,
+    way: u32,
     reach: f32,
     slack: f32,
     rounding: f32,
-    spare: u32,
+    bias: f32,
 }
 
 /// Allowance for `f32`: the depth of a plane is a sum of three products of numbers of at most about 1, with
 /// coefficients of five roundings each.
 pub(in crate::shadow) const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
+
+/// The values of `way` in map.wgsl.
+const RECEIVER: u32 = 0;
+const TEXEL: u32 = 1;
+const ADDED: u32 = 2;
+const MULTIPLIED: u32 = 3;
+const NORMAL: u32 = 4;
 
 impl LightUniform {
     /// For casters whose coordinates are at most `largest` in magnitude.
@@ -68,11 +75,11 @@ impl LightUniform {
             size: space.size() as f32,
             side: 0.0,
             is_tent: 0,
-            at_center: 0,
+            way: RECEIVER,
             reach: 0.0,
             slack: 0.5,
             rounding: ROUNDING,
-            spare: 0,
+            bias: 0.0,
         }
     }
 
@@ -86,8 +93,8 @@ impl LightUniform {
         Self { layer, ..self }
     }
 
-    /// For a lookup; `None` if the device has no form of it.
-    pub(super) fn with_lookup(self, lookup: Lookup) -> Option<Self> {
+    /// For a lookup of a map in `space`; `None` if the device has no form of it.
+    pub(super) fn with_lookup(self, space: &LightSpace, depth: DepthSource, lookup: Lookup) -> Option<Self> {
         let (side, is_tent) = match lookup.filter {
             Filter::Nearest => (0.0, 0),
             Filter::Bilinear => (1.0, 0),
@@ -97,21 +104,26 @@ impl LightUniform {
             Filter::Tent5 => (5.0, 1),
             Filter::Poisson16 | Filter::Poisson64 => return None,
         };
-        let Reach::Square(reach) = lookup.filter.reach() else { return None };
+        let rule = Rule::new(lookup.bias, lookup.filter.reach(), depth, space);
+        let Reach::Square(reach) = rule.reach() else { return None };
         // A position on the map has an error of a few units of an f32 of the map's side.
         let reach = reach as f32 + self.size * 4.0 * f32::EPSILON;
-        let at_center = match lookup.bias {
-            Bias::Receiver => 0,
-            Bias::Texel => 1,
-            _ => return None,
+        let (way, bias) = match (lookup.bias, space.spread()) {
+            (Bias::Receiver, _) => (RECEIVER, 0.0),
+            (Bias::Texel, _) => (TEXEL, 0.0),
+            (Bias::Constant, _) | (Bias::Range, Spread::Parallel { .. }) => (ADDED, rule.steepest(1.0)),
+            (Bias::Range, Spread::Central { .. }) => (MULTIPLIED, rule.steepest(1.0)),
+            (Bias::Normal, _) => (NORMAL, 0.0),
+            (Bias::Offset, _) if depth == DepthSource::Interpolated => (ADDED, 0.0),
+            (Bias::Offset | Bias::Second, _) => return None,
         };
-        Some(Self { side, is_tent, at_center, reach, ..self })
+        Some(Self { side, is_tent, way, bias: bias as f32, reach, ..self })
     }
 
     /// For the question whether the texels up to `reach` agree. A texel blocks if it lies above the
     /// receiver's plane at its center by more than the plane changes over one texel.
     pub(super) fn with_agreement(self, reach: u32) -> Self {
-        Self { at_center: 1, slack: 1.0, reach: reach as f32, ..self } // at most 16
+        Self { way: TEXEL, slack: 1.0, reach: reach as f32, ..self } // at most 16
     }
 }
 
@@ -126,7 +138,7 @@ mod tests {
             &format!("{}{}", crate::gpu::raster::SOURCE, super::super::SOURCE),
             "Light",
             LightUniform: right, up, axis, origin, scale, half, per_half, lowest, per_range, near, is_central,
-            layers, layer, size, side, is_tent, at_center, reach, slack, rounding, spare
+            layers, layer, size, side, is_tent, way, reach, slack, rounding, bias
         );
     }
 }

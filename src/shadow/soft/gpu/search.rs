@@ -1,7 +1,7 @@
 //! The technique `single-sample` on a device, with its search for the nearest edge.
 
 use super::{GpuSoftMap, Shade, SoftPass};
-use crate::caster::{CasterGroup, GpuCaster};
+use crate::caster::GpuCaster;
 use crate::gpu::raster::{GpuSamples, GpuVisibility};
 use crate::gpu::{Gpu, GpuError, Kernel, Shader, wgpu};
 use crate::oracle::PrimaryHit;
@@ -135,7 +135,7 @@ impl SearchPass {
     ///
     /// # Errors
     ///
-    /// [`GpuError::NotBuilt`] for several casters, for a size that is not one of a map, and for the options
+    /// [`GpuError::NotBuilt`] for a size that is not one of a map, and for the options
     /// `adaptive` and `literal`; [`GpuError::Picture`] if the map is larger than the device allows;
     /// [`GpuError::TooLarge`], [`GpuError::Subnormal`], [`GpuError::OutOfMemory`], [`GpuError::Lost`].
     pub fn shade(
@@ -143,7 +143,12 @@ impl SearchPass {
         request: &Request<'_>,
         options: &SingleSampleOptions,
     ) -> Result<Visibility, GpuError> {
-        let caster = only_caster(request.casters)?;
+        let joined = request.casters.joined();
+        let joined =
+            joined.map_err(|_| GpuError::NotBuilt("more than 2³² corners of all casters together"))?;
+        let Some(caster) = joined.as_ref().or(request.casters.casters().first().copied()) else {
+            return Err(GpuError::NotBuilt("a map of no casters"));
+        };
         if options.adaptive != 0 || options.literal {
             return Err(GpuError::NotBuilt("adaptive or literal single samples"));
         }
@@ -168,13 +173,6 @@ impl SearchPass {
         });
         above_horizon(&mut visibility, samples, request.lamp);
         Ok(visibility)
-    }
-}
-
-fn only_caster<'a>(casters: &CasterGroup<'a>) -> Result<&'a crate::caster::Caster, GpuError> {
-    match *casters.casters() {
-        [caster] => Ok(caster),
-        _ => Err(GpuError::NotBuilt("single samples of several casters")),
     }
 }
 

@@ -59,6 +59,9 @@ pub struct ShadowAccuracy {
     pub lamp: Lamp,
     /// One row per technique, in the order asked for, and then those of a device.
     pub rows: Vec<ShadowRow>,
+    /// The techniques that have a device form, but not with these options or for this scene, and what the device
+    /// form lacks.
+    pub cpu_only: Vec<(Technique, &'static str)>,
     /// What is true at each sample.
     pub truth: Truth,
     /// What the parts of the casters took that counting needs, in milliseconds.
@@ -191,7 +194,13 @@ impl ShadowAccuracy {
             progress(1);
         }
         mark_dominated(&mut rows);
-        Ok(Self { lamp: request.lamp.clone(), rows, truth, counting_ms: parts.counting })
+        Ok(Self {
+            lamp: request.lamp.clone(),
+            rows,
+            cpu_only: Vec::new(),
+            truth,
+            counting_ms: parts.counting,
+        })
     }
 
     /// Whether every claim holds.

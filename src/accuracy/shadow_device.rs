@@ -75,13 +75,14 @@ impl ShadowAccuracy {
             };
             match row {
                 // Counts that the stencil does not hold.
-                Err(GpuError::NotBuilt(_)) => {}
+                Err(GpuError::NotBuilt(lacks)) => self.cpu_only.push((technique, lacks)),
                 row => self.rows.push(row?),
             }
         }
         let drawn = &counted.drawn;
         let passes = Passes::new(gpu)?;
-        MapForms::new(gpu, &passes, &request, &truth, drawn, rounds)?.add_rows(&mut self.rows)?;
+        MapForms::new(gpu, &passes, &request, &truth, drawn, rounds)?
+            .add_rows(&mut self.rows, &mut self.cpu_only)?;
         self.add_planar(gpu, &request, &truth, drawn, rounds)?;
         mark_dominated(&mut self.rows);
         Ok(())

@@ -93,7 +93,7 @@ pub(crate) struct Args {
     #[arg(long)]
     ground: bool,
 
-    /// Where the picture is written, as PNG in sRGB (this or --animate is required)
+    /// Where the picture is written, as PNG in sRGB (required) without --animate
     #[arg(
         short,
         long,

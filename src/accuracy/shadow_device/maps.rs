@@ -73,7 +73,12 @@ impl<'f> MapForms<'f> {
     }
 
     /// Adds a row for each row of the CPU whose technique and options have a device form.
-    pub(super) fn add_rows(&self, rows: &mut Vec<ShadowRow>) -> Result<(), GpuError> {
+    /// All others go to `cpu_only`, with what the device form lacks.
+    pub(super) fn add_rows(
+        &self,
+        rows: &mut Vec<ShadowRow>,
+        cpu_only: &mut Vec<(Technique, &'static str)>,
+    ) -> Result<(), GpuError> {
         for on_cpu in rows.clone().into_iter().filter(|row| row.device.is_none()) {
             let measured = match on_cpu.technique {
                 Technique::Map(options) | Technique::Pcf(PcfOptions(options)) => {
@@ -87,7 +92,7 @@ impl<'f> MapForms<'f> {
             };
             match measured {
                 // An option that only the CPU has.
-                Err(GpuError::NotBuilt(_)) => {}
+                Err(GpuError::NotBuilt(lacks)) => cpu_only.push((on_cpu.technique, lacks)),
                 measured => rows.push(self.row(on_cpu, measured?)),
             }
         }
@@ -284,7 +289,7 @@ mod tests {
         "map-ids:size=128",
         "map:size=128,bias=offset,depth=interpolated",
         "pcf:size=128,bias=normal",
-        // What has no form on a device gets no row.
+        // What has no form on a device gets no row; an option without one is told.
         "single-sample:size=128,adaptive=4",
         "vsm:size=128",
     ];
@@ -307,7 +312,11 @@ mod tests {
             GpuCaster::upload(gpu, &caster).unwrap().samples(&projection, size, Depth::Plane).unwrap();
         let request = Request { casters: &casters, lamp: &lamps[0], samples: &samples };
         let forms = MapForms::new(gpu, passes, &request, &found.truth, &drawn, 1).unwrap();
-        forms.add_rows(&mut rows).unwrap();
+        let mut cpu_only = Vec::new();
+        forms.add_rows(&mut rows, &mut cpu_only).unwrap();
+        let [(only, lacks)] = cpu_only[..] else { panic!("{cpu_only:?}") };
+        assert_eq!(only.to_string(), "single-sample:size=128,adaptive=4");
+        assert_eq!(lacks, "adaptive or literal single samples");
         let on_device = rows.split_off(TECHNIQUES.len());
         rows.into_iter().zip(on_device).map(|(cpu, device)| [cpu, device]).collect()
     }

@@ -200,11 +200,22 @@ fn add_device(
         return Ok(());
     }
     let progress = Progress::spinner(format!("measuring on {}", gpu.name()));
-    for light in found {
+    for light in &mut *found {
         if let Err(error) = light.add_device(&gpu, casters, samples, args.rounds) {
             drop(progress);
             output::say(format_args!("note: no rows of a graphics adapter: {error}"));
-            break;
+            return Ok(());
+        }
+    }
+    drop(progress);
+    let mut said = Vec::new();
+    for only in found.iter().flat_map(|light| &light.cpu_only) {
+        if !said.contains(only) {
+            let (technique, lacks) = only;
+            output::say(format_args!(
+                "note: {technique} has a row of the CPU only; not built on a device: {lacks}"
+            ));
+            said.push(*only);
         }
     }
     Ok(())

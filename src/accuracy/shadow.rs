@@ -59,8 +59,8 @@ pub struct ShadowAccuracy {
     pub lamp: Lamp,
     /// One row per technique, in the order asked for, and then those of a device.
     pub rows: Vec<ShadowRow>,
-    /// The techniques that have a device form, but not with these options or for this scene, and what the device
-    /// form lacks.
+    /// The techniques that have a device form, but not with these options or for this scene, and what the
+    /// device form lacks.
     pub cpu_only: Vec<(Technique, &'static str)>,
     /// What is true at each sample.
     pub truth: Truth,

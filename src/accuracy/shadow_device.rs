@@ -23,9 +23,9 @@ const ON_DEVICE: [(Technique, Option<StencilMethod>); 3] = [
 ];
 
 impl ShadowAccuracy {
-    /// Adds a row per technique with a device form, for one sample per pixel; nothing for other views. Several
-    /// casters are one on the device: one map, one count over all of them. Samples within the rasterizer's
-    /// footprint are not judged.
+    /// Adds a row per technique with a device form, for one sample per pixel; nothing for other views.
+    /// Several casters are one on the device: one map, one count over all of them. Samples within the
+    /// rasterizer's footprint are not judged.
     ///
     /// # Errors
     ///

@@ -102,8 +102,8 @@ impl<'a> CasterGroup<'a> {
         self.seen
     }
 
-    /// Several casters as one, with faces numbered as those of [`CasterGroup::oracle`], for a device that takes
-    /// one caster. `None` for a single caster, which is that already.
+    /// Several casters as one, with faces numbered as those of [`CasterGroup::oracle`], for a device that
+    /// takes one caster. `None` for a single caster, which is that already.
     ///
     /// # Errors
     ///

@@ -344,8 +344,8 @@ mod tests {
         }
     }
 
-    /// Several casters have one map, whose faces are numbered over all of them. Fault injected: only the first
-    /// caster is drawn.
+    /// Several casters have one map, whose faces are numbered over all of them. Fault injected: only the
+    /// first caster is drawn.
     #[test]
     fn accuracy_of_several_casters_on_a_device_is_that_of_the_cpu() {
         let Some(gpu) = gpu() else { return };

@@ -31,8 +31,8 @@ const FORMAT: TextureFormat = TextureFormat::Depth32Float;
 pub struct Lookup {
     /// The filter: all but those of Poisson.
     pub filter: Filter,
-    /// The bias: all but [`Bias::Second`]. [`Bias::Offset`] needs a map of [`MapPass::draw_interpolated`] with
-    /// the offset of this lookup.
+    /// The bias: all but [`Bias::Second`]. [`Bias::Offset`] needs a map of [`MapPass::draw_interpolated`]
+    /// with the offset of this lookup.
     pub bias: Bias,
 }
 

@@ -18,7 +18,9 @@ pub use passes::Passes;
 use glam::DVec3;
 
 use super::{Ambient, Per, Receiver, Receivers};
+use crate::geom::Aabb;
 use crate::mesh::{FaceId, Mesh};
+use crate::oracle::Curve;
 use tree::{Disk, Seen, Tree};
 
 /// What a disk stands for.
@@ -97,15 +99,21 @@ impl Disks {
     }
 
     fn seen(&self, receivers: &[Receiver]) -> Vec<Seen> {
-        let mut found = vec![Seen::default(); receivers.len()];
+        // Along a curve, so that neighbors read the same blocks.
+        let curve = Curve::in_box(&Aabb::around(receivers.iter().map(|receiver| receiver.point)));
+        let mut order: Vec<(u32, u32)> =
+            receivers.iter().zip(0..).map(|(receiver, index)| (curve.place(receiver.point), index)).collect();
+        order.sort_unstable();
+        let mut found = vec![Seen::default(); order.len()];
         crate::parallel::rows(&mut found, RUN, |run, found| {
-            let mut stack = Vec::new();
-            for (receiver, found) in receivers[run * RUN..].iter().zip(found) {
-                let normal = receiver.normal.map(wide);
-                *found = self.tree.sum(wide(receiver.point), normal, self.theta, &mut stack);
-            }
+            let mut run = order[run * RUN..].iter().map(|&(_, index)| receivers[index as usize]);
+            self.tree.sums(&mut run, self.theta, found);
         });
-        found
+        let mut seen = vec![Seen::default(); order.len()];
+        for ((_, index), found) in order.into_iter().zip(found) {
+            seen[index as usize] = found;
+        }
+        seen
     }
 }
 

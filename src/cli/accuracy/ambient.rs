@@ -80,12 +80,23 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
 
 fn measure(file: &Path, args: &Args, options: &AmbientOptions) -> Result<Measured, Failure> {
     let mesh = args.source(file).load_caster()?;
-    let methods = AmbientMethod::usual();
+    let methods = methods(&args.rays);
     let progress = Progress::bar(format!("measuring {}", file.display()), 1 + methods.len() as u64);
     let found = AmbientAccuracy::measure(&[&mesh], &methods, options, &|steps| progress.done(steps));
     drop(progress);
     let none = || Failure::new("there are no faces to ask about", "name a mesh that has some").in_file(file);
     Ok(Measured { file: file.to_owned(), faces: mesh.face_count(), found: found.ok_or_else(none)? })
+}
+
+/// The usual methods, with other numbers of rays if any are asked for.
+fn methods(rays: &[u32]) -> Vec<AmbientMethod> {
+    let mut methods = AmbientMethod::usual();
+    if !rays.is_empty() {
+        methods.retain(|method| !matches!(method, AmbientMethod::Rays { .. }));
+        let pair = |&rays| [false, true].map(|ring| AmbientMethod::Rays { rays, ring });
+        methods.splice(1..1, rays.iter().flat_map(pair));
+    }
+    methods
 }
 
 impl Measured {

@@ -17,6 +17,7 @@ use umbrage::shadow::Technique;
 use umbrage::view::Size;
 use umbrage::write::write_atomic;
 
+use super::ambient::rays;
 use super::files;
 use super::input::{CastArgs, Source, SourceArgs};
 use super::lights::LightArgs;
@@ -79,6 +80,13 @@ pub(crate) struct Args {
     /// How many rounds are timed; the median is reported
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = rounds, allow_negative_numbers = true)]
     rounds: u32,
+
+    /// How many rays from each point, at most 1048576; several numbers are separated by commas; for ambient
+    /// [default: 4,16,64,256]
+    ///
+    /// Each number is measured without and with the mean over neighbors. For example: --rays 28,32,100.
+    #[arg(long, value_name = "N", value_parser = rays, value_delimiter = ',', allow_negative_numbers = true)]
+    rays: Vec<u32>,
 
     /// Seed of lights and points; the same seed gives the same answers, whatever the times
     #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
@@ -195,6 +203,15 @@ impl Args {
         Err(Failure::new(problem, "leave it out, or measure shadow"))
     }
 
+    /// Refuses --rays for all but `ambient`.
+    fn refuse_rays(&self) -> Result<(), Failure> {
+        if self.rays.is_empty() || self.what == What::Ambient {
+            return Ok(());
+        }
+        let problem = "--rays: only `accuracy ambient` casts a number of rays from each point";
+        Err(Failure::new(problem, "leave it out, or measure ambient"))
+    }
+
     /// How many queries are asked for.
     fn queries_or(&self, usual: u64) -> Result<u64, Failure> {
         let queries = self.queries.unwrap_or(usual);
@@ -248,6 +265,7 @@ struct Asked {
 
 pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     args.files = files::expand(args.files);
+    args.refuse_rays()?;
     let Some(question) = args.what.question() else {
         match args.what {
             What::Ambient => args.refuse_lights().and_then(|()| args.refuse_view())?,

@@ -186,7 +186,8 @@ impl From<FormArg> for Form {
     }
 }
 
-fn rays(text: &str) -> Result<u32, String> {
+/// A number of rays from each point.
+pub(super) fn rays(text: &str) -> Result<u32, String> {
     match text.parse() {
         Ok(rays) if (1..=MOST_RAYS).contains(&rays) => Ok(rays),
         _ => Err(format!("write a whole number from 1 to {MOST_RAYS}")),

@@ -426,6 +426,20 @@ fn accuracy_of_ambient_has_the_agreed_keys_and_a_row_for_each_method() {
 }
 
 #[test]
+fn accuracy_of_ambient_takes_other_numbers_of_rays() {
+    let folder = ambient_folder();
+    let document = folder.json(&format!("accuracy ambient sponge.obj {FEW_RECEIVERS} --rays 28,512"));
+    let rows = document["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 1 + 4 + 3 + 2 + 1);
+    for (row, (rays, smooth)) in
+        rows[1..].iter().zip([(28, "none"), (28, "ring"), (512, "none"), (512, "ring")])
+    {
+        assert_eq!(row["parameters"], serde_json::json!({ "rays": rays, "smooth": smooth }));
+    }
+    assert!(rows[3]["mean_error"].as_f64() < rows[1]["mean_error"].as_f64());
+}
+
+#[test]
 fn accuracy_of_ambient_prints_a_table_and_draws_a_mark_for_each_row() {
     let folder = ambient_folder();
     let outputs = "--svg a.svg --csv a.csv";
@@ -455,6 +469,7 @@ fn accuracy_of_ambient_refuses_lights_views_and_empty_meshes() {
         ),
         ("torus.obj --size 9x9", "--size: only `accuracy shadow` has a view"),
         ("torus.obj --queries 0", "--queries 0 is not between 1 and"),
+        ("torus.obj --rays 16,0", "write a whole number from 1 to 1048576"),
         ("missing.obj --csv a.csv", "missing.obj"),
     ] {
         let run = folder.run(&format!("accuracy ambient {arguments}"));
@@ -462,4 +477,6 @@ fn accuracy_of_ambient_refuses_lights_views_and_empty_meshes() {
         assert!(run.stderr.contains(line), "{arguments}: {}", run.stderr);
     }
     assert!(!folder.path("a.csv").exists());
+    let run = folder.run("accuracy facing torus.obj --rays 16");
+    assert!(run.code == 2 && run.stderr.contains("--rays: only `accuracy ambient`"), "{}", run.stderr);
 }

@@ -78,7 +78,8 @@ impl Frame {
         // One disk has no extent but that of its area.
         let area = disks.iter().fold(0.0_f64, |most, disk| most.max(disk.area));
         let extent = (high - low).max_element().max(area.sqrt());
-        // Extents of `f32` points lie between 2⁻¹⁴⁹ and 2¹²⁹: no square of the scale leaves the range of `f64`.
+        // Extents of `f32` points lie between 2⁻¹⁴⁹ and 2¹²⁹: no square of the scale leaves the range of
+        // `f64`.
         let is_usual = extent > 0.0 && extent.is_finite();
         let scale = if is_usual { (-extent.log2().ceil()).exp2() } else { 1.0 };
         Self { middle: if disks.is_empty() { DVec3::ZERO } else { 0.5 * (low + high) }, scale }

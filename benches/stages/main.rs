@@ -28,6 +28,7 @@ mod obvhs_triangles;
 mod plan;
 mod plot;
 mod pose;
+mod prepare;
 mod read;
 mod relevance;
 mod report;
@@ -112,6 +113,7 @@ fn run(options: &Options) -> Result<(), String> {
         area::run,
         plan::run,
         read::run,
+        prepare::run,
         pose::run,
     ];
     for stage in stages {

@@ -24,7 +24,9 @@ pub use counts::{Counts, Verdict};
 pub use defect::{Defect, DefectKind, Severity};
 pub use report::CrackReport;
 pub use requirement::{Requirement, Standing, UnknownRequirement};
+pub(crate) use self_intersections::{
+    Corners, for_each_intersection_among, intersect, is_star, segment_meets,
+};
 pub use self_intersections::{SelfIntersections, for_each_self_intersection, self_intersections};
-pub(crate) use self_intersections::{for_each_intersection_among, is_star};
 pub use shells::ShellReport;
 pub(crate) use t_junctions::exact_t_junctions;

@@ -116,6 +116,8 @@ pub enum Left {
     NoLoop,
     /// The patch would meet other faces where it should not.
     Meets,
+    /// Every patch between the vertices of the hole would meet other faces: proven.
+    NoPatch,
     /// An edge of the patch would have more than two faces.
     EdgeInUse,
     /// Whether the patch meets other faces was not decided: too many overlap.
@@ -131,6 +133,7 @@ impl Left {
             Self::TooFarAround => "longer around than the limit",
             Self::NoLoop => "its edges do not close to a loop",
             Self::Meets => "the patch would meet other faces",
+            Self::NoPatch => "every patch between its vertices would meet other faces",
             Self::EdgeInUse => "an edge of the patch would have more than two faces",
             Self::NotDecided => "not decided whether the patch meets other faces",
         }

@@ -125,8 +125,7 @@ fn sets(mesh: &Mesh) -> Vec<Same> {
     for vertex in 1..ends.len() {
         ends[vertex] += ends[vertex - 1];
     }
-    // The other two vertices, the lower one in the upper half, and the face.
-    let mut keyed = vec![(0_u64, 0_u32); mesh.face_count()];
+    let mut keyed = vec![([0_u32; 2], 0_u32); mesh.face_count()];
     for (face, corners) in (0..).zip(mesh.triangles()) {
         let slot = &mut ends[lowest(corners)];
         keyed[*slot as usize] = (others(*corners), face);
@@ -147,22 +146,21 @@ fn sets(mesh: &Mesh) -> Vec<Same> {
     sets
 }
 
-/// The two higher vertices of a face.
+/// The two higher vertices of a face, the highest last.
 #[inline]
-fn others([a, b, c]: [u32; 3]) -> u64 {
-    let middle = a.min(b).max(a.max(b).min(c));
-    u64::from(middle) << 32 | u64::from(a.max(b).max(c))
+fn others([a, b, c]: [u32; 3]) -> [u32; 2] {
+    [a.min(b).max(a.max(b).min(c)), a.max(b).max(c)]
 }
 
 /// Whether two faces around a vertex have the same key; for many faces, whether they might.
 #[inline]
-fn may_repeat(around: &[(u64, u32)]) -> bool {
+fn may_repeat(around: &[([u32; 2], u32)]) -> bool {
     const FEW: usize = 12;
     around.len() > FEW || (1..around.len()).any(|i| around[..i].iter().any(|other| other.0 == around[i].0))
 }
 
 impl Same {
-    fn of(mesh: &Mesh, same: &[(u64, u32)]) -> Option<Self> {
+    fn of(mesh: &Mesh, same: &[([u32; 2], u32)]) -> Option<Self> {
         let mut set = Self { along: Vec::new(), against: Vec::new() };
         for &(_, face) in same {
             let [a, b, c] = mesh.triangles()[face as usize];

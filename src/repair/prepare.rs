@@ -3,7 +3,8 @@
 use super::change::Step;
 use super::fill::Fill;
 use super::index_map::IndexMap;
-use super::{drop_collapsed, drop_duplicates, drop_unreferenced, fill, orient, split, stitch, weld};
+use super::weld::weld_with;
+use super::{drop_collapsed, drop_duplicates, drop_unreferenced, fill, orient, split, stitch};
 use crate::mesh::{Mesh, MeshError, Weld};
 
 /// Which steps are taken beside the first ones, which invent nothing and move nothing.
@@ -64,7 +65,7 @@ pub fn prepare(mesh: Mesh, options: &Options) -> Result<Prepared, MeshError> {
         options.map.then(|| (IndexMap::identity(mesh.vertex_count()), IndexMap::identity(mesh.face_count())));
     let mut prepared = Prepared { mesh, steps: Vec::new(), map };
     if options.weld != Weld::None {
-        prepared.take(|mesh| Ok(weld(mesh, options.weld)))?;
+        prepared.take(|mesh| Ok(weld_with(mesh, options.weld, options.map)))?;
     }
     prepared.clean()?;
     if options.orient {
@@ -72,7 +73,7 @@ pub fn prepare(mesh: Mesh, options: &Options) -> Result<Prepared, MeshError> {
     }
     let mut changed = 0;
     if let Some(distance) = options.weld_within {
-        changed += prepared.take(|mesh| Ok(weld(mesh, Weld::Within(distance))))?;
+        changed += prepared.take(|mesh| Ok(weld_with(mesh, Weld::Within(distance), options.map)))?;
         if changed > 0 {
             prepared.clean()?;
         }

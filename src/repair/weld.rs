@@ -22,12 +22,18 @@ use crate::mesh::{Mesh, VertexId, Weld};
 /// ```
 #[must_use]
 pub fn weld(mesh: Mesh, how: Weld) -> (Mesh, Step) {
+    weld_with(mesh, how, true)
+}
+
+/// [`weld`], which may leave out [`Step::vertices`]: a third of its time.
+pub(super) fn weld_with(mesh: Mesh, how: Weld, map: bool) -> (Mesh, Step) {
     let name = if matches!(how, Weld::Within(_)) { "weld-within" } else { "weld" };
     let mut step = Step::new(name);
     let old = mesh.vertex_count();
-    // Only these can move, and only listed changes need the old positions.
+    // Only these can move.
     let before = matches!(how, Weld::Within(_)).then(|| mesh.clone());
-    let positions: Vec<[f32; 3]> = mesh.positions().to_vec();
+    // What was merged is where it was; what is dropped is nowhere afterwards.
+    let mut unused = unused(&mesh).into_iter();
     let welded = skin::weld(mesh, how);
     if welded.mesh.vertex_count() == old {
         if how != Weld::None {
@@ -35,18 +41,30 @@ pub fn weld(mesh: Mesh, how: Weld) -> (Mesh, Step) {
         }
         return (welded.mesh, step);
     }
-    let new_of = (0..old as u32).map(|vertex| welded.vertex_of(VertexId(vertex)).map(|new| new.0));
-    step.vertices = Some(IndexMap::forward(new_of));
+    if map {
+        let new_of = (0..old as u32).map(|vertex| welded.vertex_of(VertexId(vertex)).map(|new| new.0));
+        step.vertices = Some(IndexMap::forward(new_of));
+    }
     let mut next = 0;
     for vertex in 0..old as u32 {
-        let at = positions[vertex as usize];
+        if step.changes.len() == Step::LISTED {
+            break;
+        }
         match welded.vertex_of(VertexId(vertex)) {
-            None => step.add(ChangeKind::VertexDropped, Some(vertex), None, at),
+            None => {
+                let at = unused.next().expect("as many as are listed");
+                step.add(ChangeKind::VertexDropped, Some(vertex), None, at);
+            }
             // Kept vertices stay in their order, the first of each point.
             Some(VertexId(new)) if new == next => next += 1,
-            Some(VertexId(new)) => step.add(ChangeKind::VertexMerged, Some(vertex), Some(new), at),
+            Some(VertexId(new)) => {
+                let old = before.as_ref().map(|before| before.positions()[vertex as usize]);
+                let at = old.unwrap_or_else(|| welded.mesh.positions()[new as usize]);
+                step.add(ChangeKind::VertexMerged, Some(vertex), Some(new), at);
+            }
         }
     }
+    step.count = old - welded.mesh.vertex_count();
     if let Some(before) = before {
         let moved = |vertex: u32| {
             let new = welded.vertex_of(VertexId(vertex))?.index();
@@ -61,6 +79,14 @@ pub fn weld(mesh: Mesh, how: Weld) -> (Mesh, Step) {
         skin::list_kept_apart(&welded.mesh, &mut step);
     }
     (welded.mesh, step)
+}
+
+/// The positions of the first vertices that no face uses, as many as a step lists.
+fn unused(mesh: &Mesh) -> Vec<[f32; 3]> {
+    let mut is_used = vec![false; mesh.vertex_count()];
+    mesh.triangles().as_flattened().iter().for_each(|&vertex| is_used[vertex as usize] = true);
+    let unused = mesh.positions().iter().zip(is_used).filter(|&(_, is_used)| !is_used);
+    unused.map(|(&position, _)| position).take(Step::LISTED).collect()
 }
 
 fn distance(p: [f32; 3], q: [f32; 3]) -> f64 {

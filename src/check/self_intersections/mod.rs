@@ -25,6 +25,7 @@ use std::ops::ControlFlow;
 
 use self::search::Search;
 pub(crate) use self::star::is_star;
+pub(crate) use self::triangles::{Corners, intersect, segment_meets};
 use super::{CrackReport, faces};
 use crate::geom::box_pairs::NO_SET;
 use crate::geom::predicate::collinear;

@@ -8,13 +8,13 @@ use crate::geom::Aabb;
 use crate::geom::predicate::{Sign, orient3d, surely_parted, turn};
 use crate::mesh::{FaceId, Mesh};
 
-pub(super) type Point = [f32; 3];
+pub(crate) type Point = [f32; 3];
 
 /// The vertices of a face, and their positions.
 #[derive(Clone, Copy)]
-pub(super) struct Corners {
-    pub(super) ids: [u32; 3],
-    pub(super) at: [Point; 3],
+pub(crate) struct Corners {
+    pub(crate) ids: [u32; 3],
+    pub(crate) at: [Point; 3],
 }
 
 impl Corners {
@@ -31,7 +31,7 @@ impl Corners {
 }
 
 /// Whether two faces with area intersect beyond what they share.
-pub(super) fn intersect(f: &Corners, g: &Corners) -> bool {
+pub(crate) fn intersect(f: &Corners, g: &Corners) -> bool {
     let mut shared = (0..3).filter_map(|i| g.ids.iter().position(|&id| id == f.ids[i]).map(|j| (i, j)));
     match (shared.next(), shared.next(), shared.next()) {
         (None, ..) => meet(f.at, g.at),
@@ -79,7 +79,7 @@ fn apart([a, b, c]: [Point; 3], points: &[Point]) -> bool {
 }
 
 /// Whether a closed segment and a closed triangle with area have a point in common.
-fn segment_meets([p, q]: [Point; 2], triangle: [Point; 3]) -> bool {
+pub(crate) fn segment_meets([p, q]: [Point; 2], triangle: [Point; 3]) -> bool {
     let [a, b, c] = triangle;
     let (above, below) = (orient3d(a, b, c, p), orient3d(a, b, c, q));
     match (above, below) {

@@ -88,8 +88,8 @@ pub(crate) struct Args {
     /// comma: --fill=64, --fill=length=0.5, --fill=edges=64,length=0.5. A hole beyond either is left and
     /// named.
     ///
-    /// Of all ways to cut a hole into triangles that with the least area is taken. A patch that would meet
-    /// other faces is refused and named. Before a file name write --fill=LIMIT, or --fill last.
+    /// Of all ways to cut a hole into triangles that with the least area is taken, and one that meets no
+    /// other face if that does. A hole that has none is left and named. Before a file name write --fill=LIMIT, or --fill last.
     #[arg(long, value_name = "LIMIT", num_args = 0..=1, value_parser = FillLimit::parse)]
     fill: Option<Option<FillLimit>>,
 

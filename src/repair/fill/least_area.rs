@@ -10,6 +10,9 @@ struct Cost {
     area: f64,
 }
 
+/// What is bad of a stretch that cannot be cut: more than any other has, and twice that fits 32 bits.
+const NEVER: u32 = 1 << 30;
+
 impl Cost {
     const NONE: Self = Self { bad: 0, area: 0.0 };
 
@@ -24,6 +27,16 @@ impl Cost {
 /// A dynamic programme over the stretches of the loop, from short to long: a stretch from i to j has the
 /// triangle of i, j and some k between them, and two shorter stretches. Cubic time, 24 n² bytes.
 pub(super) fn least_area(points: &[[f32; 3]], in_use: impl Fn(usize, usize) -> bool) -> Vec<[usize; 3]> {
+    least_area_among(points, in_use, |_| true).expect("every loop can be cut")
+}
+
+/// The same among the triangulations whose triangles are all `allowed`; `None` if there are none. A triangle is
+/// only asked for if it would be the best one yet of its stretch: a few of a thousand.
+pub(super) fn least_area_among(
+    points: &[[f32; 3]],
+    in_use: impl Fn(usize, usize) -> bool,
+    allowed: impl Fn([usize; 3]) -> bool,
+) -> Option<Vec<[usize; 3]>> {
     let n = points.len();
     let mut cost = vec![Cost::NONE; n * n];
     let mut middle = vec![0_u32; n * n];
@@ -34,24 +47,27 @@ pub(super) fn least_area(points: &[[f32; 3]], in_use: impl Fn(usize, usize) -> b
             for k in i + 1..j {
                 let (left, right) = (cost[i * n + k], cost[k * n + j]);
                 let bad = left.bad + right.bad;
-                if best.is_some_and(|(best, _)| bad > best.bad) {
+                if bad >= NEVER || best.is_some_and(|(best, _)| bad > best.bad) {
                     continue;
                 }
                 let corners = [points[i], points[k], points[j]];
                 let area = left.area + right.area + triangle_area(corners);
                 let flat = collinear(corners[0], corners[1], corners[2]);
                 let candidate = Cost { bad: bad + u32::from(flat), area };
-                if best.is_none_or(|(best, _)| candidate.is_below(best)) {
+                if best.is_none_or(|(best, _)| candidate.is_below(best)) && allowed([i, k, j]) {
                     best = Some((candidate, k));
                 }
             }
-            let Some((mut found, k)) = best else { continue };
+            let Some((mut found, k)) = best else {
+                cost[i * n + j].bad = NEVER;
+                continue;
+            };
             // The longest stretch ends in a side of the loop, not in a diagonal.
             found.bad += u32::from(width < n - 1 && in_use(i, j));
             (cost[i * n + j], middle[i * n + j]) = (found, k as u32);
         }
     }
-    triangles(n, &middle)
+    (cost[n - 1].bad < NEVER).then(|| triangles(n, &middle))
 }
 
 /// The triangles of the whole loop, where `middle` has the third corner of each stretch's triangle.
@@ -70,23 +86,9 @@ pub(super) fn triangles(n: usize, middle: &[u32]) -> Vec<[usize; 3]> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::all_triangulations;
     use super::*;
     use crate::random::SplitMix64;
-
-    /// All triangulations of the stretch from `i` to `j`.
-    fn all(i: usize, j: usize) -> Vec<Vec<[usize; 3]>> {
-        if j - i < 2 {
-            return vec![Vec::new()];
-        }
-        let with = |k: usize| {
-            let right = all(k, j);
-            let both = all(i, k).into_iter().flat_map(move |left| {
-                right.clone().into_iter().map(move |right| [left.clone(), right, vec![[i, k, j]]].concat())
-            });
-            both.collect::<Vec<_>>()
-        };
-        (i + 1..j).flat_map(with).collect()
-    }
 
     fn cost(points: &[[f32; 3]], faces: &[[usize; 3]], used: &[[usize; 2]]) -> (usize, f64) {
         let n = points.len();
@@ -109,7 +111,7 @@ mod tests {
             let found = least_area(&points, |i, j| used.contains(&[i, j]));
             assert_eq!(found.len(), n - 2);
             let (bad, area) = cost(&points, &found, &used);
-            let costs = all(0, n - 1).into_iter().map(|faces| cost(&points, &faces, &used));
+            let costs = all_triangulations(0, n - 1).into_iter().map(|faces| cost(&points, &faces, &used));
             let least = costs.clone().min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))).unwrap();
             assert!(bad == least.0 && (area - least.1).abs() <= 1e-12 * area, "{points:?}");
             // Fault injected: any triangulation will do.

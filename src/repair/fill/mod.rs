@@ -1,5 +1,6 @@
 //! The step that closes holes.
 
+mod clear;
 mod ears;
 mod least_angle;
 mod least_area;
@@ -12,6 +13,7 @@ use super::change::{Left, Patch, Step};
 use super::rewrite::with_faces;
 use crate::mesh::{Mesh, MeshError};
 use crate::topology::Topology;
+use clear::Clear;
 use loops::loops;
 use meet::{Conflict, conflicts};
 use triangulate::{Method, Triangulator};
@@ -41,8 +43,9 @@ impl Fill {
 /// A border that touches itself is cut into loops there. A flat loop is cut exactly, by the rules for
 /// polygons of files; any other so that the area is least (Gheorghe Barequet and Micha Sharir, *Filling Gaps
 /// in the Boundary of a Polyhedron*, 1995, section 3), in cubic time; one too long for that by its shortest
-/// diagonals. Where such a patch would meet other faces, one that bends little is tried, and one by the
-/// shortest diagonals. Diagonals that are edges already, and faces without area, are avoided wherever
+/// diagonals. Where such a patch would meet other faces, one that bends little is tried, one by the shortest
+/// diagonals, and at last every one: a hole of at most 400 edges is closed, or it is proven that each patch
+/// between its vertices meets other faces ([`Left::NoPatch`]). Diagonals that are edges already, and faces without area, are avoided wherever
 /// possible.
 ///
 /// Guarantee: all faces and positions stay, bit for bit, and no vertex is new. New faces come at the end. At
@@ -85,7 +88,7 @@ pub fn fill(mesh: Mesh, which: Fill) -> Result<(Mesh, Step), MeshError> {
     }
     close(&mesh, &mut triangulator, &mut holes)?;
     for hole in &mut holes {
-        if which.anyway && matches!(hole.patch.left, Some(Left::Meets | Left::NotDecided)) {
+        if which.anyway && matches!(hole.patch.left, Some(Left::Meets | Left::NoPatch | Left::NotDecided)) {
             hole.patch.left = None;
         }
         let faces = hole.faces.iter().map(|corners| corners.map(at));
@@ -166,6 +169,44 @@ fn close(mesh: &Mesh, triangulator: &mut Triangulator<'_>, holes: &mut [Hole]) -
             break;
         }
         base = with_patches(base, &found)?;
+    }
+    close_clear(base, triangulator, holes, &open)
+}
+
+/// The last method, for the holes that none before closed: whatever patch meets nothing.
+fn close_clear(
+    base: Mesh,
+    triangulator: &mut Triangulator<'_>,
+    holes: &mut [Hole],
+    open: &[usize],
+) -> Result<(), MeshError> {
+    let mut with = base.clone();
+    let mut tried: Vec<(usize, Vec<[u32; 3]>)> = Vec::new();
+    for &hole in open {
+        match triangulator.clear(&with, &holes[hole].ring) {
+            Clear::Found(faces) => {
+                let ring = &holes[hole].ring;
+                let faces: Vec<[u32; 3]> = faces.iter().map(|face| face.map(|corner| ring[corner])).collect();
+                with = with_patches(with, &faces)?;
+                tried.push((hole, faces));
+            }
+            Clear::Impossible => holes[hole].patch.left = Some(Left::NoPatch),
+            Clear::NotFound => {}
+        }
+    }
+    // What was found is judged as all patches are.
+    let ends: Vec<usize> = tried
+        .iter()
+        .scan(base.face_count(), |end, (_, faces)| {
+            *end += faces.len();
+            Some(*end)
+        })
+        .collect();
+    for ((hole, faces), conflict) in tried.into_iter().zip(conflicts(&with, base.face_count(), &ends)) {
+        if conflict.meets == Some(false) && !conflict.edge_in_use {
+            let hole = &mut holes[hole];
+            (hole.faces, hole.patch.left, hole.patch.meets) = (faces, None, Some(false));
+        }
     }
     Ok(())
 }

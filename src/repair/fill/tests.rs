@@ -18,6 +18,21 @@ fn without_fan(mesh: &Mesh, vertex: u32) -> Mesh {
     super::super::drop_unreferenced(kept).0
 }
 
+/// All triangulations of the stretch of a loop from corner `i` to corner `j`.
+pub(super) fn all_triangulations(i: usize, j: usize) -> Vec<Vec<[usize; 3]>> {
+    if j - i < 2 {
+        return vec![Vec::new()];
+    }
+    let with = |k: usize| {
+        let right = all_triangulations(k, j);
+        let both = all_triangulations(i, k).into_iter().flat_map(move |left| {
+            right.clone().into_iter().map(move |right| [left.clone(), right, vec![[i, k, j]]].concat())
+        });
+        both.collect::<Vec<_>>()
+    };
+    (i + 1..j).flat_map(with).collect()
+}
+
 #[test]
 fn filled_holes_leave_everything_else_and_close() {
     let sphere = shapes::icosphere(2);
@@ -77,7 +92,7 @@ fn fill_refuses_what_would_meet_the_mesh_unless_it_is_asked_to() {
         let (same, step) = fill(mesh.clone(), Fill::default()).unwrap();
         assert_eq!((step.count, step.left, same.face_count()), (0, 1, mesh.face_count()));
         let patch = step.changes[0].patch.unwrap();
-        assert_eq!((patch.meets, patch.left), (Some(true), Some(Left::Meets)));
+        assert_eq!((patch.meets, patch.left), (Some(true), Some(Left::NoPatch)));
         let (filled, step) = fill(mesh, Fill { anyway: true, ..Fill::default() }).unwrap();
         assert_eq!((step.count, step.changes[0].patch.unwrap().meets), (1, Some(true)));
         assert_eq!(counts(&filled).boundary_edges, 0);
@@ -126,4 +141,27 @@ fn fill_avoids_a_diagonal_that_is_an_edge_already() {
     assert!(both([0, 2]).iter().all(|t| t.contains(&1) && t.contains(&3)));
     assert!(both([1, 3]).iter().all(|t| t.contains(&0) && t.contains(&2)));
     assert_eq!(topology.edge_counts().boundary, 4);
+}
+
+#[test]
+fn fill_finds_the_patch_that_meets_nothing_or_proves_that_there_is_none() {
+    // A bowl with a bent rim, and a spike through every patch but those that pass above it.
+    let rim = |k: usize| {
+        let turn = std::f32::consts::TAU * k as f32 / 8.0;
+        [turn.cos(), turn.sin(), if k.is_multiple_of(2) { 1.0 } else { 0.0 }]
+    };
+    let bowl = |spike: f32| {
+        let mut positions: Vec<[f32; 3]> = (0..8).map(rim).collect();
+        positions.push([0.0, 0.0, -2.0]);
+        let mut triangles: Vec<[u32; 3]> = (0..8).map(|k| [(k + 1) % 8, k, 8]).collect();
+        positions.extend([[0.01, 0.0, spike], [-0.01, 0.02, -1.0], [-0.01, -0.02, -1.0]]);
+        triangles.extend([[9, 10, 11], [9, 11, 10]]);
+        Mesh::new(positions, triangles).unwrap()
+    };
+    let closed = |spike: f32| {
+        let (mesh, step) = fill(bowl(spike), Fill::default()).unwrap();
+        (step.count, step.changes[0].patch.unwrap().left, counts(&mesh).self_intersections)
+    };
+    assert_eq!(closed(0.8), (1, None, Some(0)));
+    assert_eq!(closed(1.5), (0, Some(Left::NoPatch), Some(0)));
 }

@@ -1,5 +1,6 @@
 //! A loop to triangles.
 
+use super::clear::{Clear, clear};
 use super::ears::by_ears;
 use super::least_angle::least_angle;
 use super::least_area::least_area;
@@ -70,6 +71,17 @@ impl<'a> Triangulator<'a> {
             _ => by_ears(&points, in_use),
         };
         Some(faces.into_iter().map(|corners| corners.map(|corner| ring[corner])).collect())
+    }
+
+    /// A patch that meets no face of `with`: the mesh with the patches found so far.
+    pub(super) fn clear(&mut self, with: &Mesh, ring: &[u32]) -> Clear {
+        if ring.len() > MOST_CORNERS {
+            return Clear::NotFound;
+        }
+        let topology = self.topology;
+        let in_use =
+            |i: usize, j: usize| topology.edge_between(VertexId(ring[i]), VertexId(ring[j])).is_some();
+        clear(with, ring, in_use, &mut self.weighed)
     }
 
     /// The normal of the face at each side of a loop.

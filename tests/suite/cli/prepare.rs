@@ -122,7 +122,11 @@ fn prepare_names_a_mobius_strip_and_a_sheet_that_it_leaves() {
     // A sheet's patch would lie on it: refused, unless asked for.
     folder.mesh("flat.obj", &shapes::sheet(2));
     let run = folder.run("prepare flat.obj -o out.ply --fill");
-    assert!(run.code == 0 && run.stdout.contains("the patch would meet other faces"), "{}", run.stdout);
+    assert!(
+        run.code == 0 && run.stdout.contains("every patch between its vertices would meet other faces"),
+        "{}",
+        run.stdout
+    );
     let document = folder.json("prepare flat.obj -o out.ply --fill --fill-anyway");
     assert_eq!((step(&document, "fill"), &document["after"]["watertight"]), ((1, 0), &true.into()));
 }
@@ -305,7 +309,7 @@ fn prepare_closes_real_meshes_without_moving_a_vertex() {
         ("stanford_bunny_original.obj", "--fill", "sound"),
         ("cow_bowtie.obj", "--fill", "sound"),
         ("tray_bottom_1002.stl", "--fill", "sound"),
-        // Its holes cross each other: five patches meet faces whichever way they are cut.
+        // One hole has no patch between its vertices that meets nothing.
         ("many_small_holes.ply", "--fill --fill-anyway", "sound"),
         // The sockets of the eyes would be closed through the eyeballs.
         ("suzanne_ngons.obj", "--split --fill --fill-anyway", "sound"),
@@ -326,5 +330,26 @@ fn prepare_closes_real_meshes_without_moving_a_vertex() {
         assert!(faces("after") >= faces("before") - gone, "{file}");
         let weld = if options.contains("--split") { " --weld none" } else { "" };
         assert_eq!(folder.code(&format!("check out.glb --require {required}{weld}")), 0, "{file}");
+    }
+}
+
+#[test]
+fn prepare_closes_each_hole_of_real_meshes_that_has_a_patch_and_proves_that_the_rest_have_none() {
+    for (file, closed, left) in
+        [("many_small_holes.ply", 37, 1), ("suzanne_ngons.obj", 2, 2), ("office_chair.obj", 13, 2)]
+    {
+        let Some(path) = real(file) else { return };
+        let folder = Folder::new();
+        let document = folder.json(&format!("prepare {} -o out.glb --fill", path.display()));
+        assert_eq!(step(&document, "fill"), (closed, left), "{file}");
+        let steps = document["steps"].as_array().unwrap();
+        let fill = steps.iter().find(|step| step["name"] == "fill").unwrap();
+        let changes = fill["changes"].as_array().unwrap().iter();
+        let reasons: Vec<_> = changes.filter_map(|change| change["patch"]["left"].as_str()).collect();
+        assert_eq!(
+            reasons,
+            vec!["every patch between its vertices would meet other faces"; left as usize],
+            "{file}"
+        );
     }
 }

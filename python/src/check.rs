@@ -54,8 +54,8 @@ impl Asked {
 /// -------
 /// dict
 ///     The keys of ``umbrage check --json`` for one file: ``file``, ``format``, ``error`` (None), ``meshes``,
-///     ``total``, ``requirements``, ``rounding``; beside them ``verdict`` ("sound", "cracked", "empty",
-///     "not proven") and ``notes``, what the reader has to say. What was not computed is None.
+///     ``total``, ``requirements``, ``sound``, ``verdict`` ("sound", "cracked", "empty", "not proven sound"),
+///     ``rounding``; beside them ``notes``, what the reader has to say. What was not computed is None.
 ///
 /// Raises
 /// ------
@@ -153,7 +153,6 @@ pub(crate) fn check_arrays<'py>(
         let report = MeshReport::of(of, &asked).expect("nothing is placed");
         let mut document = report.document();
         let counts = [report.counts];
-        document.insert("verdict".into(), verdict(&asked.requirements, &report.counts).name().into());
         document.insert("requirements".into(), requirements_of(&asked.requirements, &counts));
         document.insert("rounding".into(), rounding.into());
         document
@@ -179,14 +178,17 @@ fn file(path: &PathBuf, scope: Scope, asked: &Asked) -> Result<Value, Failure> {
         .map_err(Failure::Mesh)?;
     let counts: Vec<Counts> = meshes.iter().map(|mesh| mesh.counts).collect();
     let worst = counts.iter().map(|counts| verdict(&asked.requirements, counts)).max();
+    let total = total(&meshes, asked.limit);
+    let sound = if total.is_null() { Value::Bool(false) } else { total["sound"].clone() };
     Ok(json!({
         "file": path.to_string_lossy(),
         "format": format,
         "error": null,
         "meshes": meshes.iter().map(MeshReport::document).collect::<Vec<_>>(),
-        "total": total(&meshes, asked.limit),
+        "total": total,
         "requirements": requirements_of(&asked.requirements, &counts),
         "rounding": rounding,
+        "sound": sound,
         "verdict": worst.unwrap_or(Verdict::Empty).name(),
         "notes": notes,
     }))
@@ -203,6 +205,7 @@ struct MeshReport {
     defects: Vec<Found>,
     nesting_complete: bool,
     t_junctions_complete: bool,
+    verdict: Verdict,
 }
 
 /// All defects of one kind.
@@ -245,6 +248,7 @@ impl MeshReport {
             defects,
             nesting_complete,
             t_junctions_complete,
+            verdict: verdict(&asked.requirements, &counts),
         })
     }
 
@@ -255,6 +259,8 @@ impl MeshReport {
         object.insert("defects".into(), self.defects.iter().map(Found::document).collect());
         object.insert("nesting_complete".into(), self.nesting_complete.into());
         object.insert("t_junctions_complete".into(), self.t_junctions_complete.into());
+        object.insert("sound".into(), sound(&self.counts));
+        object.insert("verdict".into(), self.verdict.name().into());
         object
     }
 }
@@ -300,6 +306,8 @@ fn defects(kind: DefectKind, count: usize, complete: bool, at: &[Value]) -> Valu
         "at_least": (!complete).then_some(count),
         "effect": kind.effect(),
         "at": at,
+        "code": kind.code(),
+        "severity": kind.severity().name(),
     })
 }
 
@@ -333,7 +341,16 @@ fn total(meshes: &[MeshReport], limit: usize) -> Value {
     }
     object.insert("nesting_complete".into(), meshes.iter().all(|mesh| mesh.nesting_complete).into());
     object.insert("t_junctions_complete".into(), t_junctions_complete.into());
+    object.insert("sound".into(), sound(&sum));
+    let worst = meshes.iter().map(|mesh| mesh.verdict).max();
+    object.insert("verdict".into(), worst.map(Verdict::name).into());
     object.into()
+}
+
+/// Whether a mesh that is not empty is sound, whatever is required; null if that was not decided.
+fn sound(counts: &Counts) -> Value {
+    let decided = counts.sound() || !counts.may_be_sound();
+    decided.then_some(counts.sound() && !counts.is_empty()).into()
 }
 
 /// What comes before the numbers, and the numbers; vertices that no face uses are among them.

@@ -166,6 +166,18 @@ pub enum Severity {
     Error,
 }
 
+impl Severity {
+    /// `"information"`, `"warning"` or `"error"`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Information => "information",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
 impl fmt::Display for DefectKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())

@@ -17,7 +17,7 @@ use super::progress::Progress;
 use super::view::Cameras;
 
 /// How vertices are merged and what counts as one mesh.
-#[derive(Clone, Debug, clap::Args)]
+#[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct MeshArgs {
     /// Which vertices are the same: `exact` (equal positions, bit for bit), `none` (the file's own indices),
     /// or a distance in mesh units [default: exact]
@@ -28,9 +28,9 @@ pub(crate) struct MeshArgs {
     #[arg(long, value_name = "exact|none|DIST", value_parser = parse_weld, allow_negative_numbers = true)]
     weld: Option<Weld>,
 
-    /// What is welded and counted as one mesh
-    #[arg(long, value_enum, default_value_t = ScopeArg::Mesh)]
-    scope: ScopeArg,
+    /// What is welded and counted as one mesh [default: mesh]
+    #[arg(long, value_enum)]
+    scope: Option<ScopeArg>,
 
     /// Load only what has such a name: a node, mesh, part or material; may be repeated [default: everything]
     ///
@@ -40,7 +40,7 @@ pub(crate) struct MeshArgs {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum ScopeArg {
+pub(crate) enum ScopeArg {
     /// Each mesh instance, where the scene places it
     Mesh,
     /// Each part of a mesh (primitive, group) separately
@@ -94,12 +94,6 @@ pub(crate) struct WeldedMesh {
     pub(crate) vertices: usize,
     /// How many of those no face uses.
     pub(crate) unreferenced: usize,
-}
-
-impl Default for MeshArgs {
-    fn default() -> Self {
-        Self { weld: None, scope: ScopeArg::Mesh, only: Vec::new() }
-    }
 }
 
 impl MeshArgs {
@@ -157,7 +151,7 @@ impl MeshArgs {
 
     /// The meshes of a scene as the file stores them; with `--scope scene`, as the scene places them.
     pub(crate) fn own_spaces(&self, scene: Scene, file: &Path) -> Result<Vec<OwnSpace>, Failure> {
-        scene.in_own_space(self.scope.into()).map_err(|error| too_far(&error, file))
+        scene.in_own_space(self.scope().into()).map_err(|error| too_far(&error, file))
     }
 
     fn baked(&self, mut scene: Scene, file: &Path) -> Result<Baked, Failure> {
@@ -175,16 +169,16 @@ impl MeshArgs {
 
     /// Whether each part becomes a mesh of its own.
     pub(crate) fn splits_parts(&self) -> bool {
-        self.scope == ScopeArg::Primitive
+        self.scope() == ScopeArg::Primitive
     }
 
     pub(crate) fn bake(&self, scene: Scene, file: &Path) -> Result<Vec<Mesh>, Failure> {
-        scene.bake(self.scope.into()).map_err(|error| too_far(&error, file))
+        scene.bake(self.scope().into()).map_err(|error| too_far(&error, file))
     }
 
     /// Whether a file may be split into several meshes.
     pub(crate) fn is_below_scene(&self) -> bool {
-        self.scope != ScopeArg::Scene
+        self.scope() != ScopeArg::Scene
     }
 
     /// Which vertices are the same.
@@ -195,6 +189,15 @@ impl MeshArgs {
     /// Sets which vertices are the same, unless the command line says so.
     pub(crate) fn weld_unless_told(&mut self, weld: Weld) {
         self.weld.get_or_insert(weld);
+    }
+
+    fn scope(&self) -> ScopeArg {
+        self.scope.unwrap_or(ScopeArg::Mesh)
+    }
+
+    /// Sets what is one mesh, unless the command line says so.
+    pub(crate) fn scope_unless_told(&mut self, scope: ScopeArg) {
+        self.scope.get_or_insert(scope);
     }
 
     /// Welds one mesh, in its own memory.

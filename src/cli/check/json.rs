@@ -14,14 +14,14 @@ use super::report::Listed;
 use super::{FileReport, Found, MeshReport, Place};
 use crate::cli::error::Failure;
 use crate::cli::json::{append, insert_after, to_value};
-use crate::cli::output::number32;
+use crate::cli::output::{number32, plain};
 
 /// The version of the document: data/check.schema.json describes it. A new key does not raise it.
 pub(super) const VERSION: u64 = 1;
 
 /// A line of `--json-lines`: the entry of a file.
-pub(super) fn line(file: &PathBuf, report: &Result<FileReport, Failure>, limit: usize) -> Value {
-    let Value::Object(entry) = entry(file, report, limit) else { unreachable!("the entry is an object") };
+pub(super) fn line(entry: &Value) -> Value {
+    let Value::Object(entry) = entry.clone() else { unreachable!("the entry is an object") };
     Value::Object(std::iter::once(("version".to_owned(), VERSION.into())).chain(entry).collect())
 }
 
@@ -106,10 +106,16 @@ fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry,
                 Err(failure) => (failure.format, Some(failure.to_string())),
             };
             let rounding = report.as_ref().ok().and_then(|entry| entry.rounding);
+            let verdict = report.as_ref().ok().map(|entry| entry.verdict.name());
             let frames = report.as_ref().ok().and_then(|entry| entry.frames.clone());
             let (meshes, total, requirements) = report.map_or((vec![], Value::Null, Value::Null), |entry| {
                 (entry.meshes, entry.total, entry.requirements)
             });
+            // A file without a mesh is not.
+            let sound = match (&error, &total) {
+                (None, Value::Null) => Value::Bool(false),
+                _ => total["sound"].clone(),
+            };
             let mut entry = json!({
                 "file": file.to_string_lossy(),
                 "format": format.map(|format| format.name()),
@@ -118,6 +124,8 @@ fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry,
                 "total": total,
                 "requirements": requirements,
                 "rounding": rounding,
+                "sound": sound,
+                "verdict": verdict,
             });
             if let Some(frames) = frames {
                 entry["frames"] = frames;
@@ -126,6 +134,14 @@ fn of_entries<'a>(files: &[PathBuf], reports: impl Iterator<Item = Result<Entry,
         })
         .collect();
     joined(entries, &verdicts)
+}
+
+/// The name of a mesh of an entry, or its number where it has none.
+pub(super) fn name_of(mesh: &Value, index: usize) -> String {
+    match mesh["name"].as_str() {
+        None | Some("") => format!("mesh {index}"),
+        Some(name) => plain(name),
+    }
 }
 
 /// What was required, and whether every mesh has it; null if that was not decided.
@@ -150,7 +166,9 @@ fn balance(name: Option<&str>, vertices: usize, faces: usize, balanced: bool) ->
             *value = Value::Null;
         }
     }
-    for key in ["shell_list", "shell_origins", "defects", "nesting_complete", "t_junctions_complete"] {
+    let lists = ["shell_list", "shell_origins", "defects"];
+    let verdicts = ["nesting_complete", "t_junctions_complete", "sound", "verdict"];
+    for key in lists.into_iter().chain(verdicts) {
         object.insert(key.into(), Value::Null);
     }
     Value::Object(object)
@@ -163,6 +181,8 @@ fn mesh(mesh: &MeshReport) -> Value {
     object.insert("shell_origins".into(), mesh.shell_origins.iter().map(polygon).collect());
     object.insert("defects".into(), mesh.defects.iter().map(defect).collect());
     completeness(&mut object, mesh.nesting_complete, mesh.t_junctions_complete);
+    object.insert("sound".into(), sound(&mesh.counts));
+    object.insert("verdict".into(), mesh.verdict.name().into());
     Value::Object(object)
 }
 
@@ -182,7 +202,15 @@ pub(in crate::cli) fn total(report: &FileReport, limit: usize) -> Value {
     object.insert("defects".into(), defects.collect());
     let all = |of: fn(&MeshReport) -> bool| report.meshes.iter().all(of);
     completeness(&mut object, all(|mesh| mesh.nesting_complete), all(|mesh| mesh.t_junctions_complete));
+    object.insert("sound".into(), sound(&sum));
+    object.insert("verdict".into(), report.verdict().name().into());
     Value::Object(object)
+}
+
+/// Whether a mesh that is not empty is sound, whatever is required; null if that was not decided.
+fn sound(counts: &Counts) -> Value {
+    let decided = counts.sound() || !counts.may_be_sound();
+    decided.then_some(counts.sound() && !counts.is_empty()).into()
 }
 
 /// Which searches were completed. A count of T-junctions that was not completed is null.
@@ -211,12 +239,19 @@ fn counts(
 }
 
 fn defect(found: &Found) -> Value {
+    defects(found.kind, found.count, found.complete, found.at.iter().map(place).collect())
+}
+
+/// All defects of one kind.
+fn defects(kind: DefectKind, count: usize, complete: bool, at: Vec<Value>) -> Value {
     json!({
-        "kind": found.kind,
-        "count": found.complete.then_some(found.count),
-        "at_least": (!found.complete).then_some(found.count),
-        "effect": found.kind.effect(),
-        "at": found.at.iter().map(place).collect::<Vec<_>>(),
+        "kind": kind,
+        "count": complete.then_some(count),
+        "at_least": (!complete).then_some(count),
+        "effect": kind.effect(),
+        "at": at,
+        "code": kind.code(),
+        "severity": kind.severity().name(),
     })
 }
 
@@ -233,15 +268,7 @@ fn defect_of_all(report: &FileReport, kind: DefectKind, limit: usize) -> Option<
     });
     let count: usize = with.iter().map(|(_, found)| found.count).sum();
     let complete = with.iter().all(|(_, found)| found.complete);
-    (!with.is_empty()).then(|| {
-        json!({
-            "kind": kind,
-            "count": complete.then_some(count),
-            "at_least": (!complete).then_some(count),
-            "effect": kind.effect(),
-            "at": at.collect::<Vec<_>>(),
-        })
-    })
+    (!with.is_empty()).then(|| defects(kind, count, complete, at.collect()))
 }
 
 pub(super) fn place(place: &Place) -> Value {

@@ -1,137 +1,172 @@
 //! The crack report as JUnit XML, which build servers show as tests: one suite for a file, one case for a
 //! mesh.
 
-use std::path::PathBuf;
-
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
-use umbrage::check::Verdict;
+use serde_json::Value;
+use umbrage::check::{DefectKind, Verdict};
 
-use super::report::{FileReport, MeshReport};
-use crate::cli::error::Failure;
-use crate::cli::output::{counted, plain};
+use super::json::name_of;
+use super::text::noun;
+use crate::cli::output::plain;
 
-/// All files, as the bytes of a document.
-pub(super) fn document(
-    files: &[PathBuf],
-    reports: &[Result<FileReport, Failure>],
-) -> Result<Vec<u8>, std::io::Error> {
+/// All files, as the bytes of a document; of the entries of their JSON.
+pub(super) fn document(entries: &[Value]) -> Result<Vec<u8>, std::io::Error> {
+    let files: Vec<(String, Vec<Case>)> =
+        entries.iter().map(|entry| (file_of(entry), cases(entry))).collect();
     let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
     writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-    let totals = totals(reports);
-    let counts = totals.each_ref().map(String::as_str);
+    let all = totals(files.iter().flat_map(|(_, cases)| cases));
     let root = writer.create_element("testsuites").with_attribute(("name", "umbrage check"));
-    let root = NAMES.iter().zip(counts).fold(root, |root, (&name, count)| root.with_attribute((name, count)));
-    root.write_inner_content(|writer| {
-        for (file, report) in files.iter().zip(reports) {
-            suite(writer, &plain(&file.to_string_lossy()), report)?;
-        }
-        Ok(())
-    })?;
+    let root = all.iter().fold(root, |root, (name, count)| root.with_attribute((*name, count.as_str())));
+    root.write_inner_content(|writer| files.iter().try_for_each(|(file, cases)| suite(writer, file, cases)))?;
     let mut bytes = writer.into_inner();
     bytes.push(b'\n');
     Ok(bytes)
 }
 
-/// Attributes of a suite.
-const NAMES: [&str; 3] = ["tests", "failures", "errors"];
-
-/// Cases, failures and errors.
-fn totals(reports: &[Result<FileReport, Failure>]) -> [String; 3] {
-    let sum =
-        |of: fn(&Result<FileReport, Failure>) -> usize| reports.iter().map(of).sum::<usize>().to_string();
-    [sum(|report| of_file(report)[0]), sum(|report| of_file(report)[1]), sum(|report| of_file(report)[2])]
+/// A mesh, or a file that has none, or that could not be read.
+struct Case {
+    name: String,
+    wrong: Option<Wrong>,
 }
 
-/// The same of one file: a file without meshes is one case.
-fn of_file(report: &Result<FileReport, Failure>) -> [usize; 3] {
-    match report {
-        Err(_) => [1, 0, 1],
-        Ok(report) if report.meshes.is_empty() => [1, usize::from(!report.sound()), 0],
-        Ok(report) => [report.meshes.len(), report.meshes.iter().filter(|mesh| !mesh.sound()).count(), 0],
+/// What is wrong with a case.
+struct Wrong {
+    /// `failure`, or `error` where nothing could be checked.
+    element: &'static str,
+    code: String,
+    text: String,
+}
+
+impl Wrong {
+    fn failure(code: impl Into<String>, text: impl Into<String>) -> Self {
+        Self { element: "failure", code: code.into(), text: text.into() }
     }
 }
 
-fn suite(
-    writer: &mut Writer<Vec<u8>>,
-    file: &str,
-    report: &Result<FileReport, Failure>,
-) -> Result<(), std::io::Error> {
-    let counts = of_file(report).map(|count| count.to_string());
-    let element = writer.create_element("testsuite").with_attribute(("name", file));
-    let element = NAMES
-        .iter()
-        .zip(&counts)
-        .fold(element, |element, (&name, count)| element.with_attribute((name, count.as_str())));
-    element.write_inner_content(|writer| {
-        match report {
-            Err(failure) => case(writer, file, "file", Some(("error", "unreadable", &failure.to_string())))?,
-            Ok(report) if report.meshes.is_empty() => {
-                let failure =
-                    (!report.sound()).then_some(("failure", "EMPTY", "there are no faces to check"));
-                case(writer, file, "file", failure)?;
-            }
-            Ok(report) => {
-                for (index, mesh) in report.meshes.iter().enumerate() {
-                    let name = match mesh.name.as_str() {
-                        "" => format!("mesh {index}"),
-                        name => plain(name),
-                    };
-                    let (code, text) = (codes(mesh), reasons(report, mesh));
-                    let failure = (!mesh.sound()).then_some(("failure", code.as_str(), text.as_str()));
-                    case(writer, file, &name, failure)?;
-                }
-            }
+fn file_of(entry: &Value) -> String {
+    plain(entry["file"].as_str().unwrap_or_default())
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
+}
+
+fn is_sound(value: &Value) -> bool {
+    value["verdict"] == Verdict::Sound.name()
+}
+
+/// A case for each mesh; one for a file without meshes; one more for the poses, if they were asked for.
+fn cases(entry: &Value) -> Vec<Case> {
+    let meshes = list(&entry["meshes"]);
+    let mut cases: Vec<Case> = match (entry["error"].as_str(), meshes) {
+        (Some(error), _) => {
+            let wrong = Wrong { element: "error", code: "UNREADABLE".to_owned(), text: error.to_owned() };
+            vec![Case { name: "file".to_owned(), wrong: Some(wrong) }]
         }
-        Ok(())
-    })?;
+        (None, []) => {
+            let empty = || Wrong::failure("EMPTY", "there are no faces to check");
+            vec![Case { name: "file".to_owned(), wrong: (!is_sound(entry)).then(empty) }]
+        }
+        (None, meshes) => {
+            let wrong = |mesh| Wrong::failure(codes(mesh), reasons(entry, mesh));
+            let case = |(index, mesh)| Case {
+                name: name_of(mesh, index),
+                wrong: (!is_sound(mesh)).then(|| wrong(mesh)),
+            };
+            meshes.iter().enumerate().map(case).collect()
+        }
+    };
+    if let Some(frames) = entry.get("frames") {
+        let poses = list(&frames["list"]);
+        let bad = poses.iter().filter(|pose| !is_sound(pose)).count();
+        let kinds: Vec<String> = list(&frames["kinds"])
+            .iter()
+            .filter_map(|found| Some(kind_of(found)?.code().to_owned()))
+            .collect();
+        let text = || format!("{bad} of {} poses: {}", poses.len(), kinds.join(" "));
+        let wrong = (bad > 0).then(|| Wrong::failure(kinds.join(" "), text()));
+        cases.push(Case { name: "all poses".to_owned(), wrong });
+    }
+    cases
+}
+
+/// Cases, failures and errors, as attributes.
+fn totals<'a>(cases: impl Iterator<Item = &'a Case>) -> [(&'static str, String); 3] {
+    let mut totals = [("tests", 0), ("failures", 0), ("errors", 0)];
+    for case in cases {
+        totals[0].1 += 1;
+        match &case.wrong {
+            Some(wrong) if wrong.element == "error" => totals[2].1 += 1,
+            Some(_) => totals[1].1 += 1,
+            None => {}
+        }
+    }
+    totals.map(|(name, count)| (name, count.to_string()))
+}
+
+fn suite(writer: &mut Writer<Vec<u8>>, file: &str, cases: &[Case]) -> Result<(), std::io::Error> {
+    let element = writer.create_element("testsuite").with_attribute(("name", file));
+    let element = totals(cases.iter())
+        .iter()
+        .fold(element, |element, (name, count)| element.with_attribute((*name, count.as_str())));
+    element.write_inner_content(|writer| cases.iter().try_for_each(|of| case(writer, file, of)))?;
     Ok(())
 }
 
-/// A case, with what is wrong: element, type, text.
-fn case(
-    writer: &mut Writer<Vec<u8>>,
-    file: &str,
-    name: &str,
-    wrong: Option<(&str, &str, &str)>,
-) -> Result<(), std::io::Error> {
+fn case(writer: &mut Writer<Vec<u8>>, file: &str, case: &Case) -> Result<(), std::io::Error> {
     let element = writer.create_element("testcase").with_attribute(("classname", file));
-    let element = element.with_attribute(("name", name));
-    let Some((kind, code, text)) = wrong else {
+    let element = element.with_attribute(("name", case.name.as_str()));
+    let Some(Wrong { element: kind, code, text }) = &case.wrong else {
         element.write_empty()?;
         return Ok(());
     };
     element.write_inner_content(|writer| {
         let first = text.lines().next().unwrap_or_default();
-        let failure =
-            writer.create_element(kind).with_attribute(("type", code)).with_attribute(("message", first));
+        let failure = writer
+            .create_element(*kind)
+            .with_attribute(("type", code.as_str()))
+            .with_attribute(("message", first));
         failure.write_text_content(BytesText::new(text))?;
         Ok(())
     })?;
     Ok(())
 }
 
+fn kind_of(found: &Value) -> Option<DefectKind> {
+    DefectKind::ALL.into_iter().find(|kind| found["kind"] == kind.name())
+}
+
 /// The codes of all defects, or the verdict.
-fn codes(mesh: &MeshReport) -> String {
-    if mesh.verdict == Verdict::Empty {
+fn codes(mesh: &Value) -> String {
+    if mesh["verdict"] == Verdict::Empty.name() {
         return "EMPTY".to_owned();
     }
-    let codes: Vec<&str> = mesh.defects.iter().map(|found| found.kind.code()).collect();
+    let codes: Vec<&str> = list(&mesh["defects"]).iter().filter_map(|found| found["code"].as_str()).collect();
     if codes.is_empty() { "NOT_PROVEN".to_owned() } else { codes.join(" ") }
 }
 
 /// The verdict, and a line for each defect that is listed.
-fn reasons(report: &FileReport, mesh: &MeshReport) -> String {
-    let asked: Vec<&str> = report.requirements.iter().map(|asked| asked.name()).collect();
-    let mut lines = vec![format!("{}; required: {}", mesh.verdict.name(), asked.join(", "))];
-    for found in &mesh.defects {
-        let words = found.kind.name().replace('_', " ");
-        lines.push(counted(found.count, &words, &format!("{words}s")));
-        for at in &found.at {
-            let [x, y, z] = at.position;
-            let line = at.faces.first().and_then(|face| face.origin.line);
+fn reasons(entry: &Value, mesh: &Value) -> String {
+    let asked: Vec<&str> =
+        list(&entry["requirements"]).iter().filter_map(|asked| asked["name"].as_str()).collect();
+    let verdict = mesh["verdict"].as_str().unwrap_or_default();
+    let mut lines = vec![format!("{verdict}; required: {}", asked.join(", "))];
+    for found in list(&mesh["defects"]) {
+        let Some(kind) = kind_of(found) else { continue };
+        let (least, count) = match found["count"].as_u64() {
+            Some(count) => ("", count),
+            None => ("at least ", found["at_least"].as_u64().unwrap_or(0)),
+        };
+        lines.push(format!("{least}{count} {}", noun(kind, usize::try_from(count).unwrap_or(usize::MAX))));
+        for at in list(&found["at"]) {
+            let position: Vec<String> =
+                list(&at["position"]).iter().filter_map(Value::as_f64).map(|x| x.to_string()).collect();
+            let line = at["origins"][0]["line"].as_u64();
             let line = line.map_or_else(String::new, |line| format!(", line {line}"));
-            lines.push(format!("  at {x} {y} {z} ({}{line})", plain(&at.name)));
+            let name = plain(at["name"].as_str().unwrap_or_default());
+            lines.push(format!("  at {} ({name}{line})", position.join(" ")));
         }
     }
     lines.join("\n")

@@ -3,6 +3,7 @@
 mod baseline;
 mod drawn;
 mod fast;
+mod fragment;
 mod frames;
 mod json;
 mod junit;
@@ -34,12 +35,12 @@ use super::pose::PoseArgs;
 use super::resources::ThreadArgs;
 use super::{Failure, Outcome, render};
 use baseline::Baseline;
+use fragment::Fragment;
 use mark::Marks;
 use page::Page;
 use picture::Sketch;
 use report::{Drawings, Found, MeshReport, Place, examine};
 use rules::Rules;
-use text::Row;
 
 pub(super) use json::total;
 pub(super) use report::{FileReport, report_on};
@@ -177,7 +178,7 @@ pub(crate) struct Args {
     /// not finished, and the others go on [default: no limit]
     ///
     /// A file whose process crashes is reported as well, as one that could not be read. Not with --fast,
-    /// --baseline, --junit, --sarif, --mark, --picture and --html.
+    /// --mark, --picture and --html.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     file_timeout: Option<Duration>,
 
@@ -185,8 +186,8 @@ pub(crate) struct Args {
     /// there is one]
     ///
     /// Its tables [[rule]] have files (patterns of paths, or, without a slash, of names; `*` stands for any
-    /// characters, `?` for one), and of require, allow-empty, self-intersections and weld what differs from
-    /// the defaults. The last rule for a file that has a key counts; the command line outranks it.
+    /// characters, `?` for one), and of require, allow-empty, self-intersections, weld and scope what differs
+    /// from the defaults. The last rule for a file that has a key counts; the command line outranks it.
     #[arg(long, value_name = "RULES.toml")]
     config: Option<PathBuf>,
 
@@ -232,6 +233,16 @@ impl Args {
         !(self.json || self.json_lines || self.summary || self.quiet)
     }
 
+    /// Whether a document of all files is made.
+    fn wants_documents(&self) -> bool {
+        self.json || self.junit.is_some() || self.sarif.is_some()
+    }
+
+    /// Whether the JSON of each file is needed.
+    fn wants_entries(&self) -> bool {
+        self.wants_documents() || self.json_lines || self.baseline.is_some()
+    }
+
     fn searches_self_intersections(&self) -> bool {
         self.requirements().contains(&Requirement::NoSelfIntersections)
     }
@@ -245,69 +256,93 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     args.files = files::expand(args.files);
     refuse(&args)?;
     let rules = Rules::find(args.config.as_deref())?;
-    if let Some(limit) = args.file_timeout {
-        return worker::run(&args, limit);
-    }
     args.threads.apply()?;
     if args.fast {
         return fast::run(&args, &rules);
     }
-    let mut out = Output::new();
-    let mut outcome = Outcome::Sound;
-    let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
-    let mut reports = Vec::with_capacity(args.files.len());
-    let painter = args.color.painter();
-    let mut overview = text::Overview::new(painter);
     let mut drawings = Drawings {
         marks: args.mark.is_some().then(|| Marks::naming(args.limit)),
         sketch: args.picture.is_some().then(Sketch::default),
         page: args.html.is_some().then(Page::default),
     };
-    let mut up = Up::default();
+    let painter = args.color.painter();
+    // One file is drawn at most.
+    let mut drawn = None;
+    let outcome = all(&args, painter, |file| match args.file_timeout {
+        Some(limit) => worker::ask(file, limit, painter).unwrap_or_else(|failure| {
+            output::say(&failure);
+            Fragment::of(file, &Err(failure), &args, painter)
+        }),
+        None => {
+            let report = examine(file, &rules.apply(&args, file), &mut drawings);
+            if let Err(failure) = &report {
+                output::say(failure);
+            }
+            let fragment = Fragment::of(file, &report, &args, painter);
+            drawn = report.ok();
+            fragment
+        }
+    })?;
+    // Where it could not be read, there is nothing to draw.
+    if let Some(report) = drawn {
+        draw(&args, drawings, &report)?;
+    }
+    Ok(outcome)
+}
+
+/// Checks one file after the other, prints what is asked for of each, and then of all.
+fn all(args: &Args, painter: Painter, mut check: impl FnMut(&Path) -> Fragment) -> Result<Outcome, Failure> {
+    let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
+    let mut out = Output::new();
+    let mut outcome = Outcome::Sound;
+    let mut overview = text::Overview::new(painter);
+    let (mut entries, mut verdicts) = (Vec::new(), Vec::new());
     for (index, file) in args.files.iter().enumerate() {
-        let report = examine(file, &rules.apply(&args, file), &mut drawings);
-        up = report.as_ref().ok().and_then(|report| report.format).map_or(Up::Y, Format::up);
-        outcome = outcome.max(match (&report, &baseline) {
-            (Ok(report), Some(baseline)) => {
-                let worse = baseline.worse(report, args.files.len() == 1);
+        let Fragment { row, entry, text } = check(file);
+        outcome = outcome.max(match (&baseline, row.verdict) {
+            (Some(baseline), Some(_)) => {
+                let worse = baseline.worse(&entry, args.files.len() == 1);
                 for line in &worse {
                     output::say(format_args!("new: {}: {line}", output::plain(&file.to_string_lossy())));
                 }
                 if worse.is_empty() { Outcome::Sound } else { Outcome::Unsound }
             }
-            (Ok(report), None) if report.sound() => Outcome::Sound,
-            (Ok(_), None) => Outcome::Unsound,
-            (Err(failure), _) => {
-                output::say(failure);
-                Outcome::Incomplete
-            }
+            _ => row.outcome(),
         });
-        overview.add(file, &Row::of(&report));
-        if index > 0 && report.is_ok() && args.prints_reports() {
+        overview.add(file, &row);
+        if index > 0 && row.verdict.is_some() && args.prints_reports() {
             out.text("\n")?;
         }
-        out.text(printed(file, &report, &args, painter))?;
+        out.text(text)?;
         out.flush()?;
-        reports.push(report);
+        verdicts.push(row.verdict);
+        // All entries are kept for the documents alone.
+        entries.extend(args.wants_documents().then_some(entry));
     }
-    if args.json {
-        out.json(&json::document(&args.files, &reports, args.limit))?;
-    } else if args.files.len() > 1 && args.prints_reports() {
+    if args.prints_reports() && args.files.len() > 1 {
         out.text(format_args!("\n{overview}"))?;
+        out.flush()?;
     }
-    out.flush()?;
     if let Some(path) = &args.junit {
-        let bytes = junit::document(&args.files, &reports).map_err(output::unwritable)?;
+        let bytes = junit::document(&entries).map_err(output::unwritable)?;
         write::write_atomic(path, |out| out.write_all(&bytes))?;
         output::wrote(path);
     }
     if let Some(path) = &args.sarif {
-        let document = sarif::document(&args.files, &reports);
+        let document = sarif::document(&entries);
         write::write_atomic(path, |out| writeln!(out, "{document:#}"))?;
         output::wrote(path);
     }
-    // One file at a time: where it could not be read, there is nothing to draw.
-    let Some(Ok(report)) = reports.last() else { return Ok(outcome) };
+    if args.json {
+        out.json(&json::joined(entries, &verdicts))?;
+        out.flush()?;
+    }
+    Ok(outcome)
+}
+
+/// Writes what is drawn of a file.
+fn draw(args: &Args, drawings: Drawings, report: &FileReport) -> Result<(), Failure> {
+    let up = report.format.map_or(Up::Y, Format::up);
     if let (Some(path), Some(marks)) = (&args.mark, drawings.marks) {
         write::write(&marks.into_model(), path)?;
         output::wrote(path);
@@ -320,18 +355,7 @@ pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
         write::write_atomic(path, |out| out.write_all(html.as_bytes()))?;
         output::wrote(path);
     }
-    Ok(outcome)
-}
-
-/// What is printed of one file, in the form that was asked for; nothing if it is part of one document.
-fn printed(file: &Path, report: &Result<FileReport, Failure>, args: &Args, painter: Painter) -> String {
-    match report {
-        _ if args.json || args.quiet => String::new(),
-        _ if args.json_lines => format!("{}\n", json::line(&file.to_owned(), report, args.limit)),
-        _ if args.summary => format!("{}\n", text::Summary { file, report, painter }),
-        Ok(report) => text::Report { report, limit: args.limit, painter }.to_string(),
-        Err(_) => String::new(),
-    }
+    Ok(())
 }
 
 /// The report of one file as text, as JSON, and as a marked mesh, self-intersections included.
@@ -377,9 +401,6 @@ fn refuse(args: &Args) -> Result<(), Failure> {
     }
     if args.file_timeout.is_some() {
         let others = [
-            ("--baseline", args.baseline.is_some()),
-            ("--junit", args.junit.is_some()),
-            ("--sarif", args.sarif.is_some()),
             ("--mark", args.mark.is_some()),
             ("--picture", args.picture.is_some()),
             ("--html", args.html.is_some()),
@@ -506,7 +527,7 @@ mod tests {
         let line = "not proven sound: the mesh is watertight, but nesting not decided within the limit: 1 shell \
                     may be inside out";
         assert!(text.lines().any(|text| text.trim() == line), "{text}");
-        assert!(!text.contains("cracked") && !report.sound(), "{text}");
+        assert!(!text.contains("cracked") && report.verdict() != Verdict::Sound, "{text}");
 
         let document = json::document(&args.files, &[Ok(report)], 5);
         let mesh = &document["files"][0]["meshes"][0];

@@ -293,10 +293,6 @@ impl Place {
 }
 
 impl FileReport {
-    pub(super) fn sound(&self) -> bool {
-        self.verdict() == Verdict::Sound
-    }
-
     /// The worst of any mesh and pose; a file without a mesh is empty.
     pub(in crate::cli) fn verdict(&self) -> Verdict {
         let empty = self.requirements.contains(&Requirement::NotEmpty);

@@ -9,6 +9,7 @@
 
 use std::path::Path;
 
+use clap::ValueEnum;
 use toml_edit::{Document, Item, TableLike, Value};
 use umbrage::check::Requirement;
 use umbrage::mesh::Weld;
@@ -16,13 +17,13 @@ use umbrage::scene::Pattern;
 
 use super::Args;
 use crate::cli::error::Failure;
-use crate::cli::load::parse_weld;
+use crate::cli::load::{ScopeArg, parse_weld};
 
 /// The file that is read without `--config`, in the working folder.
 const FILE: &str = "umbrage.toml";
 
 /// The keys of a rule.
-const KEYS: [&str; 5] = ["files", "require", "allow-empty", "self-intersections", "weld"];
+const KEYS: [&str; 6] = ["files", "require", "allow-empty", "self-intersections", "weld", "scope"];
 
 /// The rules of a file, in its order.
 #[derive(Default)]
@@ -36,6 +37,7 @@ struct Rule {
     allow_empty: Option<bool>,
     self_intersections: Option<bool>,
     weld: Option<Weld>,
+    scope: Option<ScopeArg>,
 }
 
 impl Rules {
@@ -98,6 +100,9 @@ impl Rules {
         if let Some(weld) = rules().find_map(|rule| rule.weld) {
             of_file.mesh.weld_unless_told(weld);
         }
+        if let Some(scope) = rules().find_map(|rule| rule.scope) {
+            of_file.mesh.scope_unless_told(scope);
+        }
         of_file
     }
 }
@@ -132,6 +137,7 @@ impl Rule {
                     rule.self_intersections = Some(item.as_bool().ok_or_else(|| wrong("true or false"))?);
                 }
                 "weld" => rule.weld = Some(weld(item).ok_or_else(|| wrong("weld"))?),
+                "scope" => rule.scope = Some(scope(item).ok_or_else(|| wrong("scope"))?),
                 _ => {
                     let remedy = format!("write one of {}", KEYS.join(", "));
                     return Err(Wrong::new(at, format!("unknown key `{key}`"), &remedy));
@@ -162,6 +168,7 @@ fn example(key: &str) -> &'static str {
         "files" => "files = [\"props/*\", \"*.stl\"]",
         "require" => "require = [\"watertight\"]",
         "weld" => "weld = \"exact\", \"none\", or a distance above 0",
+        "scope" => "scope = \"mesh\", \"primitive\" or \"scene\"",
         _ => "true or false",
     }
 }
@@ -183,6 +190,10 @@ fn weld(item: &Item) -> Option<Weld> {
         _ => return None,
     };
     parse_weld(&text).ok()
+}
+
+fn scope(item: &Item) -> Option<ScopeArg> {
+    ScopeArg::from_str(item.as_str()?, false).ok()
 }
 
 /// What is wrong in a file, and where: bytes before it.

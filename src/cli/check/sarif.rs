@@ -3,27 +3,22 @@
 //! (OASIS, *Static Analysis Results Interchange Format (SARIF) Version 2.1.0*, 2020: section 3.14 runs, 3.27
 //! results, 3.49 rules.)
 
-use std::path::Path;
-
 use serde_json::{Map, Value, json};
 use umbrage::check::{DefectKind, Severity};
 
-use super::report::{FileReport, Found, MeshReport, Place};
 use super::text::noun;
-use crate::cli::error::Failure;
-use crate::cli::output::number32;
 
-/// All files as one run.
-pub(super) fn document(files: &[std::path::PathBuf], reports: &[Result<FileReport, Failure>]) -> Value {
+/// All files as one run, of the entries of their JSON.
+pub(super) fn document(entries: &[Value]) -> Value {
     let mut results = Vec::new();
     let mut unread = Vec::new();
-    for (file, report) in files.iter().zip(reports) {
-        match report {
-            Ok(report) => results.extend(of_file(report)),
-            Err(failure) => unread.push(json!({
+    for entry in entries {
+        match entry["error"].as_str() {
+            None => results.extend(of_file(entry)),
+            Some(error) => unread.push(json!({
                 "level": "error",
-                "message": { "text": failure.to_string() },
-                "locations": [{ "physicalLocation": { "artifactLocation": artifact(file) } }],
+                "message": { "text": error },
+                "locations": [{ "physicalLocation": { "artifactLocation": artifact(&entry["file"]) } }],
             })),
         }
     }
@@ -64,31 +59,44 @@ fn level(kind: DefectKind) -> &'static str {
 }
 
 /// One result for each listed defect; one without a position where none is listed.
-fn of_file(report: &FileReport) -> Vec<Value> {
+fn of_file(entry: &Value) -> Vec<Value> {
+    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
     let mut results = Vec::new();
-    for (index, mesh) in report.meshes.iter().enumerate() {
-        for found in &mesh.defects {
-            if found.at.is_empty() {
-                results.push(result(report, index, mesh, found, None));
+    for (index, mesh) in list(&entry["meshes"]).iter().enumerate() {
+        for found in &list(&mesh["defects"]) {
+            let Some(kind) = DefectKind::ALL.into_iter().find(|kind| found["kind"] == kind.name()) else {
+                continue;
+            };
+            let of = |at: Option<&Value>| result(&entry["file"], (index, mesh), (kind, found), at);
+            match list(&found["at"]) {
+                places if places.is_empty() => results.push(of(None)),
+                places => results.extend(places.iter().map(|at| of(Some(at)))),
             }
-            results.extend(found.at.iter().map(|at| result(report, index, mesh, found, Some(at))));
         }
     }
     results
 }
 
-fn result(report: &FileReport, index: usize, mesh: &MeshReport, found: &Found, at: Option<&Place>) -> Value {
-    let kind = found.kind;
-    let least = if found.complete { "" } else { "at least " };
+fn result(
+    file: &Value,
+    (index, mesh): (usize, &Value),
+    (kind, found): (DefectKind, &Value),
+    at: Option<&Value>,
+) -> Value {
+    let (least, count) = match found["count"].as_u64() {
+        Some(count) => ("", count),
+        None => ("at least ", found["at_least"].as_u64().unwrap_or(0)),
+    };
     let words = kind.name().replace('_', " ");
-    let all = format!("{least}{} {} in this mesh", found.count, noun(kind, found.count));
+    let noun = noun(kind, usize::try_from(count).unwrap_or(usize::MAX));
+    let all = format!("{least}{count} {noun} in this mesh");
     let place = at.map_or_else(String::new, |at| {
-        let [x, y, z] = at.position;
-        format!(" at {x} {y} {z} ({})", at.name)
+        let [x, y, z] = [0, 1, 2].map(|axis| at["position"][axis].as_f64().unwrap_or(f64::NAN));
+        format!(" at {x} {y} {z} ({})", at["name"].as_str().unwrap_or_default())
     });
-    let mut physical = Map::from_iter([("artifactLocation".to_owned(), artifact(&report.file))]);
-    let line = at.and_then(|at| at.faces.first()?.origin.line);
-    if let Some(line) = line {
+    let mut physical = Map::from_iter([("artifactLocation".to_owned(), artifact(file))]);
+    let origins = at.map(|at| at["origins"].as_array().map_or(&[][..], Vec::as_slice));
+    if let Some(line) = origins.and_then(|origins| origins.first()?["line"].as_u64()) {
         physical.insert("region".to_owned(), json!({ "startLine": line }));
     }
     json!({
@@ -98,22 +106,22 @@ fn result(report: &FileReport, index: usize, mesh: &MeshReport, found: &Found, a
         "locations": [{
             "physicalLocation": physical,
             "logicalLocations": [{
-                "name": mesh.name,
+                "name": mesh["name"],
                 "fullyQualifiedName": format!("/meshes/{index}"),
                 "kind": "object",
             }],
         }],
         "properties": {
-            "position": at.map(|at| at.position.map(number32)),
-            "polygons": at.map(|at| at.faces.iter().map(|face| face.origin.polygon).collect::<Vec<_>>()),
+            "position": at.map(|at| &at["position"]),
+            "polygons": origins.map(|origins| origins.iter().map(|face| &face["polygon"]).collect::<Vec<_>>()),
         },
     })
 }
 
 /// A file as a relative address: with slashes, and what a URI does not allow as percent and hexadecimal
 /// digits.
-fn artifact(file: &Path) -> Value {
-    let path = file.to_string_lossy().replace('\\', "/");
+fn artifact(file: &Value) -> Value {
+    let path = file.as_str().unwrap_or_default().replace('\\', "/");
     let mut uri = String::with_capacity(path.len());
     for byte in path.bytes() {
         match byte {

@@ -7,6 +7,7 @@ use umbrage::check::{Counts, DefectKind, NearMiss, Requirement, Standing, Verdic
 use umbrage::mesh::{FaceId, Origin};
 
 use super::{FileReport, MeshReport, Place};
+use crate::cli::Outcome;
 use crate::cli::color::Painter;
 use crate::cli::error::Failure;
 use crate::cli::output::{Table, brief, counted, plain, short, significant};
@@ -434,6 +435,14 @@ impl Row {
         Self {
             verdict: report.map(FileReport::verdict),
             numbers: report.map(|report| report.total().map_or([0; 6], numbers)),
+        }
+    }
+
+    pub(super) fn outcome(&self) -> Outcome {
+        match self.verdict {
+            Some(Verdict::Sound) => Outcome::Sound,
+            Some(_) => Outcome::Unsound,
+            None => Outcome::Incomplete,
         }
     }
 }

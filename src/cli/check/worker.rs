@@ -12,64 +12,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use serde_json::{Value, json};
-use umbrage::check::Verdict;
-
-use super::report::{Drawings, FileReport, examine};
-use super::text::{Overview, Row};
-use super::{Args, json, printed};
+use super::Args;
+use super::fragment::Fragment;
+use super::report::{Drawings, examine};
 use crate::cli::color::Painter;
 use crate::cli::error::Failure;
 use crate::cli::output::{self, Output};
 use crate::cli::{Outcome, interrupt};
-
-/// What the report of one file adds to that of all.
-struct Fragment {
-    row: Row,
-    /// The entry of the JSON document.
-    entry: Value,
-    /// What is printed of the file itself.
-    text: String,
-}
-
-impl Fragment {
-    fn of(file: &Path, report: &Result<FileReport, Failure>, args: &Args, painter: Painter) -> Self {
-        Self {
-            row: Row::of(report),
-            entry: json::entry(&file.to_owned(), report, args.limit),
-            text: printed(file, report, args, painter),
-        }
-    }
-
-    fn to_json(&self) -> Value {
-        json!({
-            "verdict": self.row.verdict.map(Verdict::name),
-            "numbers": self.row.numbers,
-            "entry": self.entry,
-            "text": self.text,
-        })
-    }
-
-    /// `None` if the bytes are no fragment.
-    fn read(bytes: &[u8]) -> Option<Self> {
-        let mut value: Value = serde_json::from_slice(bytes).ok()?;
-        let verdicts = [Verdict::Sound, Verdict::NotProven, Verdict::Empty, Verdict::Cracked];
-        let verdict = match &value["verdict"] {
-            Value::Null => None,
-            name => Some(verdicts.into_iter().find(|verdict| *name == verdict.name())?),
-        };
-        let numbers = match value["numbers"].as_array() {
-            Some(numbers) => {
-                let numbers: Option<Vec<usize>> =
-                    numbers.iter().map(|x| usize::try_from(x.as_u64()?).ok()).collect();
-                Some(numbers?.try_into().ok()?)
-            }
-            None => None,
-        };
-        let text = value["text"].as_str()?.to_owned();
-        Some(Self { row: Row { verdict, numbers }, entry: value["entry"].take(), text })
-    }
-}
 
 /// The process of a worker: one file.
 pub(super) fn work(file: &Path, args: &Args) -> Result<Outcome, Failure> {
@@ -82,47 +31,7 @@ pub(super) fn work(file: &Path, args: &Args) -> Result<Outcome, Failure> {
     let mut out = Output::new();
     out.line(fragment.to_json())?;
     out.flush()?;
-    Ok(outcome(&fragment.row))
-}
-
-fn outcome(row: &Row) -> Outcome {
-    match row.verdict {
-        Some(Verdict::Sound) => Outcome::Sound,
-        Some(_) => Outcome::Unsound,
-        None => Outcome::Incomplete,
-    }
-}
-
-/// All files, each in its worker; what is printed is what one process would print.
-pub(super) fn run(args: &Args, limit: Duration) -> Result<Outcome, Failure> {
-    let painter = args.color.painter();
-    let mut out = Output::new();
-    let mut outcome = Outcome::Sound;
-    let mut overview = Overview::new(painter);
-    let (mut entries, mut verdicts) = (Vec::new(), Vec::new());
-    for (index, file) in args.files.iter().enumerate() {
-        let fragment = ask(file, limit, painter).unwrap_or_else(|failure| {
-            output::say(&failure);
-            Fragment::of(file, &Err(failure), args, painter)
-        });
-        outcome = outcome.max(self::outcome(&fragment.row));
-        overview.add(file, &fragment.row);
-        if index > 0 && fragment.row.verdict.is_some() && args.prints_reports() {
-            out.text("\n")?;
-        }
-        out.text(&fragment.text)?;
-        out.flush()?;
-        verdicts.push(fragment.row.verdict);
-        // All entries are kept for the one document alone.
-        entries.extend(args.json.then_some(fragment.entry));
-    }
-    if args.json {
-        out.json(&json::joined(entries, &verdicts))?;
-    } else if args.files.len() > 1 && args.prints_reports() {
-        out.text(format_args!("\n{overview}"))?;
-    }
-    out.flush()?;
-    Ok(outcome)
+    Ok(fragment.row.outcome())
 }
 
 /// The worker that is running, so that an interrupt ends it, too.
@@ -149,7 +58,7 @@ fn abandon() {
 }
 
 /// Has a worker check a file.
-fn ask(file: &Path, limit: Duration, painter: Painter) -> Result<Fragment, Failure> {
+pub(super) fn ask(file: &Path, limit: Duration, painter: Painter) -> Result<Fragment, Failure> {
     let begin = Instant::now();
     let failed = |problem: String, remedy: &str| Failure::new(problem, remedy).in_file(file);
     let cannot =

@@ -16,7 +16,7 @@ const MESH_KEYS: &str = "name vertices welded_vertices faces edges shells closed
     boundary_edges boundary_loops non_manifold_edges max_faces_per_edge misoriented_edges non_manifold_vertices \
     collapsed_faces zero_area_faces duplicate_faces unreferenced_vertices near_miss_edges t_junctions \
     inside_out_shells self_intersections signed_volume watertight balanced even shell_list shell_origins defects \
-    nesting_complete t_junctions_complete";
+    nesting_complete t_junctions_complete sound verdict";
 
 #[test]
 fn check_exit_code_is_the_verdict_and_two_outranks_one() {
@@ -65,11 +65,11 @@ fn check_json_has_the_agreed_keys_in_order() {
     let document = folder.json("check open.obj cube.obj");
     assert_eq!(keys(&document), "version files verdict");
     let file = &document["files"][0];
-    assert_eq!(keys(file), "file format error meshes total requirements rounding");
+    assert_eq!(keys(file), "file format error meshes total requirements rounding sound verdict");
     assert_eq!(keys(&file["meshes"][0]), MESH_KEYS);
     assert_eq!(keys(&file["total"]), MESH_KEYS);
     let defect = &file["meshes"][0]["defects"][0];
-    assert_eq!(keys(defect), "kind count at_least effect at");
+    assert_eq!(keys(defect), "kind count at_least effect at code severity");
     assert_eq!(keys(&defect["at"][0]), "position name faces origins");
     assert_eq!((&document["verdict"], &file["format"]), (&Value::from("cracked"), &Value::from("obj")));
     assert_shape("check", &document);
@@ -291,7 +291,7 @@ fn check_fast_json_has_the_agreed_keys_and_null_for_what_was_not_computed() {
     );
     for (file, balanced, faces) in [(0, false, 10), (1, true, 12)] {
         let file = &document["files"][file];
-        assert_eq!(keys(file), "file format error meshes total requirements rounding");
+        assert_eq!(keys(file), "file format error meshes total requirements rounding sound verdict");
         for mesh in [&file["meshes"][0], &file["total"]] {
             assert_eq!(keys(mesh), MESH_KEYS);
             let Value::Object(object) = mesh else { unreachable!() };

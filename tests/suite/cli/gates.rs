@@ -154,6 +154,13 @@ fn check_junit_has_a_suite_a_file_and_a_case_a_mesh() {
     assert_eq!(attribute(named("failure")[0], "type"), "BOUNDARY_LOOP");
     assert!(text.contains("a&lt;b&amp;") && !text.contains("a<b"), "{text}");
     assert!(text.contains("1 boundary loop"), "{text}");
+    // A kind of defect in the plural, and poses.
+    let bow_ties = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv -1 0 0\nv 0 -1 0\nv 0 0 -1\nv 2 0 1\nv 2 1 0\n\
+                    v 3 0 0\nv 3 1 1\nf 1 2 3\nf 1 5 6\nf 2 8 9\n";
+    fs::write(folder.path("ties.obj"), bow_ties).unwrap();
+    folder.run("check ties.obj --junit ties.xml");
+    let ties = fs::read_to_string(folder.path("ties.xml")).unwrap();
+    assert!(ties.contains("2 non manifold vertices") && !ties.contains("vertexs"), "{ties}");
     // Never over an input.
     let refused = folder.run("check cube.obj --junit cube.obj");
     assert_eq!(refused.code, 2, "{}", refused.stdout);

@@ -58,6 +58,22 @@ fn rules_say_what_is_required_of_which_files() {
     assert_eq!(verdicts(&folder, "", "soup.ply seam.obj"), ["sound", "cracked"]);
     let near = "[[rule]]\nfiles = \"seam.obj\"\nweld = 0.01\n[[rule]]\nfiles = \"soup*\"\nweld = \"none\"\n";
     assert_eq!(verdicts(&folder, near, "soup.ply seam.obj"), ["cracked", "sound"]);
+    // What is one mesh: the groups of a cube are open by themselves.
+    let groups = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\ng a\nf 1 3 2\nf 1 2 4\ng b\nf 2 3 4\nf 3 1 4\n";
+    fs::write(folder.path("groups.obj"), groups).unwrap();
+    let scope = |scope: &str| format!("[[rule]]\nfiles = \"groups.*\"\nscope = \"{scope}\"\n");
+    for (asked, told, expected) in [
+        ("mesh", "", "sound"),
+        ("scene", "", "sound"),
+        ("primitive", "", "cracked"),
+        ("primitive", " --scope mesh", "sound"),
+    ] {
+        assert_eq!(
+            verdicts(&folder, &scope(asked), &format!("groups.obj{told}")),
+            [expected],
+            "{asked}{told}"
+        );
+    }
     let crossed =
         "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nv 0 0 -1\nv 0 0 1\nv 0 2 0\nf 1 2 3\nf 3 2 1\nf 4 5 6\nf 6 5 4\n";
     fs::write(folder.path("crossed.obj"), crossed).unwrap();
@@ -111,6 +127,10 @@ fn rules_that_are_none_are_refused_with_their_line() {
         ),
         ("[[rule]]\nfiles = \"*\"\nweld = -1\n", "line 3: `weld` is no weld; write weld ="),
         ("[[rule]]\nfiles = \"*\"\nweld = \"nan\"\n", "line 3: `weld` is no weld"),
+        (
+            "[[rule]]\nfiles = \"*\"\nscope = \"file\"\n",
+            "line 3: `scope` is no scope; write scope = \"mesh\", \"primitive\" or \"scene\"",
+        ),
         ("[[rule]]\nfiles = \"*\n", "line 2:"),
         ("[[rule]\n", "line 1:"),
     ] {

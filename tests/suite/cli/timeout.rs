@@ -33,6 +33,20 @@ fn file_timeout_that_is_kept_changes_no_byte() {
         assert_eq!(one.code, 2, "{form}: {}", one.stderr);
         assert_eq!((one.code, &one.stdout, &one.stderr), (many.code, &many.stdout, &many.stderr), "{form}");
     }
+    // Documents of all files, and what is new.
+    let before = folder.run("check open.obj --json").stdout;
+    fs::write(folder.path("before.json"), before).unwrap();
+    let written = |option: &str| {
+        let run = folder.run(&format!(
+            "check {files} --quiet --junit out.xml --sarif out.sarif --baseline before.json{option}"
+        ));
+        let read = |name: &str| fs::read_to_string(folder.path(name)).unwrap();
+        (run.code, run.stderr, read("out.xml"), read("out.sarif"))
+    };
+    let (one, many) = (written(""), written(&format!(" {LONG}")));
+    assert_eq!(one, many);
+    assert!(one.2.contains("BOUNDARY_LOOP") && one.2.contains("UNREADABLE"), "{}", one.2);
+    assert!(one.1.contains("new: inward.ply: INSIDE_OUT_SHELL") && !one.1.contains("new: open.obj"));
     for (files, code) in
         [("cube.obj", 0), ("open.obj", 1), ("cube.obj open.obj", 1), ("missing.obj", 2), ("-- cube.obj", 0)]
     {
@@ -141,17 +155,9 @@ fn file_timeout_that_is_interrupted_ends_its_process() {
 }
 
 #[test]
-fn file_timeout_refuses_what_needs_the_report_itself_and_what_is_no_time() {
+fn file_timeout_refuses_what_needs_the_mesh_itself_and_what_is_no_time() {
     let folder = Folder::with_cubes();
-    for option in [
-        "--junit a.xml",
-        "--sarif a.sarif",
-        "--mark a.glb",
-        "--picture a.png",
-        "--html a.html",
-        "--baseline a.json",
-        "--fast",
-    ] {
+    for option in ["--mark a.glb", "--picture a.png", "--html a.html", "--fast"] {
         let run = folder.run(&format!("check cube.obj {LONG} {option}"));
         assert!(run.code == 2 && run.stderr.contains("--file-timeout"), "{option}: {}", run.stderr);
     }

@@ -41,8 +41,8 @@ impl Baseline {
         named.or_else(|| files.first().filter(|_| is_alone && files.len() == 1))
     }
 
-    /// What is worse in the entry of a file, in words; empty if nothing is. Without an earlier entry everything
-    /// is new.
+    /// What is worse in the entry of a file, in words; empty if nothing is. Without an earlier entry
+    /// everything is new.
     pub(super) fn worse(&self, entry: &Value, is_alone: bool) -> Vec<String> {
         let before = self.of(&entry["file"], is_alone);
         let earlier: &[Value] = before.map_or(&[], |before| meshes(before));

@@ -30,8 +30,8 @@ pub(super) fn least_area(points: &[[f32; 3]], in_use: impl Fn(usize, usize) -> b
     least_area_among(points, in_use, |_| true).expect("every loop can be cut")
 }
 
-/// The same among the triangulations whose triangles are all `allowed`; `None` if there are none. A triangle is
-/// only asked for if it would be the best one yet of its stretch: a few of a thousand.
+/// The same among the triangulations whose triangles are all `allowed`; `None` if there are none. A triangle
+/// is only asked for if it would be the best one yet of its stretch: a few of a thousand.
 pub(super) fn least_area_among(
     points: &[[f32; 3]],
     in_use: impl Fn(usize, usize) -> bool,

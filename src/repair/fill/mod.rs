@@ -45,8 +45,8 @@ impl Fill {
 /// in the Boundary of a Polyhedron*, 1995, section 3), in cubic time; one too long for that by its shortest
 /// diagonals. Where such a patch would meet other faces, one that bends little is tried, one by the shortest
 /// diagonals, and at last every one: a hole of at most 400 edges is closed, or it is proven that each patch
-/// between its vertices meets other faces ([`Left::NoPatch`]). Diagonals that are edges already, and faces without area, are avoided wherever
-/// possible.
+/// between its vertices meets other faces ([`Left::NoPatch`]). Diagonals that are edges already, and faces
+/// without area, are avoided wherever possible.
 ///
 /// Guarantee: all faces and positions stay, bit for bit, and no vertex is new. New faces come at the end. At
 /// each edge of a patch there are two faces, in opposite directions. A patch that would meet other faces

@@ -89,8 +89,8 @@ pub(crate) struct Args {
     /// named.
     ///
     /// Of all ways to cut a hole into triangles that with the least area is taken, and one that meets no
-    /// other face if that does. A hole that has none is left and named. Before a file name write --fill=LIMIT,
-    /// or --fill last.
+    /// other face if that does. A hole that has none is left and named. Before a file name write
+    /// --fill=LIMIT, or --fill last.
     #[arg(long, value_name = "LIMIT", num_args = 0..=1, value_parser = FillLimit::parse)]
     fill: Option<Option<FillLimit>>,
 

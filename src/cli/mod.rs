@@ -3,6 +3,7 @@
 //! Results go to standard output, everything else to standard error. Every command has `Args`, its arguments,
 //! and `run`.
 
+mod caption;
 mod chart;
 mod color;
 mod error;
@@ -29,6 +30,7 @@ mod completions;
 mod man;
 mod prepare;
 mod silhouette;
+mod sketch;
 mod volume;
 mod verify;
 mod plan;

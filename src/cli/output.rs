@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display};
 use std::io::{self, BufWriter, StdoutLock, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde_json::Value;
@@ -245,6 +245,16 @@ impl Display for Table {
     }
 }
 
+/// `a.png`, `a-2.png`, `a-3.png`.
+pub(crate) fn numbered(path: &Path, number: usize) -> PathBuf {
+    if number == 1 {
+        return path.to_owned();
+    }
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("-{number}.png"));
+    path.with_file_name(name)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -307,6 +317,12 @@ mod tests {
         let mut table = Table::new(&["n", "file"]).name_last();
         table.row(vec!["100".into(), "b".into()]);
         assert_eq!(table.to_string(), "    n  file\n  100  b");
+    }
+
+    #[test]
+    fn pictures_of_further_lights_are_numbered() {
+        let names = [1, 2, 10].map(|light| numbered(Path::new("a/b.c.png"), light));
+        assert_eq!(names, ["a/b.c.png", "a/b.c-2.png", "a/b.c-10.png"].map(PathBuf::from));
     }
 
     #[test]

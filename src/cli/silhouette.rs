@@ -8,7 +8,8 @@ use umbrage::facing::{CasterFaces, classify};
 use umbrage::geom::{Facing, Light};
 #[cfg(feature = "gpu")]
 use umbrage::gpu::Gpu;
-use umbrage::mesh::{Mesh, VertexId};
+use umbrage::mesh::{EdgeId, Mesh, VertexId};
+use umbrage::render::Line;
 use umbrage::scene::Lamp;
 #[cfg(feature = "gpu")]
 use umbrage::silhouette::{GpuSilhouette, SilhouetteShaders};
@@ -21,12 +22,17 @@ use super::output::{self, Output, Table, plain};
 use super::parsers::refuse_overwriting;
 use super::progress::Progress;
 use super::resources::{AdapterArgs, ThreadArgs};
+use super::sketch::{SILHOUETTE, Sketch, SketchArgs};
 use super::{Failure, Outcome, lights};
 
 /// Silhouette: the edges of a mesh where the side that a light is on changes
 ///
 /// Every side is decided exactly. Each mesh of the file is welded by itself; the counts are over all of them.
 #[derive(Clone, Debug, clap::Args)]
+#[command(after_long_help = "Examples:\n  \
+    umbrage silhouette model.glb --light point:2,5,3 --picture silhouette.png\n  \
+    umbrage silhouette model.glb --light directional:0.3,-1,0.2 -o edges.obj\n  \
+    umbrage silhouette model.glb --light point:2,5,3 --json")]
 pub(crate) struct Args {
     #[command(flatten)]
     source: SourceArgs,
@@ -41,6 +47,9 @@ pub(crate) struct Args {
     /// Write the silhouette edges as lines, a layer for each light [default: nothing is written]
     #[arg(short, long, value_name = "OUT.{obj,ply,glb}")]
     output: Option<PathBuf>,
+
+    #[command(flatten)]
+    sketch: SketchArgs,
 
     /// Print one JSON document instead of a table: `file`, `format`, and `lights` with one object per light
     #[arg(long)]
@@ -153,7 +162,10 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         Target::from_path(path)?;
     }
     refuse_overwriting("--output", args.output.as_deref(), &args.source.file)?;
-    let Source { format, caster, lights, .. } = args.source.load()?;
+    args.sketch.refuse(&args.source.file)?;
+    let mut source = args.source.load()?;
+    let lights = std::mem::take(&mut source.lights);
+    let Source { format, caster, .. } = &source;
     lights::note_centers(&lights);
     let mesh = caster.mesh();
 
@@ -167,7 +179,7 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         (_, None) => (SilhouetteMethod::Scan, "asked for".to_owned()),
     };
     let mut finder = match (adapter, method) {
-        (Some(adapter), _) => on_device(&adapter, &caster)?,
+        (Some(adapter), _) => on_device(&adapter, caster)?,
         (None, SilhouetteMethod::Scan) => Finder::Scan,
         (None, _) => Finder::Tree(Box::new(SilhouetteTree::new(mesh, topology))),
     };
@@ -182,6 +194,10 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         let layers = found.iter().enumerate().map(|(index, found)| lines(mesh, topology, index, found));
         write::write(&Model { layers: layers.collect() }, path)?;
         output::wrote(path);
+    }
+    if args.sketch.is_asked() {
+        let sketches = found.iter().map(|found| sketch(mesh, topology, &args.source.file, found)).collect();
+        args.sketch.draw(&source, &args.source.file, &source.bounds, sketches)?;
     }
     let mut out = Output::new();
     if args.json {
@@ -291,6 +307,24 @@ fn table(file: &Path, topology: &Topology, found: &[Found]) -> String {
 }
 
 /// The silhouette edges as lines between the vertices that they use.
+/// The silhouette over the mesh.
+fn sketch(mesh: &Mesh, topology: &Topology, file: &Path, found: &Found) -> Sketch {
+    let edges = &found.silhouette.edges;
+    let ends = |edge: EdgeId| topology.vertices(edge).map(|vertex| mesh.positions()[vertex.index()]);
+    let lines = edges.iter().map(|edge| Line { ends: ends(edge.edge), color: SILHOUETTE });
+    let name = plain(&file.file_name().unwrap_or_default().to_string_lossy());
+    let label = lights::spot_label(&found.light, found.spot, &found.name);
+    let edges = output::counted(edges.len(), "edge", "edges");
+    let key = format!("silhouette: {edges}, {}", output::counted(found.loops, "loop", "loops"));
+    Sketch {
+        light: found.light,
+        titles: vec![format!("{name}: silhouette seen from {label}")],
+        lines: lines.collect(),
+        keys: vec![(SILHOUETTE, key)],
+        glass: None,
+    }
+}
+
 fn lines(mesh: &Mesh, topology: &Topology, index: usize, found: &Found) -> Layer {
     let ends: Vec<[VertexId; 2]> =
         found.silhouette.edges.iter().map(|edge| topology.vertices(edge.edge)).collect();

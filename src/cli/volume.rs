@@ -8,6 +8,8 @@ use umbrage::Choice;
 use umbrage::caster::Caster;
 use umbrage::facing::CasterFaces;
 use umbrage::geom::{Aabb, Light};
+use umbrage::mesh::Mesh;
+use umbrage::render::Line;
 use umbrage::scene::Lamp;
 use umbrage::shadow::volume;
 use umbrage::shadow::volume::{ShadowVolume, ShellFaces};
@@ -18,6 +20,7 @@ use super::output::{self, Output, Table, counted, plain, short, significant};
 use super::parsers::{distance, refuse_overwriting};
 use super::progress::Progress;
 use super::resources::ThreadArgs;
+use super::sketch::{FAR_END, SIDES, SILHOUETTE, Sketch, SketchArgs};
 use super::{Failure, Outcome, lights, load};
 
 /// Shadow volume: light cap, sides and dark cap, closed at infinity, with the certificate that it is closed
@@ -25,6 +28,10 @@ use super::{Failure, Outcome, lights, load};
 /// Each mesh of the file is welded separately; all of them cast together. Exits with 1 if a volume with both
 /// caps is not closed.
 #[derive(Clone, Debug, clap::Args)]
+#[command(after_long_help = "Examples:\n  \
+    umbrage volume model.glb --light directional:0.3,-1,0.2 --picture volume.png\n  \
+    umbrage volume model.glb --light point:2,5,3 --far 50 -o volume.glb\n  \
+    umbrage volume model.glb --light point:2,5,3 --far infinity -o volume.ply")]
 pub(crate) struct Args {
     #[command(flatten)]
     source: SourceArgs,
@@ -59,6 +66,9 @@ pub(crate) struct Args {
     /// At most 1000 shells per light are listed.
     #[arg(long)]
     json: bool,
+
+    #[command(flatten)]
+    sketch: SketchArgs,
 
     #[command(flatten)]
     threads: ThreadArgs,
@@ -148,12 +158,15 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
         output::say("note: --far has no effect without --output");
     }
     refuse_overwriting("--output", args.output.as_deref(), &args.source.file)?;
-    let Source { format, caster, lights, .. } = args.source.load()?;
+    args.sketch.refuse(&args.source.file)?;
+    let mut source = args.source.load()?;
+    let lights = std::mem::take(&mut source.lights);
+    let Source { format, caster, .. } = &source;
     lights::note_centers(&lights);
 
     let progress = Progress::spinner("building shadow volumes");
     let mut built: Vec<Built> =
-        lights.into_iter().map(|light| build(&caster, light, args.faces.into(), args.caps.into())).collect();
+        lights.into_iter().map(|light| build(caster, light, args.faces.into(), args.caps.into())).collect();
     drop(progress);
 
     if let Some(path) = &args.output {
@@ -182,6 +195,10 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
                 ));
             }
         }
+    }
+    if args.sketch.is_asked() {
+        let (sketches, shown) = sketches(&args.source.file, &built, caster.mesh())?;
+        args.sketch.draw(&source, &args.source.file, &shown, sketches)?;
     }
     let mut out = Output::new();
     if args.json {
@@ -220,6 +237,66 @@ fn build(caster: &Caster, lamp: Lamp, faces: Option<CasterFaces>, caps: volume::
 fn default_far(bounds: &Aabb) -> f32 {
     let diagonal = bounds.diagonal();
     if diagonal > 0.0 { (10.0 * diagonal).min(f64::from(f32::MAX)) as f32 } else { 1.0 }
+}
+
+/// The volumes, cut off not far from the mesh, over the mesh; and the box that shows all of them.
+fn sketches(file: &Path, built: &[Built], mesh: &Mesh) -> Result<(Vec<Sketch>, Aabb), Failure> {
+    let bounds = &load::bounds(mesh);
+    let far = (default_far(bounds) / 30.0).max(f32::MIN_POSITIVE);
+    let mut shown = *bounds;
+    let name = plain(&file.file_name().unwrap_or_default().to_string_lossy());
+    let sketches = built.iter().map(|built| {
+        let finite = built.volume.finite(far, bounds);
+        shown = shown.join(&Aabb::around(finite.positions.iter().copied()));
+        let sides = &finite.triangles[finite.sides.clone()];
+        let lines = side_lines(&finite.positions, sides, built.volume.positions().len() as u32);
+        let label = lights::spot_label(&built.light, built.spot, &built.name);
+        let keys = vec![
+            (SILHOUETTE, "silhouette".to_owned()),
+            (SIDES, "sides, translucent".to_owned()),
+            (FAR_END, "far end, cut for the picture".to_owned()),
+        ];
+        let title = format!("{name}: shadow volume of {label}");
+        let closed = if built.closed { "closed" } else { "not closed" };
+        let [light_cap, sides, dark_cap] =
+            [built.volume.light_cap(), built.volume.sides(), built.volume.dark_cap()].map(|run| run.len());
+        let numbers = format!(
+            "triangles: light cap {light_cap}, sides {sides}, dark cap {dark_cap}; {closed} at infinity"
+        );
+        let mesh = Mesh::new(finite.positions, finite.triangles);
+        let glass = Some(mesh.map_err(|error| Failure::new(error, "leave out --picture").in_file(file))?);
+        Ok(Sketch { light: built.light, titles: vec![title, numbers], lines, keys, glass })
+    });
+    let sketches = sketches.collect::<Result<Vec<_>, Failure>>()?;
+    Ok((sketches, shown))
+}
+
+/// The edges of the sides: those of the mesh, those of the far end, and some that run from one to the other.
+/// Vertices from `vertices` on are those of the far end; two triangles are a side.
+fn side_lines(positions: &[[f32; 3]], sides: &[[u32; 3]], vertices: u32) -> Vec<Line> {
+    /// Lines away from the light at most: more would be a surface.
+    const MOST_RULINGS: usize = 24;
+    let step = (sides.len() / 2).div_ceil(MOST_RULINGS).max(1);
+    let mut lines = Vec::with_capacity(sides.len());
+    for (index, side) in sides.chunks(2).enumerate() {
+        let edges = |corners: &[u32; 3]| {
+            let [a, b, c] = *corners;
+            [[a, b], [b, c], [c, a]]
+        };
+        let all: Vec<[u32; 2]> = side.iter().flat_map(edges).collect();
+        for &[a, b] in &all {
+            // What the two triangles share is no edge of the side.
+            let color = match (a < vertices, b < vertices, all.contains(&[b, a])) {
+                (.., true) => continue,
+                (true, true, _) => SILHOUETTE,
+                (false, false, _) => FAR_END,
+                _ if index % step == 0 => SIDES,
+                _ => continue,
+            };
+            lines.push(Line { ends: [a, b].map(|vertex| positions[vertex as usize]), color });
+        }
+    }
+    lines
 }
 
 /// The layers of a volume as it is written, and how far from the mesh they hold the whole shadow.

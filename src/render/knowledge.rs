@@ -2,7 +2,6 @@
 
 use glam::{DVec3, Vec3};
 
-use super::overlay::swatch;
 use super::{MemoryError, Picture, buffer};
 use crate::oracle::PrimaryHit;
 use crate::shadow::Samples;
@@ -56,8 +55,8 @@ impl Knowledge {
 const EDGE_ON: f32 = 0.6;
 const SKY: [u8; 4] = [232, 235, 239, 255];
 
-/// Draws what is known about each sample. A pixel of several samples shows the one of most doubt. Swatches in
-/// the lower left corner show the colors that occur, in the order of [`Knowledge::ALL`].
+/// Draws what is known about each sample. A pixel of several samples shows the one of most doubt.
+/// [`Knowledge::color`] has what the colors mean.
 ///
 /// # Errors
 ///
@@ -82,10 +81,6 @@ pub fn knowledge(samples: &Samples, known: &[Knowledge]) -> Result<Picture, Memo
             let [r, g, b] = (Vec3::from(known.color().1.map(f32::from)) * bright).to_array();
             *pixel = [r as u8, g as u8, b as u8, 255];
         }
-    }
-    let occurring = Knowledge::ALL.into_iter().filter(|one| known.contains(one));
-    for (i, known) in occurring.enumerate() {
-        swatch(&mut picture, i, known.color().1);
     }
     Ok(picture)
 }

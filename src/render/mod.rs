@@ -13,6 +13,7 @@ mod overlay;
 mod png;
 mod samples;
 mod shade;
+mod veil;
 mod verdicts;
 
 use glam::Vec3;
@@ -26,6 +27,7 @@ pub use knowledge::{Knowledge, knowledge};
 pub use overlay::{Line, Marker, Overlay};
 pub use samples::render_samples;
 pub use shade::{Falloff, ShadedLight};
+pub use veil::veil;
 pub use verdicts::{verdict_color, verdicts};
 
 use crate::mesh::FaceId;

@@ -11,7 +11,7 @@ use crate::oracle::Oracle;
 use crate::parallel;
 use crate::view::{Camera, Projected, Rays, Size, Up};
 
-/// Annotations of a mesh: lines color by color, in the order of the legend, then markers.
+/// Annotations of a mesh: lines color by color, then markers.
 ///
 /// ```
 /// use umbrage::oracle::Oracle;
@@ -35,8 +35,9 @@ pub struct Overlay {
     pub spots: Vec<Marker>,
     /// Faces with a color (sRGB) of their own. The first entry of a face counts.
     pub faces: Vec<(FaceId, [u8; 3])>,
-    /// Colors (sRGB) to show as swatches in the lower left corner, from left to right.
-    pub legend: Vec<[u8; 3]>,
+    /// Colors (sRGB) of lines in the order in which they are drawn, the last one on top; all others are below
+    /// these.
+    pub order: Vec<[u8; 3]>,
 }
 
 /// A line segment over a picture.
@@ -59,7 +60,6 @@ pub struct Marker {
 
 const LINE_RADIUS_PX: f64 = 1.25;
 const SPOT_RADIUS_PX: f64 = 4.5;
-const SWATCH_PX: usize = 14;
 
 /// Opacity of an annotation behind a face.
 const HIDDEN_ALPHA: f64 = 0.35;
@@ -128,7 +128,7 @@ impl Overlay {
     fn draw(&self, mut canvas: Canvas<'_>, rays: &Rays) {
         // A margin of 5 % keeps the round ends of cut lines outside of the picture.
         let mut lines = self.lines.clone();
-        let rank = |color| self.legend.iter().position(|&other| other == color);
+        let rank = |color| self.order.iter().position(|&other| other == color);
         lines.sort_by_key(|line| (rank(line.color), line.color));
         for lines in lines.chunk_by(|a, b| a.color == b.color) {
             for line in lines {
@@ -145,9 +145,6 @@ impl Overlay {
                     canvas.paint(color, touched);
                 }
             }
-        }
-        for (i, &color) in self.legend.iter().enumerate() {
-            swatch(canvas.picture, i, color);
         }
     }
 }
@@ -263,19 +260,6 @@ impl Canvas<'_> {
         let mut near = (y.saturating_sub(1)..(y + 2).min(height))
             .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x));
         near.all(|at| f64::from(self.depths[at]) + self.skin < depth)
-    }
-}
-
-/// The `i`-th square of the legend, in the lower left corner, with a dark rim.
-pub(super) fn swatch(picture: &mut Picture, i: usize, color: [u8; 3]) {
-    let (width, height) = (picture.size.width() as usize, picture.size.height() as usize);
-    let left = SWATCH_PX / 2 + i * (SWATCH_PX + SWATCH_PX / 2);
-    let bottom = height.saturating_sub(SWATCH_PX / 2);
-    for y in bottom.saturating_sub(SWATCH_PX)..bottom {
-        for x in left..(left + SWATCH_PX).min(width) {
-            let rim = y == bottom - 1 || y + SWATCH_PX == bottom || x == left || x + 1 == left + SWATCH_PX;
-            blend(&mut picture.pixels[y * width + x], if rim { [30; 3] } else { color }, 1.0);
-        }
     }
 }
 

@@ -2,7 +2,6 @@
 
 use glam::{DVec3, Vec3};
 
-use super::overlay::swatch;
 use super::{ABOVE, BELOW, MemoryError, Picture, buffer, color};
 use crate::oracle::Oracle;
 use crate::parallel;
@@ -35,9 +34,8 @@ const RING_PX: u32 = 7;
 
 /// Draws the pixels of `comparison`. The faces of `oracle` are seen by `projection`, light where both methods
 /// agree on lit, dark where they agree on shadowed. Every other pixel is a square of 3 × 3 in its verdict's
-/// color, the most serious on top. A real mismatch also gets a ring with dark rims. Swatches in the lower
-/// left corner show the colors of the verdicts that occur, in the order of [`PixelVerdict::ALL`], without the
-/// sky.
+/// color, the most serious on top. A real mismatch also gets a ring with dark rims. [`verdict_color`] has what
+/// the colors mean.
 ///
 /// `progress` is called with the number of rows done, from any thread. Cost: one ray per pixel. Memory: 4
 /// bytes per pixel.
@@ -84,10 +82,6 @@ pub fn verdicts(
         for place in at(verdict) {
             draw(&mut picture, place, DOT_PX, verdict_color(verdict).1, |_| true);
         }
-    }
-    let occur = PixelVerdict::ALL.into_iter().skip(1).filter(|&verdict| comparison.count(verdict) > 0);
-    for (i, verdict) in occur.enumerate() {
-        swatch(&mut picture, i, verdict_color(verdict).1);
     }
     Ok(picture)
 }
@@ -154,8 +148,8 @@ mod tests {
         let count = |color: [u8; 3]| picture.pixels.iter().filter(|pixel| pixel[..3] == color).count();
         let [real, grazing] = [PixelVerdict::Real, PixelVerdict::Grazing].map(|v| verdict_color(v).1);
         assert!(count(real) > 100, "{}", count(real));
-        // One column of the grazing square shows beside the real one, and the swatch of grazing.
-        assert_eq!(count(grazing), 3 + 12 * 12);
+        // One column of the grazing square shows beside the real one.
+        assert_eq!(count(grazing), 3);
         assert_eq!(picture.pixels[at(51, 40)][..3], real);
     }
 

@@ -294,7 +294,7 @@ fn overlay_lines_are_bright_in_front_and_dim_behind() {
 }
 
 #[test]
-fn overlay_draws_spots_tints_and_swatches() {
+fn overlay_draws_spots_and_tints() {
     let mesh = shapes::cube();
     let oracle = Oracle::build(&mesh);
     let size = size("160x120");
@@ -310,7 +310,6 @@ fn overlay_draws_spots_tints_and_swatches() {
     assert!((40..90).contains(&spots), "{spots}"); // a disc of radius 4.5
     let faces = (0..12).map(|face| (FaceId(face), blue)).collect();
     assert!(count(Overlay { faces, ..Overlay::default() }) > 1000);
-    assert_eq!(count(Overlay { legend: vec![blue], ..Overlay::default() }), 12 * 12);
 }
 
 #[test]
@@ -323,7 +322,7 @@ fn overlay_survives_places_at_the_ends_of_the_range() {
         lines: ends.map(|ends| Line { ends, color: [255, 0, 0] }).collect(),
         spots: places.map(|at| Marker { at, color: [255, 0, 0] }).to_vec(),
         faces: vec![(FaceId(999), [255, 0, 0])],
-        legend: vec![[255, 0, 0]; 99],
+        order: vec![[255, 0, 0]; 99],
     };
     for text in ["1x1", "5x300", "64x48"] {
         assert_eq!(overlay.render(&oracle, Up::Z, size(text), QUIET).unwrap().size, size(text));

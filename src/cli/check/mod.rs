@@ -348,7 +348,10 @@ fn draw(args: &Args, drawings: Drawings, report: &FileReport) -> Result<(), Fail
         output::wrote(path);
     }
     if let (Some(path), Some(sketch)) = (&args.picture, drawings.sketch) {
-        sketch.write(up, path)?;
+        let name = output::plain(&report.file.file_name().unwrap_or_default().to_string_lossy());
+        let dimmed =
+            if report.total().is_some_and(|total| total.sound()) { "" } else { "; dimmed where hidden" };
+        sketch.write(&format!("{name}: {}{dimmed}", report.verdict().name()), up, path)?;
     }
     if let (Some(path), Some(page)) = (&args.html, drawings.page) {
         let html = page.write(report, up)?;

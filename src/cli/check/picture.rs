@@ -12,8 +12,10 @@ use umbrage::topology::Topology;
 use umbrage::view::{Camera, Size, Up};
 
 use super::drawn::{Drawn, color};
+use super::text::noun;
+use crate::cli::caption::{self, Key, captioned};
 use crate::cli::error::Failure;
-use crate::cli::output;
+use crate::cli::output::{self, counted};
 use crate::cli::progress::Progress;
 
 const WIDTH: u32 = 960;
@@ -36,8 +38,8 @@ pub(super) struct Sketch {
     /// The number of lines, and of markers, that there are.
     lines: usize,
     spots: usize,
-    /// Kinds of defects found so far.
-    kinds: Vec<DefectKind>,
+    /// Kinds of defects found so far, and their number, mesh by mesh.
+    kinds: Vec<(DefectKind, usize)>,
 }
 
 impl Sketch {
@@ -47,7 +49,7 @@ impl Sketch {
             if report.count(kind).unwrap_or(0) == 0 {
                 continue;
             }
-            self.kinds.push(kind);
+            self.kinds.push((kind, report.count(kind).unwrap_or(0)));
             let (_, color) = color(kind);
             for defect in report.items(kind, mesh, topology, usize::MAX) {
                 let drawn = Drawn::of(kind, &defect, mesh);
@@ -67,15 +69,24 @@ impl Sketch {
     }
 
     /// Draws everything, writes it, and says what the colors mean.
-    pub(super) fn write(self, up: Up, path: &Path) -> Result<(), Failure> {
+    pub(super) fn write(self, title: &str, up: Up, path: &Path) -> Result<(), Failure> {
         let kinds = self.found();
-        let size = Size::new(WIDTH, HEIGHT).expect("both are in range");
+        let keys: Vec<Key> = kinds
+            .iter()
+            .map(|&kind| {
+                let count = self.kinds.iter().filter(|found| found.0 == kind).map(|found| found.1).sum();
+                (color(kind).1, counted(count, &noun(kind, 1), &noun(kind, 2)))
+            })
+            .collect();
+        // With its legend it is as large as is said.
+        let height = HEIGHT.saturating_sub(caption::height(WIDTH, &[title], &keys)).max(HEIGHT / 2);
+        let size = Size::new(WIDTH, height).expect("both are in range");
         let (oracle, overlay) = self.joined(up, size, "--picture")?;
-        let progress = Progress::bar("drawing", 2 * u64::from(HEIGHT));
+        let progress = Progress::bar("drawing", 2 * u64::from(height));
         let picture = overlay.render(&oracle, up, size, &|steps| progress.done(steps));
         drop(progress);
         let picture = picture.map_err(|error| Failure::new(error, "leave out --picture"))?;
-        picture.write_png(path)?;
+        captioned(picture, &[title], &keys).write_png(path)?;
 
         let legend: Vec<String> = kinds.iter().map(|&kind| format!("{} {kind}", color(kind).0)).collect();
         let legend = match legend.as_slice() {
@@ -105,13 +116,13 @@ impl Sketch {
 
     /// The kinds of defects there are, in the order of [`DefectKind::ALL`].
     fn found(&self) -> Vec<DefectKind> {
-        DefectKind::ALL.into_iter().filter(|kind| self.kinds.contains(kind)).collect()
+        DefectKind::ALL.into_iter().filter(|kind| self.kinds.iter().any(|found| found.0 == *kind)).collect()
     }
 
     /// The ray cast over all meshes as one, and what is drawn over it, both cut to what can be drawn.
     fn joined(mut self, up: Up, size: Size, option: &str) -> Result<(Oracle, Overlay), Failure> {
         let remedy = format!("leave out {option}");
-        self.overlay.legend = self.found().into_iter().map(|kind| color(kind).1).collect();
+        self.overlay.order = self.found().into_iter().map(|kind| color(kind).1).collect();
         let mesh = match self.meshes.len() {
             1 => self.meshes.remove(0),
             _ => Mesh::concat(&self.meshes).map_err(|error| Failure::new(error, &remedy))?,

@@ -7,6 +7,8 @@ use umbrage::render::{Knowledge, MemoryError, Picture, knowledge};
 use umbrage::scene::Lamp;
 use umbrage::shadow::{Claim, Samples, Visibility};
 
+use crate::cli::caption::captioned;
+
 /// Cells along each side of the grid that proves.
 const SIDE: u32 = 256;
 
@@ -44,11 +46,13 @@ pub(super) fn draw(
             *known = (*known).max(found);
         }
     }
-    let legend = |known: &Knowledge| {
-        let count = all.iter().filter(|other| *other == known).count();
-        (count > 0).then(|| format!("{} {}: {count}", known.color().0, known.name()))
-    };
-    let legend: Vec<String> = Knowledge::ALL.iter().filter_map(legend).collect();
-    let legend = format!("colors, from the left, with the number of samples: {}", legend.join(", "));
-    Ok((knowledge(samples, &all)?, legend))
+    let count = |known: &Knowledge| all.iter().filter(|other| *other == known).count();
+    let found: Vec<(Knowledge, usize)> =
+        Knowledge::ALL.iter().map(|known| (*known, count(known))).filter(|(_, count)| *count > 0).collect();
+    let legend = found.iter().map(|(known, count)| format!("{} {}: {count}", known.color().0, known.name()));
+    let legend = legend.collect::<Vec<_>>().join(", ");
+    let legend = format!("colors, with the number of samples: {legend}");
+    let keys = found.iter().map(|(known, count)| (known.color().1, format!("{}: {count}", known.name())));
+    let lines = ["What is proven about each visible point, whatever technique is chosen"];
+    Ok((captioned(knowledge(samples, &all)?, &lines, &keys.collect::<Vec<_>>()), legend))
 }

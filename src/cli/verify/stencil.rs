@@ -14,6 +14,7 @@ use umbrage::view::{Projection, Size};
 
 use super::pixels::{LightPixels, PASSES, Pass, Pixels};
 use super::{Args, SHOWN};
+use crate::cli::caption::captioned;
 use crate::cli::input::Source;
 use crate::cli::parsers::{refuse_overwriting, require_folder};
 use crate::cli::progress::Progress;
@@ -56,22 +57,12 @@ impl Graphics {
 fn pictures(args: &Args, lights: usize) -> Result<Vec<PathBuf>, Failure> {
     let Some(path) = &args.picture else { return Ok(Vec::new()) };
     require_folder(path)?;
-    let paths: Vec<PathBuf> = (1..=lights).map(|light| numbered(path, light)).collect();
+    let paths: Vec<PathBuf> = (1..=lights).map(|light| output::numbered(path, light)).collect();
     for path in &paths {
         refuse_overwriting("--picture", Some(path), &args.source.file)?;
     }
     Ok(paths)
 }
-/// `a.png`, `a-2.png`, `a-3.png`.
-fn numbered(path: &Path, number: usize) -> PathBuf {
-    if number == 1 {
-        return path.to_owned();
-    }
-    let mut name = path.file_stem().unwrap_or_default().to_owned();
-    name.push(format!("-{number}.png"));
-    path.with_file_name(name)
-}
-
 /// What is to be compared.
 struct Job<'a> {
     caster: &'a Caster,
@@ -213,24 +204,22 @@ fn draw(job: &Job<'_>, comparison: &Comparison, path: &Path) -> Result<(), Failu
     let picture = verdicts(seen, &job.projection, comparison, &|rows| progress.done(rows));
     drop(progress);
     let picture = picture.map_err(|error| Failure::new(error, "leave out --picture"))?;
-    picture.write_png(path)?;
-    let occur = PixelVerdict::ALL.into_iter().filter(|&verdict| comparison.count(verdict) > 0);
-    let meaning = occur.map(|verdict| match verdict {
+    let occur: Vec<PixelVerdict> =
+        PixelVerdict::ALL.into_iter().filter(|&verdict| comparison.count(verdict) > 0).collect();
+    let keys = occur.iter().map(|&verdict| {
+        let ringed = if verdict == PixelVerdict::Real { ", ringed" } else { "" };
+        let words = format!("{}{ringed}: {}", verdict.name(), comparison.count(verdict));
+        (verdict_color(verdict).1, words)
+    });
+    let real = comparison.count(PixelVerdict::Real);
+    let numbers = format!("{} of {} pixels differ for no known reason", real, job.size.pixels());
+    let lines = ["Stencil pass against exact ray cast, pixel by pixel", &numbers];
+    captioned(picture, &lines, &keys.collect::<Vec<_>>()).write_png(path)?;
+    let meaning = occur.iter().map(|&verdict| match verdict {
         PixelVerdict::Real => format!("{} real (ringed)", verdict_color(verdict).0),
         _ => format!("{} {}", verdict_color(verdict).0, verdict.name()),
     });
     let meaning = meaning.collect::<Vec<_>>().join(", ");
     output::say(format_args!("wrote {}: {meaning}", output::plain(&path.to_string_lossy())));
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pictures_of_further_lights_are_numbered() {
-        let names = [1, 2, 10].map(|light| numbered(Path::new("a/b.c.png"), light));
-        assert_eq!(names, ["a/b.c.png", "a/b.c-2.png", "a/b.c-10.png"].map(PathBuf::from));
-    }
 }

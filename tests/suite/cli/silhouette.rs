@@ -179,3 +179,37 @@ fn silhouette_of_the_device_is_refused_where_there_are_no_graphics() {
     assert_eq!((run.code, run.stdout.as_str()), (2, ""));
     assert!(run.stderr.contains("--method gpu: this build has no graphics; "), "{}", run.stderr);
 }
+
+/// How many pixels of a picture have such a color.
+pub(super) fn pixels_of(folder: &Folder, name: &str, is_such: impl Fn([u8; 3]) -> bool) -> usize {
+    let (.., bytes) = super::render::png(folder, name);
+    bytes.chunks(4).filter(|pixel| is_such([pixel[0], pixel[1], pixel[2]])).count()
+}
+
+#[test]
+fn silhouette_picture_has_the_edges_and_a_legend_below() {
+    let folder = Folder::with_cubes();
+    let run = folder
+        .run("silhouette cube.obj --light point:2,3,5 --light point:-5,3,2 --picture a.png --size 320x240");
+    assert!(run.code == 0 && run.stderr.contains("wrote a.png") && run.stderr.contains("wrote a-2.png"));
+    let edge = |[r, g, b]: [u8; 3]| r > 200 && (40..90).contains(&g) && b < 30;
+    for name in ["a.png", "a-2.png"] {
+        let (width, height, _) = super::render::png(&folder, name);
+        assert!(width == 320 && height > 260, "{width} {height}");
+        assert!(pixels_of(&folder, name, edge) > 400);
+    }
+    // The same twice; another light is another picture.
+    folder.run("silhouette cube.obj --light point:2,3,5 --picture b.png --size 320x240");
+    let bytes = |name: &str| std::fs::read(folder.path(name)).unwrap();
+    assert!(bytes("a.png") == bytes("b.png") && bytes("a.png") != bytes("a-2.png"));
+    for (arguments, named) in [
+        ("silhouette cube.obj --eye 1,2,3 --target 0,0,0", "add --picture"),
+        ("silhouette cube.obj --picture a.jpg", "name a file that ends in .png"),
+        ("silhouette cube.obj --picture nowhere/a.png", "nowhere"),
+        ("silhouette cube.obj --picture a.png --size 0x5", "0x5"),
+        ("volume cube.obj --picture a.jpg", "name a file that ends in .png"),
+    ] {
+        let run = folder.run(arguments);
+        assert!(run.code == 2 && run.stderr.contains(named), "{arguments}: {}", run.stderr);
+    }
+}

@@ -172,3 +172,22 @@ fn volume_of_a_spot_light_is_named_one() {
     let run = folder.run("volume cube.obj --light spot:2,3,5:-2,-3,-5:30");
     assert!(run.stdout.contains("0 spot:2,3,5 ") && !run.stdout.contains("point:"), "{}", run.stdout);
 }
+
+#[test]
+fn volume_picture_has_translucent_sides_that_a_volume_without_sides_lacks() {
+    let folder = Folder::with_cubes();
+    let blue = |[r, g, b]: [u8; 3]| b > 150 && r < 170 && u32::from(b) > u32::from(r) + 40 && g < 190;
+    let view = "--eye 6,4,9 --target 0,-2,0 --size 200x150";
+    let drawn = |options: &str| {
+        let run = folder.run(&format!("volume cube.obj {options} --picture a.png {view}"));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        super::silhouette::pixels_of(&folder, "a.png", blue)
+    };
+    let sides = drawn("--light directional:0.3,-1,0.2");
+    assert!(sides > 1000, "{sides}");
+    let spread = drawn("--light point:0.5,3,1");
+    assert!(spread > 1000, "{spread}");
+    // Fault injected: a light behind which there is nothing to see but the cube itself.
+    let behind = drawn("--light directional:-6,-4,-9");
+    assert!(behind < sides / 2, "{behind}");
+}

@@ -34,8 +34,8 @@ const RING_PX: u32 = 7;
 
 /// Draws the pixels of `comparison`. The faces of `oracle` are seen by `projection`, light where both methods
 /// agree on lit, dark where they agree on shadowed. Every other pixel is a square of 3 × 3 in its verdict's
-/// color, the most serious on top. A real mismatch also gets a ring with dark rims. [`verdict_color`] has what
-/// the colors mean.
+/// color, the most serious on top. A real mismatch also gets a ring with dark rims. [`verdict_color`] has
+/// what the colors mean.
 ///
 /// `progress` is called with the number of rows done, from any thread. Cost: one ray per pixel. Memory: 4
 /// bytes per pixel.

@@ -11,7 +11,7 @@ use umbrage::shadow::{Claim, Samples, Visibility};
 const SIDE: u32 = 256;
 
 /// The picture and its legend. Of several lamps, the one of most doubt decides the color of a point.
-pub(super) fn draw(
+pub(crate) fn draw(
     casters: &CasterGroup<'_>,
     lamps: &[Lamp],
     samples: &Samples,

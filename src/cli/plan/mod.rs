@@ -24,7 +24,7 @@ pub(crate) use drawn::{FalloffArg, as_drawn, shaded};
 pub(crate) use every::words as check_words;
 pub(crate) use options::{measured_costs, read_costs};
 #[cfg(any(all(test, feature = "gpu"), feature = "viewer"))]
-pub(crate) use picture::draw as draw_knowledge;
+pub(crate) use picture::known;
 pub(crate) use saved::{Identity, Saved};
 
 use super::input::{Source, SourceArgs};

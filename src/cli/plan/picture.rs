@@ -10,12 +10,24 @@ use umbrage::shadow::{Claim, Samples, Visibility};
 /// Cells along each side of the grid that proves.
 const SIDE: u32 = 256;
 
-/// The picture and its legend. Of several lamps, the one of most doubt decides the color of a point.
-pub(crate) fn draw(
+/// The picture and its legend.
+pub(super) fn draw(
     casters: &CasterGroup<'_>,
     lamps: &[Lamp],
     samples: &Samples,
 ) -> Result<(Picture, String), MemoryError> {
+    let all = known(casters, lamps, samples);
+    let legend = |known: &Knowledge| {
+        let count = all.iter().filter(|other| *other == known).count();
+        (count > 0).then(|| format!("{} {}: {count}", known.color().0, known.name()))
+    };
+    let legend: Vec<String> = Knowledge::ALL.iter().filter_map(legend).collect();
+    let legend = format!("colors, from the left, with the number of samples: {}", legend.join(", "));
+    Ok((knowledge(samples, &all)?, legend))
+}
+
+/// What is known of each sample. Of several lamps, the one of most doubt decides.
+pub(crate) fn known(casters: &CasterGroup<'_>, lamps: &[Lamp], samples: &Samples) -> Vec<Knowledge> {
     let mut all = vec![Knowledge::Irrelevant; samples.len()];
     for lamp in lamps {
         // Whether each sample faces the lamp.
@@ -44,11 +56,5 @@ pub(crate) fn draw(
             *known = (*known).max(found);
         }
     }
-    let legend = |known: &Knowledge| {
-        let count = all.iter().filter(|other| *other == known).count();
-        (count > 0).then(|| format!("{} {}: {count}", known.color().0, known.name()))
-    };
-    let legend: Vec<String> = Knowledge::ALL.iter().filter_map(legend).collect();
-    let legend = format!("colors, from the left, with the number of samples: {}", legend.join(", "));
-    Ok((knowledge(samples, &all)?, legend))
+    all
 }

@@ -10,7 +10,7 @@ use super::strokes::Stroke;
 
 const HANDLE: Color32 = Color32::from_rgb(255, 214, 70);
 const RIM: Color32 = Color32::from_rgb(30, 30, 30);
-const PLATE: Color32 = Color32::from_rgba_unmultiplied_const(20, 22, 26, 200);
+const PLATE: Color32 = Color32::from_rgba_unmultiplied_const(20, 22, 26, 235);
 
 /// Width of lines, half of the width in which they fade, and radius of spots, in points.
 const LINE: f32 = 1.6;

@@ -4,7 +4,7 @@ use umbrage::caster::CasterGroup;
 use umbrage::geom::{Facing, Light};
 use umbrage::glam::DVec3;
 use umbrage::oracle::{PrimaryHit, Verdict};
-use umbrage::render::Picture;
+use umbrage::render::{Knowledge, Picture};
 use umbrage::shadow::{Samples, Visibility};
 
 /// sRGB: too much light, too little, and what the exact ray only grazes.
@@ -17,6 +17,8 @@ pub(super) const DARK_CAP: [u8; 3] = [50, 80, 190];
 
 /// How much of a lamp's light has to be wrong for the full color of a difference.
 const FULL: f32 = 0.25;
+/// Brightness where nothing is seen.
+const BACKGROUND: f32 = 0.35;
 /// Part of a pixel's color that its cap replaces.
 const TINT: f32 = 0.45;
 
@@ -34,7 +36,7 @@ pub(super) fn difference(
         let mut sum = [0.0; 3];
         for index in of_pixel.clone() {
             let hit = samples.hits()[index].as_ref();
-            let gray = hit.map_or(0.35, |hit| gray(hit, forward));
+            let gray = hit.map_or(BACKGROUND, |hit| gray(hit, forward));
             let off = shown.values()[index] - truth.values()[index];
             let color = match hit {
                 // The exact ray decides neither way.
@@ -62,6 +64,26 @@ fn gray(hit: &PrimaryHit, forward: DVec3) -> f32 {
     let [a, b, c] = hit.corners.map(|corner| DVec3::from(corner.map(f64::from)));
     let normal = (b - a).cross(c - a).normalize_or_zero();
     (0.5 + 0.35 * normal.dot(forward).abs()) as f32
+}
+
+/// Paints a picture of samples by what is known of each.
+pub(super) fn paint_known(picture: &mut Picture, samples: &Samples, known: &[Knowledge]) {
+    let forward = DVec3::from(samples.projection().forward.map(f64::from));
+    each_pixel(picture, samples, |pixel, of_pixel| {
+        let mut sum = [0.0; 3];
+        for index in of_pixel.clone() {
+            let (color, bright) = match samples.hits()[index].as_ref() {
+                Some(hit) => (known[index].color().1, gray(hit, forward) + 0.15),
+                None => ([255; 3], BACKGROUND),
+            };
+            for (sum, color) in sum.iter_mut().zip(color) {
+                *sum += f32::from(color) * bright;
+            }
+        }
+        let count = of_pixel.count() as f32;
+        let [r, g, b] = sum.map(|sum| (sum / count) as u8);
+        *pixel = [r, g, b, 255];
+    });
 }
 
 /// Tints the faces that cast by the cap that they belong to. `facing` has an entry for each of these.

@@ -1,7 +1,7 @@
 //! Defects of what casts, as rows of a list and as lines over a picture.
 
 use umbrage::caster::Caster;
-use umbrage::check::DefectKind;
+use umbrage::check::{Defect, DefectKind, Severity};
 
 use crate::cli::check::{Drawn, around, defect_color, mean_normal};
 
@@ -33,19 +33,26 @@ const ROWS: usize = 500;
 const MARKS: usize = 20_000;
 
 impl Defects {
-    /// All defects but self-intersections, which would take long to look for.
-    pub(super) fn of(caster: &Caster) -> Self {
+    /// All defects of the first `faces` but self-intersections, which would take long to look for. What comes
+    /// after these faces is a ground that was added.
+    pub(super) fn of(caster: &Caster, faces: usize) -> Self {
         let (mesh, topology, report) = (caster.mesh(), caster.topology(), caster.report());
-        let mut all = Self { is_sound: report.counts.sound(), ..Self::default() };
+        let mut all = Self::default();
+        let is_of_ground = |defect: &Defect| defect.faces.first().is_some_and(|face| face.index() >= faces);
         let mut kinds = DefectKind::ALL;
         kinds.sort_by_key(|kind| std::cmp::Reverse(kind.severity()));
         for kind in kinds {
-            let count = report.count(kind).unwrap_or(0);
-            if count == 0 {
+            if report.count(kind).unwrap_or(0) == 0 {
                 continue;
             }
-            all.kinds.push((kind, count));
-            for (index, defect) in report.items(kind, mesh, topology, MARKS).into_iter().enumerate() {
+            let mut items = report.items(kind, mesh, topology, MARKS);
+            let before = items.len();
+            items.retain(|defect| !is_of_ground(defect));
+            let count = report.count(kind).unwrap_or(0) - (before - items.len());
+            if count > 0 {
+                all.kinds.push((kind, count));
+            }
+            for (index, defect) in items.into_iter().enumerate() {
                 let drawn = Drawn::of(kind, &defect, mesh);
                 let color = defect_color(kind).1;
                 let room = MARKS.saturating_sub(all.lines.len());
@@ -61,6 +68,8 @@ impl Defects {
                 }
             }
         }
+        let is_error = |(kind, _): &(DefectKind, usize)| kind.severity() == Severity::Error;
+        all.is_sound = report.counts.sound() || !all.kinds.iter().any(is_error);
         all
     }
 
@@ -72,15 +81,24 @@ impl Defects {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use umbrage::mesh::Mesh;
     use umbrage::testing::shapes;
 
     #[test]
     fn defects_of_an_open_cube_are_its_hole() {
-        let open = Defects::of(&Caster::new(shapes::open_cube()));
+        let of = |mesh: Mesh| {
+            let faces = mesh.face_count();
+            Defects::of(&Caster::new(mesh), faces)
+        };
+        let open = of(shapes::open_cube());
         assert_eq!(open.kinds, [(DefectKind::BoundaryLoop, 1)]);
         assert_eq!((open.rows.len(), open.lines.len(), open.is_sound), (1, 4, false));
         assert!(open.rows[0].reach > 1.0);
-        let closed = Defects::of(&Caster::new(shapes::cube()));
+        let closed = of(shapes::cube());
         assert_eq!((closed.count(), closed.is_sound), (0, true));
+        // The border of a ground is none, unless it is taken for a part of the mesh.
+        let above = Mesh::concat(&[shapes::cube(), shapes::sheet(1)]).unwrap();
+        assert_eq!(Defects::of(&Caster::new(above.clone()), 12).kinds, []);
+        assert_eq!(of(above).kinds, [(DefectKind::BoundaryLoop, 1)]);
     }
 }

@@ -8,7 +8,7 @@ use umbrage::facing::CasterFaces;
 use umbrage::gpu::Gpu;
 use umbrage::mesh::FaceId;
 use umbrage::plan::{Budget, Costs, Scenery, ShadowPlan, Task, plan, run as run_tasks};
-use umbrage::render::{CLAY, Ground, Picture, ShadedLight, View, render_samples};
+use umbrage::render::{CLAY, Ground, Knowledge, Picture, ShadedLight, View, render_samples};
 use umbrage::scene::{Lamp, LampShape};
 use umbrage::shadow::{Claim, Prepared, Request as Asked, Samples, Technique, Visibility};
 use umbrage::verify::errors::{Errors, Made, Truth};
@@ -21,7 +21,7 @@ use super::orbit;
 use super::state::{Layer, Mode, OwnLamp, Request};
 use super::strokes::{Canvas, Stroke};
 use crate::cli::input::Source;
-use crate::cli::plan::{as_drawn, draw_knowledge};
+use crate::cli::plan::{as_drawn, known};
 use crate::cli::render::colors as base_colors;
 use crate::cli::{Failure, output};
 
@@ -47,9 +47,9 @@ pub(super) struct Shown {
     /// The number of the lamp.
     pub(super) lamp: usize,
     pub(super) technique: String,
-    pub(super) place: String,
     pub(super) claim: Claim,
-    pub(super) ms: f64,
+    /// The adapter, if the CPU did not do it.
+    adapter: Option<String>,
     /// Against the truth, if that was asked for.
     pub(super) errors: Option<Errors>,
 }
@@ -206,8 +206,9 @@ impl<'a> Stage<'a> {
         for (index, &lamp) in on.iter().enumerate() {
             let task = plan.as_ref().and_then(|(plan, _)| Task::of(plan).into_iter().nth(index));
             let asked = request.lamps[lamp].technique;
-            let (found, texel, mut about) = self.shade(lamp, &lamps[index], asked, task, samples)?;
-            about.ms = clock.stage(format!("light {}: {}", lamp + 1, about.technique));
+            let (found, texel, about) = self.shade(lamp, &lamps[index], asked, task, samples)?;
+            let place = about.adapter.as_ref().map_or(String::new(), |name| format!(" on {name}"));
+            clock.stage(format!("light {}: {}{place}", lamp + 1, about.technique));
             shaded[index].shadow = asked != Some(Technique::None);
             visibility.push(found);
             texels.push(texel);
@@ -282,29 +283,27 @@ impl<'a> Stage<'a> {
         task: Option<Task>,
         samples: &Samples,
     ) -> Result<(Visibility, Option<f64>, Shown), Failure> {
-        let shown = |technique: String, place: String, visibility: &Visibility| Shown {
+        let shown = |technique: String, adapter: Option<String>, visibility: &Visibility| Shown {
             lamp: number,
             technique,
-            place,
             claim: visibility.claim(),
-            ms: 0.0,
+            adapter,
             errors: None,
         };
-        let on_cpu = || "CPU".to_owned();
         let Some(technique) = technique else {
             // Where nothing is seen there is no plan.
             let task = task.unwrap_or_else(|| Task::new(Technique::Rays));
             let names: Vec<String> = task.groups.iter().map(|(_, technique)| technique.to_string()).collect();
             let runs = run_tasks(self.casters, std::slice::from_ref(lamp), samples, &[task])?;
             let run = runs.into_iter().next().expect("one run for one lamp");
-            let about = shown(format!("auto: {}", names.join(" and ")), on_cpu(), &run.visibility);
+            let about = shown(format!("auto: {}", names.join(" and ")), None, &run.visibility);
             return Ok((run.visibility, None, about));
         };
         let technique = crate::cli::search::on_cpu(technique);
         if let (Some(device), Some(method)) = (&self.device, device::method(technique)) {
             match device.visibility(self.casters, lamp, samples, method) {
                 Ok(found) => {
-                    let about = shown(technique.to_string(), output::plain(&device.name()), &found);
+                    let about = shown(technique.to_string(), Some(output::plain(&device.name())), &found);
                     return Ok((found, None, about));
                 }
                 Err(umbrage::gpu::GpuError::NotBuilt(_)) => {}
@@ -325,7 +324,7 @@ impl<'a> Stage<'a> {
         };
         let prepared = &self.prepared[at].1;
         let found = prepared.shade(samples);
-        let about = shown(technique.to_string(), on_cpu(), &found);
+        let about = shown(technique.to_string(), None, &found);
         Ok((found, prepared.texel_world(), about))
     }
 }
@@ -386,13 +385,14 @@ impl Stage<'_> {
             }
             (Mode::Grid, _) => {
                 let lamps: Vec<Lamp> = on.iter().map(|&lamp| request.lamps[lamp].lamp.clone()).collect();
-                let (known, words) = draw_knowledge(self.casters, &lamps, samples).map_err(too_large)?;
-                picture = known;
-                legend = Some(words);
+                let all = known(self.casters, &lamps, samples);
+                colors::paint_known(&mut picture, samples, &all);
+                legend = Some(words_of(&all));
             }
             _ => {}
         }
-        if let (true, Some(_)) = (request.shows(Layer::Caps), chosen) {
+        // False colors have a meaning already.
+        if let (true, Some(_)) = (request.shows(Layer::Caps) && request.mode == Mode::Picture, chosen) {
             let light = *request.lamps[request.chosen].lamp.light();
             colors::tint_caps(&mut picture, samples, &self.source.caster.facing(&light));
         }
@@ -452,6 +452,16 @@ fn said(plan: &ShadowPlan, planning_ms: f64, on: &[usize]) -> Plan {
         })
     });
     Plan { rows: rows.collect(), planning_ms }
+}
+
+/// What the colors mean, and the share of the samples that has each.
+fn words_of(all: &[Knowledge]) -> String {
+    let words = |known: &Knowledge| {
+        let count = all.iter().filter(|other| *other == known).count();
+        let percent = 100.0 * count as f64 / all.len() as f64;
+        (count > 0).then(|| format!("{}: {} ({percent:.1} %)", known.color().0, known.name()))
+    };
+    Knowledge::ALL.iter().filter_map(words).collect::<Vec<_>>().join("; ")
 }
 
 /// A lamp as the panel names it: its kind, its name, and its technique.
@@ -517,7 +527,7 @@ mod tests {
         let source = source();
         let casters = source.group();
         let mut stage = Stage::new(&source, &casters, None, false, None);
-        let defects = OnceLock::from(Defects::of(&source.caster));
+        let defects = OnceLock::from(Defects::of(&source.caster, usize::MAX));
         requests.iter().map(|it| stage.draw(it, &defects, &|| false).unwrap().unwrap()).collect()
     }
 

@@ -40,8 +40,9 @@ impl Quality {
 /// What pictures took.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pace {
-    /// Seconds a sample, of the last picture.
-    per_sample: Option<f64>,
+    /// Samples and seconds of the last picture, and of the last one of another number of samples.
+    last: Option<[f64; 2]>,
+    other: Option<[f64; 2]>,
 }
 
 /// How long a picture may take that answers a change, and one that refines it, in seconds.
@@ -52,11 +53,20 @@ impl Pace {
     /// Notes how long a picture took, in seconds.
     pub(super) fn took(&mut self, quality: Quality, size: Size, seconds: f64) {
         let samples = size.pixels() as f64 * f64::from(quality.per_side()).powi(2);
-        self.per_sample = Some(seconds / samples);
+        self.other = self.last.filter(|last| last[0] != samples).or(self.other);
+        self.last = Some([samples, seconds]);
     }
 
+    /// The seconds of a picture: some for each sample, and some for whatever is done once, if two pictures
+    /// tell them apart.
     fn predicted(&self, quality: Quality, window: Size) -> Option<f64> {
-        Some(self.per_sample? * window.pixels() as f64 * quality.density())
+        let [samples, seconds] = self.last?;
+        let wanted = window.pixels() as f64 * quality.density();
+        let slope = self.other.map(|other| (seconds - other[1]) / (samples - other[0]));
+        Some(match slope.filter(|slope| *slope > 0.0 && slope * samples <= seconds) {
+            Some(slope) => seconds + slope * (wanted - samples),
+            None => seconds / samples * wanted,
+        })
     }
 
     /// The quality that answers a change: the finest that is prompt, the coarsest at first.
@@ -79,7 +89,11 @@ impl Pace {
         let finer = (quality.0 + 1..QUALITIES.len()).rev().map(Quality);
         // First the picture without, then with smooth edges: the second takes four times as long.
         let one_step = |finer: &Quality| finer.per_side() == 1 || QUALITIES[quality.0].0 == 1;
-        finer.filter(one_step).find(is_bearable)
+        // One picture does not tell what is done once from what each sample takes: a second one does.
+        let is_unclear = self.other.is_none() && self.last.is_some_and(|last| last[1] <= 0.5 * PATIENT);
+        let next = Quality(quality.0 + 1);
+        let second = (is_unclear && quality.0 + 1 < QUALITIES.len()).then_some(next);
+        finer.filter(one_step).find(is_bearable).or(second)
     }
 }
 
@@ -116,6 +130,25 @@ mod tests {
         pace.took(Quality(3), window(), 30.0);
         assert_eq!(pace.finer(Quality(0), Quality(0).size(window())), Some(Quality(2)));
         assert_eq!(pace.finer(Quality(3), window()), None, "two minutes are too long");
+    }
+
+    /// A light grid, for example, takes as long for few samples as for many.
+    #[test]
+    fn pace_tells_what_is_done_once_from_what_each_sample_takes() {
+        let mut pace = Pace::default();
+        let coarse = Quality(0).size(window());
+        let seconds = |size: Size| 3.0 + 2e-6 * size.pixels() as f64;
+        pace.took(Quality(0), coarse, seconds(coarse));
+        let next = pace.finer(Quality(0), coarse);
+        assert_eq!(next, Some(Quality(1)), "to see what that takes");
+        let half = Quality(2).size(window());
+        pace.took(Quality(2), half, seconds(half));
+        let predicted = pace.predicted(Quality(3), window()).unwrap();
+        assert!((predicted - seconds(window())).abs() < 0.01, "{predicted}");
+        assert_eq!(pace.finer(Quality(2), half), Some(Quality(3)));
+        // What contradicts itself is not believed: fewer samples took longer.
+        pace.took(Quality(0), coarse, 9.0);
+        assert!(pace.predicted(Quality(3), window()).unwrap() > 100.0);
     }
 
     #[test]

@@ -213,16 +213,20 @@ impl App {
         let silhouette = self.state.shows(Layer::Silhouette);
         let caps = self.state.shows(Layer::Caps);
         if silhouette || caps || self.state.shows(Layer::Volume) {
-            ui.horizontal_wrapped(|ui| {
-                let keys = [
-                    (silhouette, super::strokes::SILHOUETTE, "silhouette edges"),
-                    (self.state.shows(Layer::Volume), super::strokes::VOLUME, "edges of the volume"),
-                    (caps, super::colors::LIGHT_CAP, "toward the light"),
-                    (caps, super::colors::DARK_CAP, "away from it"),
-                ];
-                for (_, color, words) in keys.into_iter().filter(|(is_shown, ..)| *is_shown) {
+            let keys = [
+                (silhouette, super::strokes::SILHOUETTE, "silhouette edges"),
+                (self.state.shows(Layer::Volume), super::strokes::VOLUME, "edges of the volume"),
+                (caps, super::colors::LIGHT_CAP, "toward the light"),
+                (caps, super::colors::DARK_CAP, "away from it"),
+            ];
+            egui::Grid::new("colors").num_columns(4).min_col_width(0.0).spacing([8.0, 2.0]).show(ui, |ui| {
+                let shown = keys.into_iter().filter(|(is_shown, ..)| *is_shown);
+                for (index, (_, color, words)) in shown.enumerate() {
                     swatch(ui, color);
                     ui.label(RichText::new(words).small());
+                    if index % 2 == 1 {
+                        ui.end_row();
+                    }
                 }
             });
         }
@@ -267,11 +271,8 @@ impl App {
             ui.label("sound: every shell is watertight, and none is inside out");
         }
         for &(kind, count) in &defects.kinds {
-            ui.horizontal(|ui| {
-                swatch(ui, defect_color(kind).1);
-                ui.label(words(kind)).on_hover_text(kind.effect());
-                right(ui, spaced(count as u64));
-            });
+            let color = Some(defect_color(kind).1);
+            row(ui, color, &words(kind), spaced(count as u64)).on_hover_text(kind.effect());
         }
         ui.add_space(4.0);
         let now = ui.input(|input| input.time);
@@ -307,16 +308,7 @@ impl App {
         let total: f64 = answer.stages.iter().map(|(_, ms)| ms).sum();
         let stages = answer.stages.iter().map(|(name, ms)| (name.as_str(), *ms));
         for (name, ms) in stages.chain([("all", total)]) {
-            ui.horizontal(|ui| {
-                let shown = answer.lamps.iter().find(|shown| {
-                    name.starts_with(&format!("light {}: {}", shown.lamp + 1, shown.technique))
-                });
-                ui.add(egui::Label::new(name).truncate());
-                if let Some(shown) = shown {
-                    ui.weak(format!("on {}", shown.place));
-                }
-                right(ui, format!("{ms:.1}"));
-            });
+            row(ui, None, name, format!("{ms:.1}"));
         }
     }
 
@@ -374,12 +366,7 @@ fn figures(ui: &mut egui::Ui, shown: &Shown, errors: &Errors) {
     ui.label(
         RichText::new(format!("light {}: {}, {}", shown.lamp + 1, shown.technique, shown.claim)).strong(),
     );
-    let mut row = |name: &str, value: String| {
-        ui.horizontal(|ui| {
-            ui.label(name);
-            right(ui, value);
-        });
-    };
+    let mut row = |name: &str, value: String| drop(row(ui, None, name, value));
     if errors.is_soft {
         row("mean error", format!("{:.5}", errors.mean));
         row("99th percentile", format!("{:.5}", errors.p99));
@@ -408,11 +395,20 @@ fn swatch(ui: &mut egui::Ui, [r, g, b]: [u8; 3]) {
     ui.painter().rect_filled(rect, 2.0, Color32::from_rgb(r, g, b));
 }
 
-/// A number at the right edge.
-fn right(ui: &mut egui::Ui, text: String) {
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        ui.label(RichText::new(text).monospace());
+/// Words at the left edge, cut where they meet the number at the right edge.
+fn row(ui: &mut egui::Ui, color: Option<[u8; 3]>, words: &str, number: String) -> egui::Response {
+    let row = ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.label(RichText::new(number).monospace());
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                if let Some(color) = color {
+                    swatch(ui, color);
+                }
+                ui.add(egui::Label::new(words).truncate());
+            });
+        });
     });
+    row.response
 }
 
 /// The kind of a defect in words.

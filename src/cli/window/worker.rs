@@ -81,6 +81,13 @@ impl Opened {
     pub(super) fn facts(&self) -> &Facts {
         &self.facts
     }
+
+    /// The number of faces that cast, but for those of a ground that was added.
+    fn own_faces(&self) -> usize {
+        let seen = self.source.seen().mesh().face_count();
+        let of_ground = self.ground.map_or(0, |ground| seen - ground.first_face.index());
+        self.source.caster.mesh().face_count() - of_ground
+    }
 }
 
 /// What the worker is to do next.
@@ -228,7 +235,7 @@ fn serve(
         }
         // Defects come after the first picture.
         if defects.get().is_none() {
-            let _ = defects.set(Defects::of(&opened.source.caster));
+            let _ = defects.set(Defects::of(&opened.source.caster, opened.own_faces()));
             tell.tell(News::Defects(defects.clone()));
         }
     }

@@ -317,12 +317,6 @@ impl eframe::App for App {
     }
 }
 
-impl Drop for App {
-    fn drop(&mut self) {
-        self.worker.stop();
-    }
-}
-
 /// The title of the window.
 pub(super) fn title(facts: &Facts) -> String {
     format!("{} – umbrage", output::plain(&facts.file.to_string_lossy()))

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 use umbrage::geom::Aabb;
 use umbrage::gpu::Gpu;
@@ -112,6 +113,9 @@ impl Shared {
     }
 }
 
+/// How long the end of the thread is waited for.
+const PATIENCE: Duration = Duration::from_secs(5);
+
 /// The thread that works. It ends when this is dropped.
 pub(super) struct Worker {
     shared: Arc<Shared>,
@@ -160,11 +164,29 @@ impl Worker {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
-    /// Asks the thread to end, and leaves it at that: what it does may take long.
-    pub(super) fn stop(&mut self) {
+    /// Asks the thread to end.
+    pub(super) fn stop(&self) {
         self.shared.newest.store(u64::MAX, Ordering::Release);
         self.shared.slot().stop = true;
         self.shared.called.notify_one();
+    }
+}
+
+impl Drop for Worker {
+    /// Waits for the thread, which lets go of the adapter: drivers do not bear that while the process ends. A
+    /// thread that computes for longer is left alone; the adapter is not in use then.
+    fn drop(&mut self) {
+        self.stop();
+        let start = Instant::now();
+        while !self.has_ended() && start.elapsed() < PATIENCE {
+            thread::sleep(Duration::from_millis(2));
+        }
+        if self.has_ended()
+            && let Some(thread) = self.thread.take()
+        {
+            // A panic was reported when it happened.
+            let _ = thread.join();
+        }
     }
 }
 

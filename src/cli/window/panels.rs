@@ -39,13 +39,13 @@ const KEYS: [(&str, &str); 12] = [
 impl App {
     pub(super) fn panels(&mut self, ui: &mut egui::Ui) {
         egui::Panel::bottom("state").show(ui, |ui| {
-            ui.horizontal(|ui| {
-                ui.add_space(4.0);
-                ui.label(self.words());
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    if ui.button("? Help").clicked() {
-                        self.shows_help = !self.shows_help;
-                    }
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if ui.button("? Help").clicked() {
+                    self.shows_help = !self.shows_help;
+                }
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    ui.add_space(4.0);
+                    ui.add(egui::Label::new(self.words()).truncate());
                 });
             });
         });
@@ -235,7 +235,7 @@ impl App {
     fn plan(&self, ui: &mut egui::Ui) {
         heading(ui, "The planner's choice");
         let Some(plan) = &self.plan else {
-            ui.weak("comes with the first fine picture");
+            ui.weak("comes with the first fine picture that shows a surface");
             return;
         };
         for row in &plan.rows {
@@ -263,6 +263,10 @@ impl App {
             ui.weak("looked for after the first picture");
             return;
         };
+        if self.facts.faces == 0 {
+            ui.label("there are no faces");
+            return;
+        }
         if defects.kinds.is_empty() {
             ui.label("none: every shell is watertight, and none is inside out");
             return;
@@ -341,7 +345,7 @@ fn numbers(ui: &mut egui::Ui, own: &mut OwnLamp, size: f64) {
         ui.label(if is_directional { "shines to" } else { "is at" });
         let speed = if is_directional { 0.01 } else { STEP * size };
         for x in &mut xyz {
-            ui.add(egui::DragValue::new(x).speed(speed));
+            ui.add(egui::DragValue::new(x).speed(speed).custom_formatter(|x, _| brief(x)));
         }
     });
     if xyz != before {
@@ -353,7 +357,12 @@ fn numbers(ui: &mut egui::Ui, own: &mut OwnLamp, size: f64) {
             ui.label(if is_directional { "half its angle in the sky, degrees" } else { "its radius" });
             let speed = if is_directional { 0.02 } else { STEP * size };
             let most = if is_directional { 90.0 } else { f32::MAX };
-            ui.add(egui::DragValue::new(&mut extent).speed(speed).range(0.0..=most));
+            ui.add(
+                egui::DragValue::new(&mut extent)
+                    .speed(speed)
+                    .range(0.0..=most)
+                    .custom_formatter(|x, _| brief(x)),
+            );
         });
         if extent != before {
             own.lamp = handle::with_extent(&own.lamp, extent);
@@ -414,6 +423,15 @@ fn row(ui: &mut egui::Ui, color: Option<[u8; 3]>, words: &str, number: String) -
 /// The kind of a defect in words.
 fn words(kind: DefectKind) -> String {
     kind.name().replace('_', " ")
+}
+
+/// A number in four digits.
+fn brief(number: f64) -> String {
+    let rounded: f64 = format!("{number:.3e}").parse().unwrap_or(number);
+    match rounded.abs() {
+        size if size == 0.0 || (1e-3..1e6).contains(&size) => (rounded + 0.0).to_string(),
+        _ => format!("{rounded:e}"),
+    }
 }
 
 /// A whole number with commas by thousands.

@@ -11,8 +11,6 @@ mod canvas;
 mod open;
 #[cfg(feature = "viewer")]
 mod panels;
-#[cfg(feature = "viewer")]
-mod worker;
 
 // What needs no window is tested in every build.
 #[cfg(any(test, feature = "viewer"))]
@@ -42,6 +40,9 @@ mod state;
 #[cfg(any(test, feature = "viewer"))]
 #[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
 mod strokes;
+#[cfg(any(all(test, feature = "gpu"), feature = "viewer"))]
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
+mod worker;
 
 use std::path::PathBuf;
 

@@ -262,3 +262,115 @@ fn serve(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+    use umbrage::testing::shapes;
+    use umbrage::write::{Layer, Model, write};
+
+    use super::*;
+    use crate::cli::window::state::{OwnLamp, State};
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        source: SourceArgs,
+        #[command(flatten)]
+        view: ViewArgs,
+    }
+
+    /// A folder with a cube and a hole, and a worker that has opened the cube.
+    fn started() -> (tempfile::TempDir, Worker, Facts) {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, mesh) in [("cube.obj", shapes::cube()), ("open.obj", shapes::open_cube())] {
+            write(&Model { layers: vec![Layer::from(&mesh)] }, folder.path().join(name)).unwrap();
+        }
+        std::fs::write(folder.path().join("none.obj"), "no mesh").unwrap();
+        let file = folder.path().join("cube.obj");
+        let Line { source, view } = Line::parse_from(["view".into(), file.clone().into_os_string()]);
+        let opener = Opener { source, view, size: Size::new(32, 24).unwrap(), ground: false };
+        let opened = opener.open(file).unwrap();
+        let facts = opened.facts().clone();
+        (folder, Worker::start(opener, opened, None, || {}), facts)
+    }
+
+    fn request(facts: &Facts, number: u64) -> Request {
+        let own = |lamp: &Lamp| OwnLamp { lamp: lamp.clone(), technique: None, is_on: true };
+        let lamps = facts.lamps.iter().map(own).collect();
+        let mut state = State::new(facts.bounds, facts.up, &facts.camera, lamps);
+        let request = state.next(Size::new(32, 24).unwrap(), false, true).unwrap();
+        Request { number, ..request }
+    }
+
+    /// News until one is wanted.
+    fn wait<T>(worker: &Worker, wanted: impl Fn(News) -> Option<T>) -> T {
+        loop {
+            let news = worker.news.recv().expect("the thread lives");
+            if let Some(found) = wanted(news) {
+                return found;
+            }
+        }
+    }
+
+    #[test]
+    fn worker_draws_opens_another_file_and_keeps_the_scene_where_there_is_none() {
+        let (folder, worker, facts) = started();
+        worker.draw(request(&facts, 7));
+        let drawn = |news: News| match news {
+            News::Drawn(answer) => Some(answer.request.number),
+            _ => None,
+        };
+        assert_eq!(wait(&worker, drawn), 7);
+        let sound = |news: News| match news {
+            News::Defects(defects) => Some(defects.get().unwrap().is_sound),
+            _ => None,
+        };
+        assert!(wait(&worker, sound));
+
+        worker.open(folder.path().join("none.obj"));
+        let failed = |news: News| match news {
+            News::Failed(None, line) => Some(line),
+            News::Opened(_) => panic!("it is no mesh"),
+            _ => None,
+        };
+        assert!(wait(&worker, failed).contains("none.obj"));
+        worker.draw(request(&facts, 8));
+        assert_eq!(wait(&worker, drawn), 8);
+
+        worker.open(folder.path().join("open.obj"));
+        let opened = |news: News| match news {
+            News::Opened(facts) => Some(facts),
+            _ => None,
+        };
+        let other = wait(&worker, opened);
+        assert!(other.file.ends_with("open.obj") && other.faces == 10);
+        worker.draw(request(&other, 1));
+        assert!(!wait(&worker, sound));
+    }
+
+    #[test]
+    fn worker_ends_when_it_is_dropped_whatever_was_asked() {
+        let (_folder, worker, facts) = started();
+        for number in 1..20 {
+            worker.draw(request(&facts, number));
+        }
+        let shared = worker.shared.clone();
+        drop(worker);
+        assert_eq!(Arc::strong_count(&shared), 1, "the thread has let go");
+    }
+
+    /// Of requests that come faster than pictures the last one is drawn.
+    #[test]
+    fn worker_draws_the_newest_request() {
+        let (_folder, worker, facts) = started();
+        for number in 1..=50 {
+            worker.draw(request(&facts, number));
+        }
+        let last = |news: News| match news {
+            News::Drawn(answer) if answer.request.number == 50 => Some(()),
+            _ => None,
+        };
+        wait(&worker, last);
+    }
+}

@@ -138,9 +138,18 @@ drag() { # from x, y to x, y of the window
 settle start
 # There is no window manager that would do it.
 xdotool windowfocus --sync "$window"
+# The light by its handle: its numbers in the panel change. Then the view: they do not.
+numbers() { convert "$pictures/$1.png" -crop "300x24+$((X + 570))+$((Y + 86))" +repage "$pictures/$2.png"; }
+drag 493 14 430 70
+settle light
+numbers start numbers-start
+numbers light numbers-light
+[ "$(differing numbers-start numbers-light)" != 0 ] || fail "the light does not follow its handle"
 drag 200 450 330 420
 settle turned
-differ start turned
+differ light turned
+numbers turned numbers-turned
+[ "$(differing numbers-light numbers-turned)" = 0 ] || fail "turning the view moves the light"
 xdotool key t
 xdotool key t
 settle technique
@@ -148,10 +157,13 @@ differ turned technique
 xdotool key 1
 settle truth
 differ technique truth
+drag 280 500 140 500
+settle divider
+differ truth divider
 xdotool key n
 sleep 1
 settle defect
-differ truth defect
+differ divider defect
 xdotool key q
 closed "by hand"
 echo "the window opens, follows drags and keys, and closes"

@@ -11,7 +11,7 @@ use umbrage::view::Size;
 
 use super::defects::Defects;
 use super::frame::{Answer, ONCE, Plan};
-use super::state::{Layer, Mode, OwnLamp, State};
+use super::state::{Grip, Layer, Mode, OwnLamp, State};
 use super::worker::{Facts, News, Worker};
 use crate::cli::{Failure, output};
 
@@ -33,7 +33,8 @@ pub(super) struct App {
     pub(super) failure: Option<String>,
     /// The text of the chosen lamp's technique while it is edited, and what is wrong about it.
     pub(super) technique_text: Option<(String, Option<String>)>,
-    pub(super) grip: Option<super::state::Grip>,
+    /// What is held, and where the pointer was.
+    pub(super) held: Option<(Grip, egui::Pos2)>,
     pub(super) shows_help: bool,
     pub(super) is_moving: bool,
     /// The technique of lamps that are added, and of those of a file that is dropped.
@@ -81,7 +82,7 @@ impl App {
             defect: None,
             failure: None,
             technique_text: None,
-            grip: None,
+            held: None,
             shows_help: false,
             is_moving: false,
             technique: wishes.techniques,
@@ -162,7 +163,7 @@ impl App {
     pub(super) fn ask(&mut self, ctx: &egui::Context, pixels: Size) {
         let (now, is_down) = ctx.input(|input| (input.time, input.pointer.any_down()));
         let is_flying = self.state.advance(now);
-        self.is_moving = is_flying || (is_down && self.grip.is_some()) || now - self.moved < REST;
+        self.is_moving = is_flying || (is_down && self.held.is_some()) || now - self.moved < REST;
         if let Some(request) = self.state.next(pixels, self.is_moving, !self.is_busy()) {
             self.asked = request.number;
             self.worker.draw(request);
@@ -262,7 +263,7 @@ impl App {
         }
         for (keys, factor) in [([Key::Plus, Key::Equals], 0.9), ([Key::Minus, Key::Minus], 1.0 / 0.9)] {
             if keys.into_iter().any(pressed) {
-                self.state.zoom(super::state::Grip::View, factor);
+                self.state.zoom(Grip::View, factor);
                 self.touch(ctx);
             }
         }

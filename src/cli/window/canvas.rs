@@ -45,23 +45,27 @@ impl App {
         if response.drag_started() {
             // Where the button went down, not where the drag was recognized.
             let origin = ctx.input(|input| input.pointer.press_origin());
-            self.grip = origin.map(|at| grip_at(self, at));
+            self.held = origin.map(|at| (grip_at(self, at), at));
         }
-        let shift = ctx.input(|input| input.modifiers.shift);
-        let drag = response.drag_delta();
-        let drag = [drag.x, drag.y].map(f64::from);
-        if drag != [0.0; 2] {
-            let is_primary = response.dragged_by(PointerButton::Primary);
-            match self.grip {
-                Some(Grip::View) if shift || !is_primary => self.state.pan(drag, points),
-                Some(grip) => self.state.drag(grip, drag, points),
-                None => {}
+        // By positions: what moves between the last frame and the release is a part of the drag, too.
+        let at = ctx.input(|input| input.pointer.latest_pos());
+        if let (Some((grip, from)), Some(at)) = (self.held, at)
+            && at != from
+        {
+            let drag = [at.x - from.x, at.y - from.y].map(f64::from);
+            let is_primary = response.dragged_by(PointerButton::Primary)
+                || response.drag_stopped_by(PointerButton::Primary);
+            let shift = ctx.input(|input| input.modifiers.shift);
+            match grip {
+                Grip::View if shift || !is_primary => self.state.pan(drag, points),
+                grip => self.state.drag(grip, drag, points),
             }
+            self.held = Some((grip, at));
             self.technique_text = None;
             self.touch(ctx);
         }
-        if response.drag_stopped() {
-            self.grip = None;
+        if !response.dragged() {
+            self.held = None;
         }
         if let Some(at) = response.hover_pos() {
             let grip = grip_at(self, at);
@@ -70,7 +74,7 @@ impl App {
                 self.state.zoom(grip, WHEEL.powf(wheel.into()));
                 self.touch(ctx);
             }
-            ctx.set_cursor_icon(match self.grip.unwrap_or(grip) {
+            ctx.set_cursor_icon(match self.held.map_or(grip, |held| held.0) {
                 Grip::Lamp(_) => egui::CursorIcon::Grab,
                 Grip::Divider => egui::CursorIcon::ResizeHorizontal,
                 Grip::View => egui::CursorIcon::Default,

@@ -127,7 +127,7 @@ const MOST_PIXELS: f64 = 2_500_000.0;
 /// Time of a flight, in seconds.
 const FLIGHT: f64 = 0.5;
 /// How far from the center of the scene handles are, in diagonals.
-const REACH: f64 = 0.5;
+const REACH: f64 = 0.4;
 
 impl State {
     pub(super) fn new(bounds: Aabb, up: Up, camera: &Camera, lamps: Vec<OwnLamp>) -> Self {

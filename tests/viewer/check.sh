@@ -140,7 +140,7 @@ settle start
 xdotool windowfocus --sync "$window"
 # The light by its handle: its numbers in the panel change. Then the view: they do not.
 numbers() { convert "$pictures/$1.png" -crop "300x24+$((X + 570))+$((Y + 86))" +repage "$pictures/$2.png"; }
-drag 493 14 430 70
+drag 363 71 310 120
 settle light
 numbers start numbers-start
 numbers light numbers-light

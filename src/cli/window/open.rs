@@ -6,6 +6,7 @@ use eframe::egui;
 use umbrage::gpu::GpuError;
 
 use super::app::{self, App, Wishes};
+use super::panels;
 use super::state::{Layer, Mode};
 use super::worker::{Opener, Worker};
 use super::{Args, LayerArg, ModeArg, ThemeArg};
@@ -51,7 +52,8 @@ pub(super) fn open(args: Args) -> Result<Outcome, Failure> {
     require_display()?;
     args.threads.apply()?;
     let file = args.source.file.clone();
-    let opener = Opener { source: args.source, view: args.view, size: args.size, ground: args.ground };
+    let size = panels::beside(args.size);
+    let opener = Opener { source: args.source, view: args.view, size, ground: args.ground };
     let opened = opener.open(file)?;
     let facts = opened.facts().clone();
     let techniques = args.shadow.of_lamps(&facts.lamps)?;

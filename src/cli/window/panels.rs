@@ -6,6 +6,7 @@ use umbrage::check::DefectKind;
 use umbrage::glam::DQuat;
 use umbrage::shadow::Technique;
 use umbrage::verify::errors::Errors;
+use umbrage::view::Size;
 
 use super::app::App;
 use super::frame::{Shown, label};
@@ -14,8 +15,15 @@ use super::state::{Layer, Mode, OwnLamp};
 use crate::cli::check::defect_color;
 use crate::cli::output;
 
-/// Width of the panel, in points.
+/// Width of the panel, and height of the line of the state, in points.
 const WIDTH: f32 = 340.0;
+const LINE: f32 = 25.0;
+
+/// The size that a window leaves for the picture.
+pub(super) fn beside(window: Size) -> Size {
+    let side = |side: u32, panel: f32| side.saturating_sub(panel as u32).max(1);
+    Size::new(side(window.width(), WIDTH), side(window.height(), LINE)).unwrap_or(window)
+}
 
 /// How much a number of a lamp changes for each point of a drag, in diagonals of the scene.
 const STEP: f64 = 0.002;

@@ -5,7 +5,7 @@
 #   tests/viewer/check.sh [FOLDER]
 #
 # Pictures of the window are kept in FOLDER, if it is named. A command of its own, and no part of tests/run.sh: the feature
-# brings 80 crates. Needs Linux, Xvfb, xdotool, ImageMagick (Debian and Ubuntu: xvfb xdotool imagemagick) and a Vulkan
+# brings about 80 crates. Needs Linux, Xvfb, xdotool, ImageMagick (Debian and Ubuntu: xvfb xdotool imagemagick) and a Vulkan
 # driver, a software one included; says what is missing, and skips. What needs no window is tested by `cargo test`.
 set -euo pipefail
 cd "$(dirname "$0")/../.."

@@ -10,7 +10,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-for tool in Xvfb xdotool import compare; do
+for tool in Xvfb xdotool import compare convert; do
     command -v "$tool" >/dev/null || { echo "SKIPPED viewer: no $tool"; exit 0; }
 done
 

@@ -107,6 +107,7 @@
 //! - `parallel` (default): verification and pictures on several threads; the same bytes either way.
 //! - `verify`: the big-integer reference, verification at points, `accuracy` and torture.
 //! - `serde`: `Serialize` for reports, with the keys of the command's JSON.
+//! - `viewer`: the window of `umbrage view`; needs Rust 1.95.
 //! - `testing`: strategies for property tests of shadows, with proptest; promises nothing between versions.
 //!
 //! `--no-default-features` leaves a lean geometry library: at most 20 crates, itself included.

@@ -9,6 +9,9 @@
 # The real meshes are looked for in $UMBRAGE_MESHES, or in ../shared/meshes, and inputs of public reports in
 # $UMBRAGE_REPORTS, or in ../shared/reports. Without them their tests are skipped, which the last lines list;
 # UMBRAGE_REQUIRE_MESHES=1 makes that a failure. Arguments go to the test binaries (for example a part of a test's name).
+#
+# The window of `umbrage view` is tested by tests/viewer/check.sh, a command of its own, since it has to be built first,
+# for minutes. What it draws and how it answers is tested here, too.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

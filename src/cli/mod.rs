@@ -35,6 +35,7 @@ mod volume;
 mod verify;
 mod plan;
 mod render;
+mod window;
 mod ambient;
 mod torture;
 mod accuracy;
@@ -73,6 +74,7 @@ enum Command {
     Verify(verify::Args),
     Plan(plan::Args),
     Render(render::Args),
+    View(window::Args),
     Ambient(ambient::Args),
     Torture(torture::Args),
     Accuracy(accuracy::Args),
@@ -91,6 +93,7 @@ impl Command {
             Self::Verify(args) => verify::run(args),
             Self::Plan(args) => plan::run(args),
             Self::Render(args) => render::run(args),
+            Self::View(args) => window::run(args),
             Self::Ambient(args) => ambient::run(args),
             Self::Torture(args) => torture::run(args),
             Self::Accuracy(args) => accuracy::run(args),

@@ -166,6 +166,21 @@ fn cli_usage_errors_exit_with_two() {
     assert_eq!(folder.code("--version"), 0);
 }
 
+/// Builds without the window say how to get it; builds with it, what it needs.
+#[test]
+#[cfg(all(unix, not(target_os = "macos")))]
+fn cli_view_without_a_display_says_what_to_do() {
+    let folder = Folder::with_cubes();
+    let none = [("DISPLAY", ""), ("WAYLAND_DISPLAY", ""), ("WAYLAND_SOCKET", "")];
+    let run = folder.run_in(&none, "view cube.obj");
+    let wanted = match cfg!(feature = "viewer") {
+        true => "there is no display for a window; run it on a desktop",
+        false => "without the feature viewer; cargo install umbrage --features viewer",
+    };
+    assert_eq!((run.code, run.stdout.as_str()), (2, ""));
+    assert!(run.stderr.contains(wanted) && run.stderr.lines().count() == 1, "{}", run.stderr);
+}
+
 #[test]
 fn cli_help_names_every_default() {
     let folder = Folder::new();
@@ -177,6 +192,7 @@ fn cli_help_names_every_default() {
         "volume",
         "verify",
         "render",
+        "view",
         "ambient",
         "plan",
         "torture",
@@ -228,6 +244,10 @@ fn cli_refuses_values_that_mean_nothing() {
         ("silhouette cube.obj -o a.png", ".png"),
         ("check cube.obj --picture a.jpg", ".png"),
         ("check cube.obj open.obj --picture a.png", "--picture"),
+        ("view cube.obj --screenshot a.jpg", ".png"),
+        ("view cube.obj --screenshot no/a.png", "no"),
+        ("view cube.obj --shadow plan.json", "draws no saved plan"),
+        ("view cube.obj --show walls", "walls"),
         ("render cube.obj", "--output"),
         ("render cube.obj -o a.jpg", ".png"),
         ("render cube.obj -o a.png --size 99999x99999", "99999x99999"),

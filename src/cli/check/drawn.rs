@@ -4,18 +4,18 @@ use umbrage::check::{Defect, DefectKind};
 use umbrage::mesh::Mesh;
 
 /// The form in which a defect is drawn. Its position and faces are in the [`Defect`].
-pub(super) struct Drawn {
+pub(crate) struct Drawn {
     /// Line segments, in the units of the mesh.
-    pub(super) lines: Vec<[[f32; 3]; 2]>,
+    pub(crate) lines: Vec<[[f32; 3]; 2]>,
     /// Whether its position is marked: lines and faces would not show it.
-    pub(super) spot: bool,
+    pub(crate) spot: bool,
     /// Whether its faces have the color of its kind.
-    pub(super) faces: bool,
+    pub(crate) faces: bool,
 }
 
 impl Drawn {
     /// `mesh` is the one that the defect was found in.
-    pub(super) fn of(kind: DefectKind, defect: &Defect, mesh: &Mesh) -> Self {
+    pub(crate) fn of(kind: DefectKind, defect: &Defect, mesh: &Mesh) -> Self {
         let mut lines = defect.segments.clone();
         // A face without area is invisible: two of its sides cover it.
         let thin = matches!(kind, DefectKind::CollapsedFace | DefectKind::ZeroAreaFace);
@@ -39,7 +39,7 @@ pub(super) fn has_colored_faces(kind: DefectKind) -> bool {
 }
 
 /// A color's name and its sRGB bytes.
-pub(super) fn color(kind: DefectKind) -> (&'static str, [u8; 3]) {
+pub(crate) fn color(kind: DefectKind) -> (&'static str, [u8; 3]) {
     match kind {
         DefectKind::BoundaryLoop => ("red", [230, 25, 25]),
         DefectKind::NonManifoldEdge => ("magenta", [225, 20, 225]),

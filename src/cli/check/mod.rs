@@ -42,7 +42,11 @@ use picture::Sketch;
 use report::{Drawings, Found, MeshReport, Place, examine};
 use rules::Rules;
 
+#[cfg(any(test, feature = "viewer"))]
+pub(super) use drawn::{Drawn, color as defect_color};
 pub(super) use json::total;
+#[cfg(any(test, feature = "viewer"))]
+pub(super) use page::{around, mean_normal};
 pub(super) use report::{FileReport, report_on};
 
 /// Crack report: is a mesh closed, and if not, where and with what effect

@@ -23,6 +23,8 @@ use umbrage::write::write_atomic;
 pub(crate) use drawn::{FalloffArg, as_drawn, shaded};
 pub(crate) use every::words as check_words;
 pub(crate) use options::{measured_costs, read_costs};
+#[cfg(any(all(test, feature = "gpu"), feature = "viewer"))]
+pub(crate) use picture::known;
 pub(crate) use saved::{Identity, Saved};
 
 use super::input::{Source, SourceArgs};

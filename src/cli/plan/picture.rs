@@ -12,12 +12,26 @@ use crate::cli::caption::captioned;
 /// Cells along each side of the grid that proves.
 const SIDE: u32 = 256;
 
-/// The picture and its legend. Of several lamps, the one of most doubt decides the color of a point.
+/// The picture and its legend.
 pub(super) fn draw(
     casters: &CasterGroup<'_>,
     lamps: &[Lamp],
     samples: &Samples,
 ) -> Result<(Picture, String), MemoryError> {
+    let all = known(casters, lamps, samples);
+    let count = |known: &Knowledge| all.iter().filter(|other| *other == known).count();
+    let found: Vec<(Knowledge, usize)> =
+        Knowledge::ALL.iter().map(|known| (*known, count(known))).filter(|(_, count)| *count > 0).collect();
+    let legend = found.iter().map(|(known, count)| format!("{} {}: {count}", known.color().0, known.name()));
+    let legend = legend.collect::<Vec<_>>().join(", ");
+    let legend = format!("colors, with the number of samples: {legend}");
+    let keys = found.iter().map(|(known, count)| (known.color().1, format!("{}: {count}", known.name())));
+    let lines = ["What is proven about each visible point, whatever technique is chosen"];
+    Ok((captioned(knowledge(samples, &all)?, &lines, &keys.collect::<Vec<_>>()), legend))
+}
+
+/// What is known of each sample. Of several lamps, the one of most doubt decides.
+pub(crate) fn known(casters: &CasterGroup<'_>, lamps: &[Lamp], samples: &Samples) -> Vec<Knowledge> {
     let mut all = vec![Knowledge::Irrelevant; samples.len()];
     for lamp in lamps {
         // Whether each sample faces the lamp.
@@ -46,13 +60,5 @@ pub(super) fn draw(
             *known = (*known).max(found);
         }
     }
-    let count = |known: &Knowledge| all.iter().filter(|other| *other == known).count();
-    let found: Vec<(Knowledge, usize)> =
-        Knowledge::ALL.iter().map(|known| (*known, count(known))).filter(|(_, count)| *count > 0).collect();
-    let legend = found.iter().map(|(known, count)| format!("{} {}: {count}", known.color().0, known.name()));
-    let legend = legend.collect::<Vec<_>>().join(", ");
-    let legend = format!("colors, with the number of samples: {legend}");
-    let keys = found.iter().map(|(known, count)| (known.color().1, format!("{}: {count}", known.name())));
-    let lines = ["What is proven about each visible point, whatever technique is chosen"];
-    Ok((captioned(knowledge(samples, &all)?, &lines, &keys.collect::<Vec<_>>()), legend))
+    all
 }

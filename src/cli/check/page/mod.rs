@@ -134,7 +134,7 @@ impl OfKind {
 }
 
 /// The middle of what is drawn of a defect, and the distance to its farthest point.
-fn around(kind: DefectKind, defect: &Defect, drawn: &Drawn, mesh: &Mesh) -> ([f64; 3], f64) {
+pub(crate) fn around(kind: DefectKind, defect: &Defect, drawn: &Drawn, mesh: &Mesh) -> ([f64; 3], f64) {
     let corners = || defect.faces.iter().take(FACES_SEEN).flat_map(|&face| mesh.corners(face));
     let points: Vec<[f64; 3]> = match drawn.lines.is_empty() {
         true => corners().map(|point| point.map(f64::from)).collect(),
@@ -159,7 +159,7 @@ fn around(kind: DefectKind, defect: &Defect, drawn: &Drawn, mesh: &Mesh) -> ([f6
 }
 
 /// The sum of the unit normals of the faces; zero where they cancel.
-fn mean_normal(defect: &Defect, mesh: &Mesh) -> [f64; 3] {
+pub(crate) fn mean_normal(defect: &Defect, mesh: &Mesh) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for &face in defect.faces.iter().take(FACES_SEEN) {
         let [a, b, c] = mesh.corners(face).map(|corner| corner.map(f64::from));

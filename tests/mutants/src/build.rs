@@ -98,7 +98,8 @@ pub fn build(options: &Options, plan: &Plan, given_up: &mut HashSet<u32>) -> Res
     unreachable!()
 }
 
-/// The mutants to which an error belongs: those of the narrowest place that holds one of its spans, the main one first.
+/// The mutants to which an error belongs: those of the narrowest place that holds one of its spans, the main one
+/// first.
 fn blamed(error: &serde_json::Value, spots: &HashMap<&str, Vec<Spot>>, given_up: &HashSet<u32>) -> Vec<u32> {
     let mut spans = Vec::new();
     flatten(error, &mut spans);
@@ -129,7 +130,7 @@ fn blamed(error: &serde_json::Value, spots: &HashMap<&str, Vec<Spot>>, given_up:
     Vec::new()
 }
 
-/// File, first and last byte of each span of an error: main ones first, then others, then those of what is below it.
+/// File, first and last byte of each span of an error: main ones first, then others, then those below it.
 fn flatten(error: &serde_json::Value, into: &mut Vec<(String, usize, usize)>) {
     let spans = error["spans"].as_array().map_or(&[][..], |spans| spans);
     for primary in [true, false] {

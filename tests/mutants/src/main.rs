@@ -1,8 +1,9 @@
 //! Mutation testing with every mutant in one test binary, chosen at run time.
 //!
-//! Mutant schemata: R. Untch, A. J. Offutt, M. J. Harrold, "Mutation analysis using mutant schemata", ISSTA 1993. The
-//! tree is copied, and each place of its files that can change asks which change is in force. One build holds all of
-//! them. Tests are traced first, one process each: a mutant meets only those that come by, the quickest first.
+//! Mutant schemata: R. Untch, A. J. Offutt, M. J. Harrold, "Mutation analysis using mutant schemata", ISSTA 1993.
+//! The tree is copied, and each place of its files that can change asks which change is in force. One build holds
+//! all of them. Tests are traced first, one process each: a mutant meets only those that come by, the quickest
+//! first.
 
 mod build;
 mod defaults;

@@ -1,5 +1,6 @@
 //! The parts, their files, and the numbered mutants of all of them.
 
+use std::cmp::Reverse;
 use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -226,13 +227,13 @@ pub fn make(root: &Path, folder: &Path, parts: Vec<Part>) -> Result<Plan, String
     Ok(Plan { parts, mutants, files })
 }
 
-/// The text of a file with the mutants of `places` that are not in `given_up`, and the bytes of it where each stands:
-/// pairs of a range and a mutant, and of a range and the mutants of a whole place.
+/// The text of a file with the mutants of `places` that are not in `given_up`, and which bytes of it are there
+/// because of which.
 pub fn rewrite(source: &str, places: &[Place], given_up: &HashSet<u32>) -> (String, Vec<Spot>) {
     // At equal bytes: ends before beginnings, inner ends before outer ones, outer beginnings before inner ones.
-    let mut pieces: Vec<((usize, u8, isize), Vec<(Option<u32>, String)>, usize)> = Vec::new();
+    let mut pieces: Vec<Piece> = Vec::new();
     let mut order = (0..places.len()).collect::<Vec<_>>();
-    order.sort_by_key(|&index| (places[index].point.at.start, std::cmp::Reverse(places[index].point.at.end)));
+    order.sort_by_key(|&index| (places[index].point.at.start, Reverse(places[index].point.at.end)));
     for (rank, &index) in order.iter().enumerate() {
         let Place { first, point } = &places[index];
         let left = (0..point.changes.len() as u32).filter(|change| !given_up.contains(&(first + change)));
@@ -242,54 +243,67 @@ pub fn rewrite(source: &str, places: &[Place], given_up: &HashSet<u32>) -> (Stri
         }
         let switch = format!("crate::mutant::at({first})");
         let (before, after) = ((point.at.start, 1, rank as isize), (point.at.end, 0, -(rank as isize)));
-        let of = |change: u32, text: String| (Some(first + change), text);
+        let arms = |before: &str, after: &str| {
+            let arm = |&change: &u32| {
+                let text = &point.changes[change as usize].text;
+                (Some(first + change), format!("{change} => {before}{text}{after},\n"))
+            };
+            left.iter().map(arm).collect::<Vec<_>>()
+        };
+        let plain = |text: &str| vec![(None, text.to_owned())];
         match point.form {
             Form::Expression => {
-                let mut text = vec![(None, format!("(match {switch} {{\n"))];
-                text.extend(left.iter().map(|&change| {
-                    of(change, format!("{change} => ({}),\n", point.changes[change as usize].text))
-                }));
-                text.push((None, "_ => (".into()));
-                pieces.push((before, text, index));
-                pieces.push((after, vec![(None, ")})".into())], index));
+                let text =
+                    [plain(&format!("(match {switch} {{\n")), arms("(", ")"), plain("_ => (")].concat();
+                pieces.push(Piece { key: before, text, place: index });
+                pieces.push(Piece { key: after, text: plain(")})"), place: index });
             }
             Form::Body => {
-                let mut text = vec![(None, format!("match {switch} {{\n"))];
-                text.extend(left.iter().map(|&change| {
-                    of(change, format!("{change} => {},\n", point.changes[change as usize].text))
-                }));
-                text.push((None, "_ => {}\n}\n".into()));
-                pieces.push((before, text, index));
+                let text =
+                    [plain(&format!("match {switch} {{\n")), arms("", ""), plain("_ => {}\n}\n")].concat();
+                pieces.push(Piece { key: before, text, place: index });
             }
-            Form::Arm => pieces.push((after, vec![of(0, format!(" if {switch} != 0"))], index)),
+            Form::Arm => {
+                let text = vec![(Some(*first), format!(" if {switch} != 0"))];
+                pieces.push(Piece { key: after, text, place: index });
+            }
         }
     }
-    pieces.sort_by_key(|(key, ..)| *key);
+    pieces.sort_by_key(|piece| piece.key);
     let (mut text, mut spots, mut from) = (String::new(), Vec::new(), 0);
     let mut opened: HashMap<usize, usize> = HashMap::new();
-    for ((at, ..), parts, index) in pieces {
+    for Piece { key: (at, ..), text: added, place } in pieces {
         text.push_str(&source[from..at]);
         from = at;
         let start = text.len();
-        for (mutant, part) in parts {
+        for (mutant, part) in added {
             let start = text.len();
             text.push_str(&part);
             if let Some(mutant) = mutant {
                 spots.push(Spot { bytes: start..text.len(), mutants: mutant..mutant + 1 });
             }
         }
-        let Place { first, point } = &places[index];
+        let Place { first, point } = &places[place];
         let all = *first..first + point.changes.len() as u32;
         if point.form != Form::Expression {
             spots.push(Spot { bytes: start..text.len(), mutants: all });
-        } else if let Some(start) = opened.remove(&index) {
+        } else if let Some(start) = opened.remove(&place) {
             spots.push(Spot { bytes: start..text.len(), mutants: all });
         } else {
-            opened.insert(index, start);
+            opened.insert(place, start);
         }
     }
     text.push_str(&source[from..]);
     (text, spots)
+}
+
+/// Text that is added to a file.
+struct Piece {
+    /// Where, and its order among those that are added there.
+    key: (usize, u8, isize),
+    /// Its parts, with the mutants that they are.
+    text: Vec<(Option<u32>, String)>,
+    place: usize,
 }
 
 /// Bytes of a rewritten file that are there because of some mutants.

@@ -279,12 +279,13 @@ impl<'ast> Visit<'ast> for Walk<'_> {
         }
         match part {
             Expr::Binary(binary) => self.binary(part, binary),
-            Expr::Unary(unary) if matches!(unary.op, UnOp::Not(_) | UnOp::Neg(_)) => {
-                // A negative literal is a constant.
-                if !matches!(*unary.expr, Expr::Lit(_)) {
-                    let text = self.text(&*unary.expr).to_owned();
-                    self.expression(part, vec![(format!("without {}", self.text(&unary.op)), text)]);
-                }
+            // A negative literal is a constant.
+            Expr::Unary(unary)
+                if matches!(unary.op, UnOp::Not(_) | UnOp::Neg(_))
+                    && !matches!(*unary.expr, Expr::Lit(_)) =>
+            {
+                let text = self.text(&*unary.expr).to_owned();
+                self.expression(part, vec![(format!("without {}", self.text(&unary.op)), text)]);
             }
             Expr::If(one) => self.condition(&one.cond),
             Expr::While(one) => self.condition(&one.cond),

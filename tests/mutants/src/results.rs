@@ -84,7 +84,8 @@ impl Results {
     }
 }
 
-/// Mutants that change nothing that can be seen, with the reason: `FILE: PART OF THE CHANGE -- REASON` a line. Fails if
+/// Mutants that change nothing that can be seen, with the reason: `FILE: PART OF THE CHANGE -- REASON` a line.
+/// Fails if
 /// a line fits no mutant.
 pub fn equivalent(path: &Path, plan: &Plan) -> Result<HashMap<String, String>, String> {
     let mut all = HashMap::new();

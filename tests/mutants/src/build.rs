@@ -41,6 +41,11 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     fs::write(path, bytes).map_err(fail)
 }
 
+/// The root of the crate with the module of the switch; warnings would be thousands.
+fn with_switch(lib: &str) -> String {
+    format!("#![allow(warnings)] {lib}\nmod mutant;\n")
+}
+
 /// Builds the tests with every mutant of `plan` that builds; those that do not are put into `given_up`.
 pub fn build(options: &Options, plan: &Plan, given_up: &mut HashSet<u32>) -> Result<PathBuf, String> {
     let (root, to) = (&options.root, &options.copy);
@@ -58,13 +63,13 @@ pub fn build(options: &Options, plan: &Plan, given_up: &mut HashSet<u32>) -> Res
         for ((file, places), source) in plan.files.iter().zip(&originals) {
             let (mut text, these) = plan::rewrite(source, places, given_up);
             if file == "src/lib.rs" {
-                text.push_str("\nmod mutant;\n");
+                text = with_switch(&text);
             }
             write(&to.join(file), text.as_bytes())?;
             spots.insert(file, these);
         }
         if !spots.contains_key("src/lib.rs") {
-            write(&to.join("src/lib.rs"), format!("{lib}\nmod mutant;\n").as_bytes())?;
+            write(&to.join("src/lib.rs"), with_switch(&lib).as_bytes())?;
         }
         eprintln!("building, round {round}: {} mutants do not build", given_up.len());
         let output = Command::new("cargo")

@@ -30,6 +30,7 @@ const USAGE: &str = "usage: umbrage-mutants [PART…] [OPTION…]
   --shard I/N      every Nth mutant, from the Ith (I from 0)
   --workers N      tests at a time (default: 2)
   --minutes M      begins no mutant after M minutes; the next run goes on
+  --slowest S      leaves out tests that take longer than S seconds without a mutant (default: 600)
   --fresh          forgets the results of earlier runs
   --list           lists the mutants, and builds nothing";
 
@@ -43,6 +44,7 @@ struct Arguments {
     shard: (usize, usize),
     workers: usize,
     minutes: f64,
+    slowest: f64,
     fresh: bool,
     list: bool,
 }
@@ -58,6 +60,7 @@ fn arguments() -> Result<Arguments, String> {
         shard: (0, 1),
         workers: 2,
         minutes: f64::INFINITY,
+        slowest: 600.0,
         fresh: false,
         list: false,
     };
@@ -84,6 +87,11 @@ fn arguments() -> Result<Arguments, String> {
             "--minutes" => {
                 let text = value()?;
                 all.minutes = text.parse().map_err(|_| bad(&text))?;
+            }
+            "--slowest" => {
+                let text = value()?;
+                all.slowest =
+                    text.parse().ok().filter(|s| (0.0..1e6).contains(s)).ok_or_else(|| bad(&text))?;
             }
             "--fresh" => all.fresh = true,
             "--list" => all.list = true,
@@ -156,9 +164,10 @@ fn work(arguments: &Arguments) -> Result<bool, String> {
     let names =
         names.into_iter().filter(|name| plan.parts.iter().any(|part| is_of(name, part))).collect::<Vec<_>>();
     eprintln!("built in {:.1} minutes; tracing {} tests", built.as_secs_f64() / 60.0, names.len());
-    let (tests, failed) = binary.trace(&names, arguments.workers, &out)?;
+    let (tests, failed) =
+        binary.trace(&names, arguments.workers, &out, state, Duration::from_secs_f64(arguments.slowest))?;
     for name in &failed {
-        eprintln!("fails without a mutant, and is left out: {name}");
+        eprintln!("fails without a mutant or is too slow, and is left out: {name}");
     }
     let traced = start.elapsed();
     eprintln!("traced in {:.1} minutes", (traced - built).as_secs_f64() / 60.0);

@@ -224,6 +224,10 @@ pub fn make(root: &Path, folder: &Path, parts: Vec<Part>) -> Result<Plan, String
         }
         files.push((file, all));
     }
+    // The trace has a place for each.
+    if mutants.len() > 1 << 16 {
+        return Err(format!("{} mutants are more than 65536: run fewer parts at a time", mutants.len()));
+    }
     Ok(Plan { parts, mutants, files })
 }
 

@@ -101,33 +101,61 @@ impl Binary {
         }
     }
 
-    /// Runs each test with no mutant, and notes what it reaches. Returns the tests, and those that fail.
+    /// Runs each test with no mutant, and notes what it reaches; one that takes longer than `slowest` is ended.
+    /// Returns the tests, and those that fail or are too slow. What an earlier run of the same binary noted in
+    /// `folder` is taken from there: `state` is a hash of the binary.
     pub fn trace(
         &self,
         names: &[String],
         workers: usize,
         folder: &Path,
+        state: u64,
+        slowest: Duration,
     ) -> Result<(Vec<Test>, Vec<String>), String> {
-        let results = each(names.len(), workers, |index| {
+        let kept = folder.join("trace.tsv");
+        let head = format!("{state:x}");
+        let old = fs::read_to_string(&kept).unwrap_or_default();
+        let mut known: HashMap<&str, &str> = HashMap::new();
+        if old.lines().next() == Some(&head) {
+            known.extend(old.lines().skip(1).filter_map(|line| line.split_once('\t')));
+        }
+        let lines = each(names.len(), workers, |index| {
+            if let Some(line) = known.get(names[index].as_str()) {
+                return (*line).to_owned();
+            }
             let file = folder.join(format!("trace-{index}"));
             let _ = fs::remove_file(&file);
             let start = Instant::now();
-            let end = self.run(
-                &names[index],
-                ("UMBRAGE_MUTANT_TRACE", &file.to_string_lossy()),
-                Duration::from_secs(600),
-            );
+            let end = self.run(&names[index], ("UMBRAGE_MUTANT_TRACE", &file.to_string_lossy()), slowest);
             let seconds = start.elapsed().as_secs_f64();
             let bytes = fs::read(&file).unwrap_or_default();
             let _ = fs::remove_file(&file);
-            let reaches =
-                bytes.chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]));
-            let test = Test { name: names[index].clone(), seconds, reaches: reaches.collect() };
-            (test, end == End::Passed)
+            let reached = bytes
+                .chunks_exact(4)
+                .map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]).to_string())
+                .collect::<Vec<_>>()
+                .join(" ");
+            let end = if end == End::Passed { "passed" } else { "left out" };
+            format!("{end}\t{seconds}\t{reached}")
         });
-        let (passed, failed): (Vec<_>, Vec<_>) = results.into_iter().partition(|(_, passed)| *passed);
-        let tests = passed.into_iter().map(|(test, _)| test).collect();
-        Ok((tests, failed.into_iter().map(|(test, _)| test.name).collect()))
+        let mut text = head + "\n";
+        let (mut tests, mut left_out) = (Vec::new(), Vec::new());
+        for (name, line) in names.iter().zip(lines) {
+            text += &format!("{name}\t{line}\n");
+            let fields = line.split('\t').collect::<Vec<_>>();
+            let [end, seconds, reached] = fields[..] else { return Err(format!("not a trace: {line}")) };
+            if end == "passed" {
+                tests.push(Test {
+                    name: name.clone(),
+                    seconds: seconds.parse().map_err(|_| format!("not a trace: {line}"))?,
+                    reaches: reached.split_whitespace().filter_map(|number| number.parse().ok()).collect(),
+                });
+            } else {
+                left_out.push(name.clone());
+            }
+        }
+        fs::write(&kept, text).map_err(|error| format!("{}: {error}", kept.display()))?;
+        Ok((tests, left_out))
     }
 
     /// Runs `tests` with a mutant until one notices it.

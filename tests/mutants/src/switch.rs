@@ -3,7 +3,7 @@
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// Not asked yet.
 const UNKNOWN: u32 = u32::MAX;
@@ -14,8 +14,10 @@ const NONE: u32 = u32::MAX - 2;
 
 /// The number of the mutant in force, from the environment variable `UMBRAGE_MUTANT`.
 static ACTIVE: AtomicU32 = AtomicU32::new(UNKNOWN);
-/// The file of the trace, and a bit for each point that is in it.
-static SEEN: Mutex<Option<(File, Vec<u64>)>> = Mutex::new(None);
+/// The file of the trace.
+static FILE: Mutex<Option<File>> = Mutex::new(None);
+/// Whether a point is in the trace.
+static SEEN: [AtomicBool; 1 << 16] = [const { AtomicBool::new(false) }; 1 << 16];
 
 /// Which of the changes of the point that begins at number `first` is in force; a large number for none.
 #[inline]
@@ -25,37 +27,34 @@ pub(crate) fn at(first: u32) -> u32 {
     active.wrapping_sub(first)
 }
 
-#[cold]
-fn slow(mut active: u32, first: u32) -> u32 {
+#[inline(never)]
+fn slow(active: u32, first: u32) -> u32 {
     if active == UNKNOWN {
-        let trace = std::env::var_os("UMBRAGE_MUTANT_TRACE");
-        active = match std::env::var("UMBRAGE_MUTANT") {
-            Ok(number) => number.parse().expect("UMBRAGE_MUTANT is the number of a mutant"),
-            Err(_) if trace.is_some() => TRACE,
-            Err(_) => NONE,
-        };
-        if let Some(path) = trace {
-            let mut seen = SEEN.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-            if seen.is_none() {
-                let file = OpenOptions::new().create(true).append(true).open(path).expect("the trace opens");
-                *seen = Some((file, Vec::new()));
-            }
-        }
-        ACTIVE.store(active, Ordering::Relaxed);
+        start();
+        return at(first).wrapping_add(first);
     }
-    if active == TRACE {
-        let mut seen = SEEN.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        if let Some((file, bits)) = seen.as_mut() {
-            let (word, bit) = (first as usize / 64, 1 << (first % 64));
-            if bits.len() <= word {
-                bits.resize(word + 1, 0_u64);
-            }
-            if bits[word] & bit == 0 {
-                bits[word] |= bit;
-                file.write_all(&first.to_le_bytes()).expect("the trace is written");
-            }
-        }
-        return NONE;
+    let seen = &SEEN[first as usize];
+    if !seen.load(Ordering::Relaxed) && !seen.swap(true, Ordering::Relaxed) {
+        let mut file = FILE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let file = file.as_mut().expect("the trace is open");
+        file.write_all(&first.to_le_bytes()).expect("the trace is written");
     }
-    active
+    NONE
+}
+
+/// Reads the variables.
+fn start() {
+    let mut file = FILE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    if ACTIVE.load(Ordering::Relaxed) != UNKNOWN {
+        return;
+    }
+    let mut active = NONE;
+    if let Ok(number) = std::env::var("UMBRAGE_MUTANT") {
+        active = number.parse().expect("UMBRAGE_MUTANT is the number of a mutant");
+    } else if let Some(path) = std::env::var_os("UMBRAGE_MUTANT_TRACE") {
+        let opened = OpenOptions::new().create(true).append(true).open(path);
+        *file = Some(opened.expect("the trace opens"));
+        active = TRACE;
+    }
+    ACTIVE.store(active, Ordering::Relaxed);
 }

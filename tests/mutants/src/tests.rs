@@ -20,6 +20,7 @@ fn arguments(name: &str) -> Arguments {
         shard: (0, 1),
         workers: 2,
         minutes: f64::INFINITY,
+        slowest: 600.0,
         fresh: false,
         list: false,
     }

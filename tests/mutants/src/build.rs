@@ -18,13 +18,17 @@ pub struct Options {
 }
 
 /// Copies what git knows of the tree, and what is new in it; files that are as they were keep their time.
-fn copy(root: &Path, to: &Path) -> Result<(), String> {
+/// Those that are `changed` are written later.
+fn copy(root: &Path, to: &Path, changed: &[&str]) -> Result<(), String> {
     let listed = Command::new("git")
         .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
         .current_dir(root)
         .output()
         .map_err(|error| format!("git: {error}"))?;
     for name in String::from_utf8_lossy(&listed.stdout).split('\0').filter(|name| !name.is_empty()) {
+        if changed.contains(&name) {
+            continue;
+        }
         if let Ok(bytes) = fs::read(root.join(name)) {
             write(&to.join(name), &bytes)?;
         }
@@ -51,7 +55,9 @@ pub fn build(options: &Options, plan: &Plan, given_up: &mut HashSet<u32>) -> Res
     let (root, to) = (&options.root, &options.copy);
     let originals =
         plan.files.iter().map(|(file, _)| plan::read(&root.join(file))).collect::<Result<Vec<_>, _>>()?;
-    copy(root, to)?;
+    let mut changed = plan.files.iter().map(|(file, _)| file.as_str()).collect::<Vec<_>>();
+    changed.extend(["src/lib.rs", "Cargo.toml"]);
+    copy(root, to, &changed)?;
     write(&to.join("src/mutant.rs"), include_bytes!("switch.rs"))?;
     // A crate that depends on itself, for its tests in files of their own, would be built twice.
     let manifest = plan::read(&root.join("Cargo.toml"))?;

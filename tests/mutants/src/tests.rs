@@ -23,6 +23,7 @@ fn arguments(name: &str) -> Arguments {
         slowest: 600.0,
         fresh: false,
         list: false,
+        report: false,
     }
 }
 

@@ -9,6 +9,8 @@ pub(crate) mod gpu;
 pub(crate) mod plane_tree;
 pub(crate) mod planes;
 pub(crate) mod quantized;
+#[cfg(test)]
+mod signs_tests;
 
 pub(crate) use clusters::OPEN_SHARE;
 pub use clusters::{FaceClusters, FacingRanges};

@@ -316,6 +316,44 @@ mod tests {
         assert!(differing > 1000, "{differing}");
     }
 
+    /// Slivers around one corner, aimed at: all their boxes begin there, and their rounded distances lie on both
+    /// sides of it. Coordinates beyond the range of boxes in `f32`, whose own slack would hide this.
+    #[test]
+    fn first_hit_at_a_corner_of_many_slivers_is_the_least_of_all() {
+        let scale = 2.0_f32.powi(70);
+        let mut random = crate::random::SplitMix64(5);
+        let mut random = move || random.unit() as f32;
+        let mut differing = 0;
+        for _ in 0..40 {
+            let (mut positions, mut triangles) = (vec![[0.0, 0.0, 0.0]], Vec::new());
+            for face in 0..64_u32 {
+                let (sin, cos) = (6.3 * random()).sin_cos();
+                let (long, deep, wide) = (1.0 + random(), random(), 1e-3 * random());
+                positions.push([long * cos, long * sin, -deep]);
+                positions.push([0.7 * long * cos - wide * sin, 0.7 * long * sin + wide * cos, -0.7 * deep]);
+                triangles.push([2 * face + 1, 2 * face + 2, 0]);
+            }
+            let positions = positions.into_iter().map(|p| p.map(|x| x * scale)).collect();
+            let mesh = Mesh::new(positions, triangles).unwrap();
+            let oracle = Oracle::build(&mesh);
+            for _ in 0..20 {
+                // The corner is the origin: the opposite of the eye leads to it, exactly.
+                let origin = [random() - 0.5, random() - 0.5, 2.0 + random()].map(|x| x * scale);
+                let direction = origin.map(|x| -x);
+                let towards = Light::directional(origin).unwrap();
+                let all: Vec<Hit> = (0..mesh.face_count())
+                    .map(FaceId::new)
+                    .filter(|&face| intersect(origin, &towards, mesh.corners(face)) != Intersection::None)
+                    .map(|face| Hit { face, t: distance(origin, &towards, mesh.corners(face)) })
+                    .collect();
+                let naive = all.iter().copied().min_by(|a, b| a.t.total_cmp(&b.t));
+                assert_eq!(oracle.first_hit(origin, direction), naive);
+                differing += all.iter().filter(|hit| naive.is_some_and(|least| hit.t > least.t)).count();
+            }
+        }
+        assert!(differing > 1000, "{differing}");
+    }
+
     #[test]
     fn visible_point_is_found_for_a_hit_at_the_origin_and_for_tiny_directions() {
         // Steps of the hit's last place are below the spacing of t here: the search would never end.

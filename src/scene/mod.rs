@@ -8,6 +8,9 @@ mod pattern;
 mod pose;
 mod visible;
 
+#[cfg(test)]
+mod bake_tests;
+
 use glam::Mat4;
 
 pub use format::Format;

@@ -108,6 +108,30 @@ mod tests {
     }
 
     #[test]
+    fn rounded_sign_of_axes_is_claimed_at_any_scale() {
+        // One product of the determinant and the same one of the permanent: nothing cancels.
+        for scale in [1e-30, 1.0, 1e30] {
+            let axis = |i: usize| {
+                let mut at = [0.0; 3];
+                at[i] = scale;
+                Rounded::point(at)
+            };
+            for (order, sign) in [
+                ([0, 1, 2], Sign::Positive),
+                ([1, 2, 0], Sign::Positive),
+                ([2, 0, 1], Sign::Positive),
+                ([0, 2, 1], Sign::Negative),
+                ([1, 0, 2], Sign::Negative),
+                ([2, 1, 0], Sign::Negative),
+            ] {
+                let [a, b, c] = order.map(axis);
+                let origin = Rounded::point([0.0; 3]);
+                assert_eq!(orient3d_rounded([a, b, c, origin]), sign, "{order:?} times {scale}");
+            }
+        }
+    }
+
+    #[test]
     fn rounded_sign_of_points_that_round_is_not_claimed_on_a_plane() {
         // On the plane z = x + y, but for the rounding of z.
         let mut claimed = [0, 0];

@@ -274,6 +274,31 @@ fn predicate_homogeneous_cofactors_agree_wherever_the_pivot_stands() {
     assert_eq!(orient3d_homogeneous([far; 4]), Sign::Zero);
 }
 
+#[test]
+fn predicate_homogeneous_is_the_sign_of_the_unit_rows_in_every_order() {
+    // A light in the direction of an axis shines against it.
+    let axis = |xyz: [f32; 3]| Homogeneous::light(&Light::directional(xyz.map(|x| -x)).unwrap());
+    let [x, y, z] = [axis([1.0, 0.0, 0.0]), axis([0.0, 1.0, 0.0]), axis([0.0, 0.0, 1.0])];
+    // Of the identity, with the one finite row in each place.
+    let w = Homogeneous::point([0.0; 3]);
+    assert_eq!(orient3d_homogeneous([x, y, z, w]), Sign::Positive);
+    assert_eq!(orient3d_homogeneous([x, y, w, z]), Sign::Negative);
+    assert_eq!(orient3d_homogeneous([x, w, y, z]), Sign::Positive);
+    assert_eq!(orient3d_homogeneous([w, x, y, z]), Sign::Negative);
+    assert_eq!(orient3d_homogeneous([w, x, z, y]), Sign::Positive);
+}
+
+#[test]
+fn predicate_collinear_points_are_on_one_line_to_the_last_place() {
+    let [a, b] = [[1.0_f32, 2.0, 3.0], [2.0, 4.0, 6.0]];
+    assert!(collinear(a, b, [3.0, 6.0, 9.0]) && collinear(a, b, a) && collinear(a, a, a));
+    for axis in 0..3 {
+        let mut off = [3.0, 6.0, 9.0_f32];
+        off[axis] = off[axis].next_up();
+        assert!(!collinear(a, b, off), "axis {axis}");
+    }
+}
+
 /// Three points exactly on one line, so far apart that their differences are rounded.
 fn on_one_line(random: &mut SplitMix64) -> [[f32; 3]; 3] {
     let direction = [(); 3].map(|()| random.below(255) as f32 - 127.0);

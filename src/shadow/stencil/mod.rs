@@ -19,6 +19,8 @@ mod scissor;
 mod scissor_tests;
 mod tiled;
 mod volumes;
+#[cfg(test)]
+mod volumes_tests;
 mod zpass_plus;
 mod zpass_verdict;
 

@@ -38,3 +38,23 @@ pub(super) fn boundary_sum(triangles: &[[u32; 3]]) -> BoundarySum {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_that_share_one_end_do_not_cancel() {
+        // Each of the four open edges has a partner that goes the other way, with the same larger end.
+        let sum = boundary_sum(&[[0, 1, 2], [1, 0, 3]]);
+        assert_eq!(sum, BoundarySum { open_edges: 4, largest: 1 });
+        let closed = boundary_sum(&[[0, 1, 2], [1, 0, 3], [2, 1, 3], [0, 2, 3]]);
+        assert_eq!(closed, BoundarySum { open_edges: 0, largest: 0 });
+    }
+
+    #[test]
+    fn an_edge_used_three_times_one_way_differs_by_three() {
+        let sum = boundary_sum(&[[0, 1, 2], [0, 1, 3], [0, 1, 4], [5, 5, 5]]);
+        assert_eq!(sum, BoundarySum { open_edges: 7, largest: 3 });
+    }
+}

@@ -316,8 +316,8 @@ mod tests {
         assert!(differing > 1000, "{differing}");
     }
 
-    /// Slivers around one corner, aimed at: all their boxes begin there, and their rounded distances lie on both
-    /// sides of it. Coordinates beyond the range of boxes in `f32`, whose own slack would hide this.
+    /// Slivers around one corner, aimed at: all their boxes begin there, and their rounded distances lie on
+    /// both sides of it. Coordinates beyond the range of boxes in `f32`, whose own slack would hide this.
     #[test]
     fn first_hit_at_a_corner_of_many_slivers_is_the_least_of_all() {
         let scale = 2.0_f32.powi(70);

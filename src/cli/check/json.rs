@@ -54,9 +54,17 @@ pub(super) fn document(files: &[PathBuf], reports: &[Result<FileReport, Failure>
         rounding: report.rounding,
         frames: report.frames.as_ref().map(Frames::to_json),
         meshes: report.meshes.iter().map(mesh).collect(),
-        total: total(report, limit),
+        total: judged(total(report, limit), report.verdict()),
     };
     of_entries(files, reports.iter().map(|report| report.as_ref().map(entry)))
+}
+
+/// A total with its verdict.
+fn judged(mut total: Value, verdict: Verdict) -> Value {
+    if let Value::Object(total) = &mut total {
+        total.insert("verdict".into(), verdict.name().into());
+    }
+    total
 }
 
 /// The same for `--fast`: only the balance is known.
@@ -203,7 +211,6 @@ pub(in crate::cli) fn total(report: &FileReport, limit: usize) -> Value {
     let all = |of: fn(&MeshReport) -> bool| report.meshes.iter().all(of);
     completeness(&mut object, all(|mesh| mesh.nesting_complete), all(|mesh| mesh.t_junctions_complete));
     object.insert("sound".into(), sound(&sum));
-    object.insert("verdict".into(), report.verdict().name().into());
     Value::Object(object)
 }
 

@@ -1,7 +1,9 @@
 //! `umbrage demo`: all of it on a generated scene.
 
+mod moving;
 #[cfg(feature = "gpu")]
 mod pixels;
+mod tour;
 
 use std::f32::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
@@ -25,17 +27,23 @@ use super::progress::Progress;
 use super::resources::{AdapterArgs, ThreadArgs};
 use super::{Failure, Outcome, check, output, silhouette, verify, volume};
 
-/// All of it on a generated scene: report, silhouettes, volumes, pictures, verification
+/// All of it on a generated scene: report, silhouettes, volumes, pictures, verification, and a tour of the
+/// other commands
 ///
 /// A torus knot, a sphere and an open sheet over a ground, with a point light and a directional light. Open
 /// the .glb files in any glTF viewer. With a graphics adapter picture.png shows the shadows of a stencil pass
 /// on the left and of exact ray cast on the right, and verdicts.png where the two agree; without one, the ray
-/// cast alone.
+/// cast alone. The tour prints each command as one would type it: prepare, silhouette, volume, plan, render
+/// with soft shadows and ambient occlusion, the accuracy of every technique as a page, and an animation.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Args {
     /// The folder that everything is written into; made if it is missing
     #[arg(long, value_name = "DIR", default_value = "umbrage-demo")]
     out: PathBuf,
+
+    /// Leave out the tour of the other commands, which takes most of the time
+    #[arg(long)]
+    short: bool,
 
     #[command(flatten)]
     threads: ThreadArgs,
@@ -96,11 +104,23 @@ pub(crate) fn run(args: Args) -> Result<Outcome, Failure> {
     let table = verify::text(&file, &lights, &results);
     out.text(format_args!("Verification: {table}\n"))?;
     write_atomic(at("verification.txt"), |writer| writer.write_all(table.as_bytes()))?;
+    let mut opens = Vec::new();
+    if !args.short {
+        // 6. The other commands, and a scene that moves for them.
+        let unreadable =
+            |error| Failure::new(format!("cannot be read again: {error}"), "try again").in_file(&file);
+        let glb = std::fs::read(&file).map_err(unreadable)?;
+        write_atomic(at("moving.glb"), |writer| writer.write_all(&moving::with_clip(&glb)))?;
+        opens = tour::run(&args.out, &mut out)?;
+    }
     out.text(format_args!(
-        "Written to {}: scene, marked, silhouettes, volume-0, volume-1 (.glb), report.json, {files}, \
+        "\nWritten to {}: scene, marked, silhouettes, volume-0, volume-1 (.glb), report.json, {files}, \
          verification.txt\n",
         output::plain(&args.out.to_string_lossy())
     ))?;
+    if !opens.is_empty() {
+        out.text(format_args!("Open first: {}\n", opens.join(", ")))?;
+    }
     out.flush()?;
     let agreed = results.iter().all(Verification::agrees);
     Ok(if agreed && pixels_agree && closed { Outcome::Sound } else { Outcome::Unsound })

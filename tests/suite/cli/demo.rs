@@ -3,6 +3,7 @@
 use super::Folder;
 use crate::support::gpu;
 
+/// Without the tour.
 const FILES: [&str; 9] = [
     "marked.glb",
     "picture.png",
@@ -36,7 +37,32 @@ fn demo_does_all_of_it_and_its_files_can_be_read() {
     }
     let there = folder.path("here/and/there");
     let names = names(&there);
-    assert_eq!(names, FILES);
+    let tour = [
+        "accuracy.html",
+        "caster.glb",
+        "moving.glb",
+        "moving.png",
+        "silhouette.png",
+        "title.png",
+        "volume.png",
+    ];
+    let mut wanted: Vec<&str> = FILES.into_iter().chain(tour).collect();
+    wanted.sort_unstable();
+    assert_eq!(names, wanted);
+    assert!(run.stdout.contains("$ umbrage plan scene.glb") && run.stdout.contains("\nOpen first: "));
+    // The knot turns: its first vertex is elsewhere after a quarter of the clip, and the ground is not.
+    let moving = umbrage::read::read(there.join("moving.glb")).unwrap();
+    let posed = |time: f64| {
+        let scene = moving.pose(&umbrage::animate::Pose::at(time)).unwrap();
+        let meshes = scene.bake(umbrage::scene::Scope::Mesh).unwrap();
+        let first = |name: &str| {
+            let mesh = meshes.iter().find(|mesh| mesh.name.starts_with(name)).unwrap();
+            mesh.positions()[0]
+        };
+        [first("torus knot"), first("ground")]
+    };
+    let (before, after) = (posed(0.0), posed(0.5));
+    assert!(before[0] != after[0] && before[1] == after[1]);
     for name in names.iter().filter(|name| name.ends_with(".glb")) {
         umbrage::read::read(there.join(name)).unwrap();
     }
@@ -53,7 +79,7 @@ fn demo_does_all_of_it_and_its_files_can_be_read() {
 #[test]
 fn demo_without_an_adapter_says_so_and_does_everything_else() {
     let folder = Folder::new();
-    let run = folder.run_without_adapter("demo --out there");
+    let run = folder.run_without_adapter("demo --out there --short");
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("note: no stencil pass, the picture comes from the ray cast: "));
     assert!(run.stderr.contains("apt-get install mesa-vulkan-drivers"), "{}", run.stderr);

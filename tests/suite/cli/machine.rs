@@ -487,7 +487,7 @@ fn machine_number_of_threads_changes_no_byte() {
             "picture.png",
             "verification.txt",
         ];
-        cases.push(("demo --out .".to_owned(), demo.to_vec()));
+        cases.push(("demo --out . --short".to_owned(), demo.to_vec()));
     }
     for (arguments, out) in cases {
         let [one, eight] = [1, 8].map(|n| outcome(&format!("{arguments} --threads {n}"), &out));

@@ -28,7 +28,7 @@ fn writers() -> Vec<(String, &'static str)> {
         ("check open.obj --mark out.glb".to_owned(), "out.glb"),
         ("check open.obj --picture out.png".to_owned(), "out.png"),
         (format!("render ball.ply {LIGHT} --method rays --size 300x200 -o out.png"), "out.png"),
-        ("demo --out .".to_owned(), "scene.glb"),
+        ("demo --out . --short".to_owned(), "scene.glb"),
     ]);
     if crate::support::gpu().is_some() {
         let size = "--points 10 --size 64x64";

@@ -106,16 +106,20 @@ impl Layout {
 
 /// The text in characters that the font has.
 fn drawable(text: &str) -> String {
-    let plain = |c: char| match c {
-        '–' | '—' | '−' => '-',
-        '≤' => '<',
-        c if c.is_control() || u32::from(c) > 0xff => '?',
-        c => c,
-    };
-    text.chars().map(plain).collect()
+    let mut plain = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '–' | '—' | '−' => plain.push('-'),
+            '≤' => plain.push_str("<="),
+            '≥' => plain.push_str(">="),
+            c if c.is_control() || u32::from(c) > 0xff => plain.push('?'),
+            c => plain.push(c),
+        }
+    }
+    plain
 }
 
-/// The words of a text in lines of at most so many characters; a longer word is cut.
+/// The words of a text in lines of at most `columns` characters; a longer word is cut.
 fn wrap(text: &str, columns: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
@@ -248,6 +252,6 @@ mod tests {
                 }
             }
         }
-        assert_eq!(drawable("α–≤é\n"), "?-<é?");
+        assert_eq!(drawable("α–≤é\n"), "?-<=é?");
     }
 }

@@ -5,6 +5,7 @@
 
 mod caption;
 mod chart;
+mod child;
 mod color;
 mod error;
 mod files;

@@ -315,7 +315,8 @@ fn sketch(mesh: &Mesh, topology: &Topology, file: &Path, found: &Found) -> Sketc
     let name = plain(&file.file_name().unwrap_or_default().to_string_lossy());
     let label = lights::spot_label(&found.light, found.spot, &found.name);
     let edges = output::counted(edges.len(), "edge", "edges");
-    let key = format!("silhouette: {edges}, {}", output::counted(found.loops, "loop", "loops"));
+    let loops = output::counted(found.loops, "loop", "loops");
+    let key = format!("silhouette: {edges}, {loops}; dimmed where hidden");
     Sketch {
         light: found.light,
         titles: vec![format!("{name}: silhouette seen from {label}")],

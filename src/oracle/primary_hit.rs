@@ -302,18 +302,23 @@ mod tests {
             for _ in 0..100 {
                 let origin = [2.0 * random() - 1.0, 2.0 * random() - 1.0, 3.0 + random()];
                 let direction = [0.2 * random() - 0.1, 0.2 * random() - 0.1, -1.0];
-                let towards = Light::directional(direction.map(|x| -x)).unwrap();
-                let all: Vec<Hit> = (0..mesh.face_count())
-                    .map(FaceId::new)
-                    .filter(|&face| intersect(origin, &towards, mesh.corners(face)) != Intersection::None)
-                    .map(|face| Hit { face, t: distance(origin, &towards, mesh.corners(face)) })
-                    .collect();
-                let naive = all.iter().copied().min_by(|a, b| a.t.total_cmp(&b.t));
-                assert_eq!(oracle.first_hit(origin, direction), naive);
-                differing += all.iter().filter(|hit| naive.is_some_and(|least| hit.t > least.t)).count();
+                differing += farther_than_the_first(&mesh, &oracle, origin, direction);
             }
         }
         assert!(differing > 1000, "{differing}");
+    }
+
+    /// Asserts that the first hit is the nearest of all faces; how many lie farther.
+    fn farther_than_the_first(mesh: &Mesh, oracle: &Oracle, origin: [f32; 3], direction: [f32; 3]) -> usize {
+        let towards = Light::directional(direction.map(|x| -x)).unwrap();
+        let all: Vec<Hit> = (0..mesh.face_count())
+            .map(FaceId::new)
+            .filter(|&face| intersect(origin, &towards, mesh.corners(face)) != Intersection::None)
+            .map(|face| Hit { face, t: distance(origin, &towards, mesh.corners(face)) })
+            .collect();
+        let naive = all.iter().copied().min_by(|a, b| a.t.total_cmp(&b.t));
+        assert_eq!(oracle.first_hit(origin, direction), naive);
+        all.iter().filter(|hit| naive.is_some_and(|least| hit.t > least.t)).count()
     }
 
     /// Slivers around one corner, aimed at: all their boxes begin there, and their rounded distances lie on
@@ -340,15 +345,7 @@ mod tests {
                 // The corner is the origin: the opposite of the eye leads to it, exactly.
                 let origin = [random() - 0.5, random() - 0.5, 2.0 + random()].map(|x| x * scale);
                 let direction = origin.map(|x| -x);
-                let towards = Light::directional(origin).unwrap();
-                let all: Vec<Hit> = (0..mesh.face_count())
-                    .map(FaceId::new)
-                    .filter(|&face| intersect(origin, &towards, mesh.corners(face)) != Intersection::None)
-                    .map(|face| Hit { face, t: distance(origin, &towards, mesh.corners(face)) })
-                    .collect();
-                let naive = all.iter().copied().min_by(|a, b| a.t.total_cmp(&b.t));
-                assert_eq!(oracle.first_hit(origin, direction), naive);
-                differing += all.iter().filter(|hit| naive.is_some_and(|least| hit.t > least.t)).count();
+                differing += farther_than_the_first(&mesh, &oracle, origin, direction);
             }
         }
         assert!(differing > 1000, "{differing}");

@@ -126,6 +126,26 @@ mod tests {
     }
 
     #[test]
+    fn weld_counts_what_it_does_not_list() {
+        // Twelve hundred vertices that no face uses come before a soup of more than a thousand doubles.
+        let (mut positions, mut triangles, ..) = shapes::soup(&shapes::icosphere(3)).into_parts();
+        let unused = (0..1200).map(|k| [9.0 + k as f32, 0.0, 0.0]);
+        positions.splice(0..0, unused);
+        triangles.as_flattened_mut().iter_mut().for_each(|vertex| *vertex += 1200);
+        let mesh = Mesh::new(positions, triangles).unwrap();
+        let (with, without) = (weld(mesh.clone(), Weld::Exact), weld_with(mesh.clone(), Weld::Exact, false));
+        assert_eq!((with.0.vertex_count(), with.1.count), (642, 1200 + 3840 - 642));
+        assert_eq!(with.1.changes.len(), Step::LISTED);
+        for (place, change) in with.1.changes.iter().enumerate() {
+            assert_eq!((change.kind, change.old), (ChangeKind::VertexDropped, Some(place as u32)));
+            assert_eq!(change.at, mesh.positions()[place]);
+        }
+        // The map is all that may be left out.
+        assert!(with.1.vertices.is_some() && without.1.vertices.is_none());
+        assert_eq!(Step { vertices: None, ..with.1 }, without.1);
+    }
+
+    #[test]
     fn weld_within_tells_the_largest_move_that_it_made() {
         for ulps in [1, 5, 40] {
             let gap = f64::from(ulps) * f64::from(f32::EPSILON);

@@ -5,8 +5,9 @@ use std::path::Path;
 use serde_json::{Value, json};
 use umbrage::check::Verdict;
 
+use super::overview::{Row, Summary};
 use super::report::FileReport;
-use super::text::{Report, Row, Summary};
+use super::text::Report;
 use super::{Args, json};
 use crate::cli::color::Painter;
 use crate::cli::error::Failure;

@@ -1,5 +1,6 @@
 //! `umbrage check`: the crack report of each file.
 
+mod args;
 mod baseline;
 mod drawn;
 mod fast;
@@ -8,6 +9,7 @@ mod frames;
 mod json;
 mod junit;
 mod mark;
+mod overview;
 mod page;
 mod picture;
 mod report;
@@ -16,241 +18,35 @@ mod sarif;
 mod text;
 mod worker;
 
-use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::path::Path;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::Value;
-use umbrage::check::Requirement;
 use umbrage::read::Format;
 use umbrage::view::Up;
 use umbrage::write::{self, Model};
 
-use super::color::{ColorChoice, Painter};
+use super::color::Painter;
 use super::files;
-use super::load::MeshArgs;
 use super::output::{self, Output};
-use super::parsers::{refuse_overwriting, require_folder, whole};
-use super::pose::PoseArgs;
-use super::resources::ThreadArgs;
+use super::parsers::{refuse_overwriting, require_folder};
 use super::{Failure, Outcome, render};
 use baseline::Baseline;
 use fragment::Fragment;
 use mark::Marks;
+use overview::Overview;
 use page::Page;
 use picture::Sketch;
 use report::{Drawings, Found, MeshReport, Place, examine};
 use rules::Rules;
 
+pub(crate) use args::Args;
+pub(super) use args::requirements;
 #[cfg(any(test, feature = "viewer"))]
 pub(super) use drawn::{Drawn, color as defect_color};
 pub(super) use json::total;
 #[cfg(any(test, feature = "viewer"))]
 pub(super) use page::{around, mean_normal};
 pub(super) use report::{FileReport, report_on};
-
-/// Crack report: is a mesh closed, and if not, where and with what effect
-///
-/// A file is sound if every mesh in it has faces, is watertight (each edge has two faces, in opposite
-/// directions), and has no shell that is inside out.
-#[derive(Clone, Debug, clap::Args)]
-pub(crate) struct Args {
-    /// Mesh files, or folders of such, or - for standard input: obj, gltf, glb, stl, ply, off, md2, 3mf; also
-    /// in gzip or ZIP; recognized by their content, then by their extension
-    #[arg(required = true, value_name = "FILE")]
-    files: Vec<PathBuf>,
-
-    #[command(flatten)]
-    mesh: MeshArgs,
-
-    #[command(flatten)]
-    pose: PoseArgs,
-
-    /// Require this of every mesh, instead of soundness; a list, or repeated [default: sound]
-    ///
-    /// Sound: watertight, and no shell inside out. Watertight: every edge has exactly two faces, in opposite
-    /// directions. Balanced: at every edge the two directions are used equally often; enough for stencil
-    /// counting. Even: every edge is used an even number of times; enough for parity counting. Manifold: no
-    /// edge has more than two faces, and no vertex more than one fan of them. What needs a search is searched
-    /// for, and a search that does not finish does not pass.
-    #[arg(long, value_name = "PROPERTY,...", value_delimiter = ',', value_parser = requirements())]
-    require: Vec<Requirement>,
-
-    /// Let a mesh pass that has no faces, or none left after the weld
-    #[arg(long)]
-    allow_empty: bool,
-
-    /// Only decide whether each mesh is balanced, as fast as it can be read
-    ///
-    /// Balanced: at every edge the two directions are used equally often. A mesh that is not balanced is
-    /// reported as balanced with a probability below 1e-8, as long as no edge has more than two surplus faces
-    /// in one direction.
-    #[arg(long)]
-    fast: bool,
-
-    /// Also look for faces that intersect, and require that there are none; about a microsecond per face
-    #[arg(long)]
-    self_intersections: bool,
-
-    /// Check every pose: all keys of the clip, each frame at --fps if that is given, or all frames of md2
-    ///
-    /// Says which defects only some poses have, and which pose has each kind first; the rest of the report is
-    /// of the first pose. The verdict is the worst of any pose. At most 10000 poses.
-    #[arg(long, conflicts_with_all = ["time", "frame", "fast"])]
-    all_frames: bool,
-
-    /// How many meshes, shells, and defects of each kind are listed
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole, allow_negative_numbers = true)]
-    limit: usize,
-
-    /// Print one JSON document instead of text
-    ///
-    /// A number that was not computed, or whose search did not finish, is null. The verdict is null if no
-    /// file is cracked, but one could not be read or a search did not finish. At most 1000 shells per mesh
-    /// and 64 faces per defect are listed. Faces are triangles, numbered from 0 in each mesh; `origins` names
-    /// the polygon of the file that each was cut from, numbered from 0 in each mesh of the file whatever
-    /// --only and --scope leave, its line (OBJ, and text STL, PLY and OFF) and its part. The form is version
-    /// 1 of data/check.schema.json.
-    #[arg(long)]
-    json: bool,
-
-    /// Print one JSON document a line, for each file as it ends, instead of one for all
-    #[arg(long, conflicts_with = "json")]
-    json_lines: bool,
-
-    /// Print one line a file: its verdict, its name, and the number of each kind of defect
-    #[arg(long, conflicts_with_all = ["json", "json_lines"])]
-    summary: bool,
-
-    /// Print nothing but errors: the exit code is the answer
-    #[arg(long, conflicts_with_all = ["json", "json_lines", "summary"])]
-    quiet: bool,
-
-    /// When the words of verdicts are colored
-    #[arg(long, value_name = "WHEN", value_enum, default_value_t = ColorChoice::Auto)]
-    color: ColorChoice,
-
-    /// Fail only on what is worse than in an earlier report, as --json printed it
-    /// [default: on what --require asks]
-    ///
-    /// Files are matched by name, or where there is only one each, whatever its name; meshes by name and
-    /// order. A kind of defect that a mesh has more of is new. For example, before and after an optimizer:
-    /// umbrage check a.glb --json > a.json; umbrage check b.glb --baseline a.json.
-    #[arg(long, value_name = "BEFORE.json")]
-    baseline: Option<PathBuf>,
-
-    /// Write the report as JUnit XML, which build servers show: a suite a file, a case a mesh
-    /// [default: nothing is written]
-    #[arg(long, value_name = "OUT.xml")]
-    junit: Option<PathBuf>,
-
-    /// Write the report as SARIF 2.1.0, which code hosts and editors show: a result a defect, --limit of each
-    /// kind [default: nothing is written]
-    #[arg(long, value_name = "OUT.sarif")]
-    sarif: Option<PathBuf>,
-
-    #[command(flatten)]
-    threads: ThreadArgs,
-
-    /// Draw the mesh with its defects over it, 960x540 pixels; for one input file
-    /// [default: nothing is drawn]
-    ///
-    /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow, dimmed where the mesh
-    /// hides them; standard error explains the other colors.
-    #[arg(long, value_name = "OUT.png")]
-    picture: Option<PathBuf>,
-
-    /// Write the mesh and its defects as colored geometry, for any glTF viewer; for one input file
-    /// [default: nothing is written]
-    ///
-    /// Boundary edges are red, non-manifold edges magenta, misoriented edges yellow; vertices and faces too
-    /// small to see are marked by an octahedron 0.5 % of the diagonal in size. The first --limit defects of
-    /// each kind are nodes of their own, named by their faces and polygons as in the text; all others are one
-    /// more.
-    #[arg(long, value_name = "OUT.glb")]
-    mark: Option<PathBuf>,
-
-    /// Write a page with the counts, a view of the mesh and a list of defects that leads the view to each;
-    /// for one input file [default: nothing is written]
-    ///
-    /// One file that needs no network; 500 defects of a kind are listed, whatever --limit says. Above 200,000
-    /// triangles the view is coarser than the mesh. Browsers without WebGL 2 show six pictures.
-    #[arg(long, value_name = "OUT.html")]
-    html: Option<PathBuf>,
-
-    /// Give each file this time, in seconds, in a process of its own: one that takes longer is reported as
-    /// not finished, and the others go on [default: no limit]
-    ///
-    /// A file whose process crashes is reported as well, as one that could not be read. Not with --fast,
-    /// --mark, --picture and --html.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
-    file_timeout: Option<Duration>,
-
-    /// A file of rules: what is required of which files [default: umbrage.toml in the working folder, if
-    /// there is one]
-    ///
-    /// Its tables [[rule]] have files (patterns of paths, or, without a slash, of names; `*` stands for any
-    /// characters, `?` for one), and of require, allow-empty, self-intersections, weld and scope what differs
-    /// from the defaults. The last rule for a file that has a key counts; the command line outranks it.
-    #[arg(long, value_name = "RULES.toml")]
-    config: Option<PathBuf>,
-
-    /// The file that this process is to check for another one.
-    #[arg(long, hide = true)]
-    worker: Option<PathBuf>,
-
-    /// Whether that one colors.
-    #[arg(long, hide = true)]
-    worker_colors: bool,
-}
-
-fn seconds(text: &str) -> Result<Duration, String> {
-    let seconds = text.parse().ok().filter(|&seconds: &f64| seconds > 0.0);
-    let duration = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    duration
-        .filter(|duration| !duration.is_zero())
-        .ok_or_else(|| "write a number of seconds above 0".to_owned())
-}
-
-/// The names of the requirements, and what they stand for.
-pub(super) fn requirements() -> impl TypedValueParser<Value = Requirement> {
-    PossibleValuesParser::new(Requirement::ALL.map(Requirement::name))
-        .map(|name| name.parse().expect("the name of a requirement"))
-}
-
-impl Args {
-    /// What is required of every mesh, in the order of a report.
-    fn requirements(&self) -> Vec<Requirement> {
-        let mut all = self.require.clone();
-        if self.require.is_empty() {
-            all.push(if self.fast { Requirement::Balanced } else { Requirement::Sound });
-        }
-        all.extend(self.self_intersections.then_some(Requirement::NoSelfIntersections));
-        all.extend((!self.allow_empty).then_some(Requirement::NotEmpty));
-        all.sort_unstable();
-        all.dedup();
-        all
-    }
-
-    /// Whether standard output is the text of each report.
-    fn prints_reports(&self) -> bool {
-        !(self.json || self.json_lines || self.summary || self.quiet)
-    }
-
-    /// Whether a document of all files is made.
-    fn wants_documents(&self) -> bool {
-        self.json || self.junit.is_some() || self.sarif.is_some()
-    }
-
-    /// Whether the JSON of each file is needed.
-    fn wants_entries(&self) -> bool {
-        self.wants_documents() || self.json_lines || self.baseline.is_some()
-    }
-
-    fn searches_self_intersections(&self) -> bool {
-        self.requirements().contains(&Requirement::NoSelfIntersections)
-    }
-}
 
 pub(crate) fn run(mut args: Args) -> Result<Outcome, Failure> {
     if let Some(file) = args.worker.take() {
@@ -299,7 +95,7 @@ fn all(args: &Args, painter: Painter, mut check: impl FnMut(&Path) -> Fragment) 
     let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
     let mut out = Output::new();
     let mut outcome = Outcome::Sound;
-    let mut overview = text::Overview::new(painter);
+    let mut overview = Overview::new(painter);
     let (mut entries, mut verdicts) = (Vec::new(), Vec::new());
     for (index, file) in args.files.iter().enumerate() {
         let Fragment { row, entry, text } = check(file);
@@ -367,33 +163,7 @@ fn draw(args: &Args, drawings: Drawings, report: &FileReport) -> Result<(), Fail
 
 /// The report of one file as text, as JSON, and as a marked mesh, self-intersections included.
 pub(super) fn full(file: &Path) -> Result<(String, Value, Model), Failure> {
-    let args = Args {
-        files: vec![file.to_owned()],
-        mesh: MeshArgs::default(),
-        pose: PoseArgs::default(),
-        require: Vec::new(),
-        allow_empty: false,
-        fast: false,
-        self_intersections: true,
-        all_frames: false,
-        limit: 5,
-        json: false,
-        json_lines: false,
-        summary: false,
-        quiet: false,
-        color: ColorChoice::default(),
-        baseline: None,
-        junit: None,
-        sarif: None,
-        threads: ThreadArgs::default(),
-        picture: None,
-        mark: None,
-        html: None,
-        file_timeout: None,
-        config: None,
-        worker: None,
-        worker_colors: false,
-    };
+    let args = Args { self_intersections: true, ..Args::of(file) };
     let mut drawings = Drawings { marks: Some(Marks::naming(args.limit)), ..Drawings::default() };
     let report = examine(file, &args, &mut drawings)?;
     let marks = drawings.marks.take().expect("it is asked for");
@@ -450,41 +220,11 @@ fn refuse(args: &Args) -> Result<(), Failure> {
 
 #[cfg(test)]
 mod tests {
-    use umbrage::check::{CrackReport, Verdict};
+    use umbrage::check::{CrackReport, Requirement, Verdict};
     use umbrage::topology::Topology;
 
     use super::report::verdict;
     use super::*;
-
-    fn args(file: &Path) -> Args {
-        Args {
-            files: vec![file.to_owned()],
-            mesh: MeshArgs::default(),
-            pose: PoseArgs::default(),
-            require: Vec::new(),
-            allow_empty: false,
-            fast: false,
-            self_intersections: false,
-            all_frames: false,
-            limit: 5,
-            json: false,
-            json_lines: false,
-            summary: false,
-            quiet: false,
-            color: ColorChoice::default(),
-            baseline: None,
-            junit: None,
-            sarif: None,
-            threads: ThreadArgs::default(),
-            picture: None,
-            mark: None,
-            html: None,
-            file_timeout: None,
-            config: None,
-            worker: None,
-            worker_colors: false,
-        }
-    }
 
     #[test]
     fn check_prints_every_line_of_the_librarys_report_in_its_order() {
@@ -499,7 +239,7 @@ mod tests {
             "degenerate/collinear_face",
         ] {
             let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(format!("{name}.obj"));
-            let args = args(&file);
+            let args = Args::of(&file);
             let report = examine(&file, &args, &mut Drawings::default()).ok().unwrap();
             let printed = text::Report { report: &report, limit: 5, painter: Painter::default() }.to_string();
             let mesh = args.mesh.read(&file).ok().unwrap().meshes.remove(0);
@@ -518,7 +258,7 @@ mod tests {
     #[test]
     fn check_that_did_not_decide_the_nesting_proves_nothing_and_says_so() {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/nested/hollow_cube.obj");
-        let args = args(&file);
+        let args = Args::of(&file);
         // As if the searches had given up before the cavity and before the last T-junction.
         let mut report = examine(&file, &args, &mut Drawings::default()).ok().unwrap();
         assert_eq!(report.verdict(), Verdict::Sound);

@@ -6,9 +6,8 @@
 use std::ffi::OsString;
 use std::io::Read;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -18,7 +17,7 @@ use super::report::{Drawings, examine};
 use crate::cli::color::Painter;
 use crate::cli::error::Failure;
 use crate::cli::output::{self, Output};
-use crate::cli::{Outcome, interrupt};
+use crate::cli::{Outcome, child};
 
 /// The process of a worker: one file.
 pub(super) fn work(file: &Path, args: &Args) -> Result<Outcome, Failure> {
@@ -32,29 +31,6 @@ pub(super) fn work(file: &Path, args: &Args) -> Result<Outcome, Failure> {
     out.line(fragment.to_json())?;
     out.flush()?;
     Ok(fragment.row.outcome())
-}
-
-/// The worker that is running, so that an interrupt ends it, too.
-static RUNNING: Mutex<Option<Child>> = Mutex::new(None);
-
-fn running() -> MutexGuard<'static, Option<Child>> {
-    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Ends a worker.
-fn kill(mut child: Child) {
-    // It may have ended by itself.
-    let _ = child.kill();
-    let _ = child.wait();
-}
-
-/// Ends the worker before this program exits, and keeps another one from being started: the lock stays taken.
-fn abandon() {
-    let mut running = running();
-    if let Some(child) = running.take() {
-        kill(child);
-    }
-    std::mem::forget(running);
 }
 
 /// Has a worker check a file.
@@ -72,13 +48,9 @@ pub(super) fn ask(file: &Path, limit: Duration, painter: Painter) -> Result<Frag
     if painter.is_on() {
         arguments.insert(1, "--worker-colors".into());
     }
-    interrupt::before_exit(abandon);
     let mut command = Command::new(program);
     command.args(arguments).stdout(Stdio::piped());
-    // Under the lock: an interrupt finds each worker that was started.
-    let mut slot = running();
-    let mut stdout = slot.insert(command.spawn().map_err(cannot)?).stdout.take().expect("it is a pipe");
-    drop(slot);
+    let mut stdout = child::start(&mut command).map_err(cannot)?.expect("it is a pipe");
     let (sender, receiver) = mpsc::channel();
     thread::spawn(move || {
         let mut bytes = Vec::new();
@@ -90,10 +62,10 @@ pub(super) fn ask(file: &Path, limit: Duration, painter: Painter) -> Result<Frag
         Err(RecvTimeoutError::Timeout) => None,
         read => Some(read.ok().and_then(Result::ok).unwrap_or_default()),
     };
-    let status = bytes.is_some().then(|| ended(begin, limit)).flatten();
-    let child = running().take();
+    // It has closed its output, and ends at once, but for a fault.
+    let status = bytes.is_some().then(|| child::wait(Some(limit.saturating_sub(begin.elapsed())))).flatten();
     let (Some(bytes), Some(status)) = (bytes, status) else {
-        child.into_iter().for_each(kill);
+        child::end();
         let problem = format!("not finished within {} s", limit.as_secs_f64());
         return Err(failed(problem, "raise --file-timeout, or check it with --fast"));
     };
@@ -101,18 +73,4 @@ pub(super) fn ask(file: &Path, limit: Duration, painter: Painter) -> Result<Frag
         let problem = format!("the process that checked it ended without a report ({status})");
         failed(problem, "give it more memory, or check the file alone to see why")
     })
-}
-
-/// The status of the worker, which has closed its output; `None` if it goes on beyond the limit.
-fn ended(begin: Instant, limit: Duration) -> Option<ExitStatus> {
-    /// Between two looks: it ends at once, but for a fault.
-    const STEP: Duration = Duration::from_millis(1);
-    loop {
-        match running().as_mut()?.try_wait() {
-            Ok(Some(status)) => return Some(status),
-            Ok(None) if begin.elapsed() < limit => {}
-            _ => return None,
-        }
-        thread::sleep(STEP);
-    }
 }

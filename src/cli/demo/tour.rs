@@ -4,8 +4,8 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::Command;
 
-use crate::cli::Failure;
 use crate::cli::output::Output;
+use crate::cli::{Failure, child};
 
 /// A lamp as large as a lampshade, and a sun somewhat larger than ours.
 const LAMPS: &str = "--light point:-3.5,6,5,radius=0.5 --light directional:-0.9,-1,-0.75,angle=1";
@@ -69,7 +69,9 @@ fn stops() -> Vec<Stop> {
 pub(super) fn run(folder: &Path, out: &mut Output) -> Result<Vec<&'static str>, Failure> {
     let mut opens = Vec::new();
     for stop in stops() {
-        out.text(format_args!("\n{}\n$ umbrage {}\n", stop.says, stop.command))?;
+        // A shell would take the star for names of files.
+        let typed = stop.command.replace("torus*", "'torus*'");
+        out.text(format_args!("\n{}\n$ umbrage {typed}\n", stop.says))?;
         out.flush()?;
         let is_file = |word: &str| [".glb", ".png", ".html"].iter().any(|end| word.ends_with(end));
         let words = stop.command.split(' ').map(|word| match is_file(word) {
@@ -77,15 +79,17 @@ pub(super) fn run(folder: &Path, out: &mut Output) -> Result<Vec<&'static str>, 
             false => OsString::from(word),
         });
         // A process of its own, as for a user.
-        let status = std::env::current_exe().and_then(|program| Command::new(program).args(words).status());
+        let started = std::env::current_exe()
+            .and_then(|program| child::start(Command::new(program).args(words)).map(|_| child::wait(None)));
         let failed = |problem: String| {
             let problem = format!("umbrage {}: {problem}", stop.command);
             Failure::new(problem, "see the message above, or leave the tour out with --short")
         };
-        let status = status.map_err(|error| failed(error.to_string()))?;
         // What a command finds is no failure of the demo: two of the meshes are open.
-        if !matches!(status.code(), Some(0 | 1)) {
-            return Err(failed(format!("ended with {status}")));
+        match started.map_err(|error| failed(error.to_string()))? {
+            Some(status) if matches!(status.code(), Some(0 | 1)) => {}
+            Some(status) => return Err(failed(format!("ended with {status}"))),
+            None => return Err(failed("its end was not seen".to_owned())),
         }
         opens.extend((!stop.opens.is_empty()).then_some(stop.opens));
     }

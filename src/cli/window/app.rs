@@ -159,7 +159,7 @@ impl App {
         self.moved = ctx.input(|input| input.time);
     }
 
-    /// Asks for a picture of so many pixels, if there is anything new to draw.
+    /// Asks for a picture of this size, if there is anything new to draw.
     pub(super) fn ask(&mut self, ctx: &egui::Context, pixels: Size) {
         let (now, is_down) = ctx.input(|input| (input.time, input.pointer.any_down()));
         let is_flying = self.state.advance(now);

@@ -52,7 +52,8 @@ pub(super) fn turned(lamp: &Lamp, center: DVec3, turn: DQuat) -> Lamp {
     shape.map_or_else(|| lamp.clone(), |shape| Lamp { shape, cone, ..lamp.clone() })
 }
 
-/// The lamp so many times as far from a point. A directional lamp stays, and so does what would be no lamp.
+/// The lamp moved along the line from a point, to `factor` times its distance. A directional lamp stays. A
+/// lamp that would leave the range of `f32` stays.
 pub(super) fn at_distance(lamp: &Lamp, center: DVec3, factor: f64) -> Lamp {
     let point = |p: [f32; 3]| narrow(center + factor * (wide(p) - center));
     let light = |light: &Light| match light.is_directional() {

@@ -1,7 +1,9 @@
 //! `umbrage view`: a window.
 //!
 //! What a person changes is a [`State`](state::State), which knows no window. A thread of its own draws what
-//! the state asks for, in the way of `umbrage render`; the window shows the answer, and lines over it.
+//! the state asks for, as `umbrage render` does; the window shows the answer, and lines over it.
+
+#![cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
 
 #[cfg(feature = "viewer")]
 mod app;
@@ -14,34 +16,24 @@ mod panels;
 
 // What needs no window is tested in every build.
 #[cfg(any(test, feature = "viewer"))]
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
 mod colors;
 #[cfg(any(test, feature = "viewer"))]
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
 mod defects;
 #[cfg(any(all(test, feature = "gpu"), feature = "viewer"))]
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
 mod device;
 #[cfg(any(all(test, feature = "gpu"), feature = "viewer"))]
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
 mod frame;
 #[cfg(any(test, feature = "viewer"))]
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
 mod handle;
 #[cfg(any(test, feature = "viewer"))]
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
 mod orbit;
 #[cfg(any(test, feature = "viewer"))]
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
 mod pace;
 #[cfg(any(test, feature = "viewer"))]
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
 mod state;
 #[cfg(any(test, feature = "viewer"))]
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
 mod strokes;
 #[cfg(any(all(test, feature = "gpu"), feature = "viewer"))]
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "tests use a part of it"))]
 mod worker;
 
 use std::path::PathBuf;

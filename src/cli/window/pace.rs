@@ -14,7 +14,7 @@ const QUALITIES: [(u32, u32); 5] = [(6, 1), (3, 1), (2, 1), (1, 1), (1, 2)];
 impl Quality {
     const COARSEST: Self = Self(0);
 
-    /// The size of the picture for a window of so many pixels.
+    /// The size of the picture for a window of this size.
     pub(super) fn size(self, window: Size) -> Size {
         let side = |side: u32| side.div_ceil(QUALITIES[self.0].0);
         Size::new(side(window.width()), side(window.height())).unwrap_or(window)

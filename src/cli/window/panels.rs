@@ -442,7 +442,7 @@ fn brief(number: f64) -> String {
     }
 }
 
-/// A whole number with commas by thousands.
+/// A count with commas between thousands.
 fn spaced(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();

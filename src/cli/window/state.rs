@@ -310,7 +310,7 @@ impl State {
         self.orbit.camera(&self.bounds, size.aspect())
     }
 
-    /// The camera, lamps and layers as they are now, in a picture of so many pixels.
+    /// The camera, lamps and layers as they are now, in a picture of this size.
     fn wish(&self, pixels: Size, quality: Quality) -> Request {
         Request {
             number: self.number,

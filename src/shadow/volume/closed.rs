@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn edges_that_share_one_end_do_not_cancel() {
-        // Each of the four open edges has a partner that goes the other way, with the same larger end.
+        // Two by two, the four open edges share their larger end and run in opposite directions.
         let sum = boundary_sum(&[[0, 1, 2], [1, 0, 3]]);
         assert_eq!(sum, BoundarySum { open_edges: 4, largest: 1 });
         let closed = boundary_sum(&[[0, 1, 2], [1, 0, 3], [2, 1, 3], [0, 2, 3]]);

@@ -51,22 +51,28 @@ struct Arguments {
     report: bool,
 }
 
+impl Default for Arguments {
+    fn default() -> Self {
+        Self {
+            parts: Vec::new(),
+            tree: ".".into(),
+            lists: None,
+            out: None,
+            cargo: Vec::new(),
+            only: None,
+            shard: (0, 1),
+            workers: 2,
+            minutes: f64::INFINITY,
+            slowest: 600.0,
+            fresh: false,
+            list: false,
+            report: false,
+        }
+    }
+}
+
 fn arguments() -> Result<Arguments, String> {
-    let mut all = Arguments {
-        parts: Vec::new(),
-        tree: ".".into(),
-        lists: None,
-        out: None,
-        cargo: Vec::new(),
-        only: None,
-        shard: (0, 1),
-        workers: 2,
-        minutes: f64::INFINITY,
-        slowest: 600.0,
-        fresh: false,
-        list: false,
-        report: false,
-    };
+    let mut all = Arguments::default();
     let mut rest = std::env::args().skip(1);
     while let Some(word) = rest.next() {
         let mut value = || rest.next().ok_or(format!("{word} needs a value\n{USAGE}"));

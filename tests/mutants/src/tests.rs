@@ -11,19 +11,11 @@ fn arguments(name: &str) -> Arguments {
     let _ = fs::remove_dir_all(&out);
     let example = concat!(env!("CARGO_MANIFEST_DIR"), "/example");
     Arguments {
-        parts: Vec::new(),
         tree: example.into(),
         lists: Some(example.into()),
         out: Some(out),
         cargo: vec!["--offline".into()],
-        only: None,
-        shard: (0, 1),
-        workers: 2,
-        minutes: f64::INFINITY,
-        slowest: 600.0,
-        fresh: false,
-        list: false,
-        report: false,
+        ..Arguments::default()
     }
 }
 

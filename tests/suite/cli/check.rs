@@ -76,6 +76,31 @@ fn check_json_has_the_agreed_keys_in_order() {
 }
 
 #[test]
+fn check_json_says_what_is_sound_whatever_is_required() {
+    let folder = Folder::with_cubes();
+    fs::write(folder.path("empty.stl"), "solid\nendsolid\n").unwrap();
+    folder.mesh("inward.ply", &shapes::inside_out(&shapes::cube()));
+    let files = "cube.obj open.obj inward.ply empty.stl garbled.stl";
+    let run = folder.run(&format!("check {files} --require even --allow-empty --json"));
+    let document: Value = serde_json::from_str(&run.stdout).unwrap();
+    let files = document["files"].as_array().unwrap();
+    let of = |key: &str| files.iter().map(|file| file[key].clone()).collect::<Vec<_>>();
+    assert_eq!(of("sound"), [true.into(), false.into(), false.into(), false.into(), Value::Null]);
+    let verdicts: [Value; 5] =
+        ["sound".into(), "cracked".into(), "sound".into(), "sound".into(), Value::Null];
+    assert_eq!(of("verdict"), verdicts);
+    for (file, is_sound) in files.iter().zip([true, false, false]) {
+        assert_eq!(
+            (&file["meshes"][0]["sound"], &file["total"]["sound"]),
+            (&is_sound.into(), &is_sound.into())
+        );
+        assert_eq!(file["meshes"][0]["verdict"], file["verdict"]);
+    }
+    let defect = &files[1]["meshes"][0]["defects"][0];
+    assert_eq!((&defect["code"], &defect["severity"]), (&"BOUNDARY_LOOP".into(), &"error".into()));
+}
+
+#[test]
 fn check_counts_of_an_open_cube_are_those_of_a_hole() {
     let folder = Folder::with_cubes();
     let document = folder.json("check open.obj");
